@@ -1,1 +1,1 @@
-"""TODO."""
+"""Applications: one folder each, on the bus alone, the same on emulated and real robots."""
