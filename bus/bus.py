@@ -1,0 +1,152 @@
+"""The bus as every room sees it: push, query, send, and presence.
+
+`ZenohBus` (session.py) carries it between processes, `MemoryBus` (memory.py) inside one; one suite tests both.
+
+Three patterns: **push** is `publisher` and `put` (a reading nobody must wait for; dropped under congestion), **query**
+is `serve` and `query` (a question with an answer, in JSON), **send** is `send` (a command or a record; blocks under
+congestion).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Self
+
+from bus.errors import Refused as Refused  # a handler raises it, so it belongs to this interface
+
+CDR = "application/cdr"
+JSON = "application/json"
+QUERY_TIMEOUT = 10.0  # s; Zenoh's own default differs between versions, so every query says it
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What arrived on a key.
+
+    encoding: `application/cdr;nav_msgs/msg/Odometry` or `application/json`; a foreign program may write anything.
+    attachment: bytes beside the payload, for example a lease's token; empty when there are none.
+    """
+
+    key: str
+    payload: bytes
+    encoding: str = ""
+    attachment: bytes = b""
+
+    @property
+    def type_name(self) -> str:
+        """The message type that the encoding names, or `""`: `nav_msgs/msg/Odometry`."""
+        kind, _, schema = self.encoding.partition(";")
+        return schema if kind == CDR else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One reply to a query."""
+
+    key: str
+    value: dict[str, Any]
+
+
+class Subscription(ABC):
+    """Something held open on the bus: a subscriber, a queryable, a token. Closing twice does no harm."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go. No new call of the handler starts afterwards."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class Publisher(Subscription):
+    """A key and a type, declared once and put to often."""
+
+    @abstractmethod
+    def put(self, message: object, attachment: bytes = b"") -> None:
+        """Publish one message; dropped under congestion.
+
+        Raises:
+            MessageError: The message is not of the publisher's type, or a value does not fit.
+            BusUnavailable: The bus is closed.
+        """
+
+
+class Bus(ABC):
+    """One participant on the bus.
+
+    Handlers run on threads of the bus, one call at a time for each subscription, and must be quick. What a handler
+    raises is logged, and the subscription lives on. Messages are the classes of `bus.messages`; a dict travels as JSON.
+    Every method raises `KeyNotValid` for a malformed key and `BusUnavailable` after `close`.
+    """
+
+    @abstractmethod
+    def publisher(self, key: str, type_name: str) -> Publisher:
+        """Declare a stream.
+
+        Args:
+            key: The key, without wildcards.
+            type_name: `nav_msgs/msg/Odometry`, or `application/json` for a stream of dicts.
+        """
+
+    @abstractmethod
+    def put(self, key: str, message: object, attachment: bytes = b"") -> None:
+        """Publish one message once; dropped under congestion. A dict travels as JSON."""
+
+    @abstractmethod
+    def send(self, key: str, message: object, attachment: bytes = b"") -> None:
+        """Publish one message that must not be dropped: wait while the way is congested. A dict travels as JSON."""
+
+    @abstractmethod
+    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None]) -> Subscription:
+        """Hear what is put on every key that the expression matches (`*` one chunk, `**` any number of chunks)."""
+
+    @abstractmethod
+    def serve(self, key: str, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Subscription:
+        """Answer queries on a key: a JSON object in, a JSON object out.
+
+        The handler raises `Refused` to say no: an error reply `{"error": why}`. Anything else it raises is logged and
+        becomes an error reply too, and so does a query that carries no JSON object; the handler goes on serving.
+        """
+
+    @abstractmethod
+    def query(
+        self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
+    ) -> list[Answer]:
+        """Ask everyone who serves a matching key, and wait until all have answered.
+
+        Args:
+            key_expr: A key, or an expression to ask several at once.
+            arguments: The JSON object to carry; none is the empty object.
+            timeout: s to wait for the answers.
+        Returns:
+            At least one answer, in the order of arrival.
+        Raises:
+            NoAnswer: Nobody serves the key, or someone who does has not answered in time.
+            Refused: An answerer said no; the answers of the others are in its `answers`.
+        """
+
+    @abstractmethod
+    def declare_alive(self, key: str) -> Subscription:
+        """Show a token while this participant lives; it goes with `close`, with the process or with the connection."""
+
+    @abstractmethod
+    def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
+        """Hear of tokens: `on_change(key, True)` for each there is or comes, `on_change(key, False)` as it goes."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Leave the bus: everything this participant declared is withdrawn. Closing twice does no harm."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

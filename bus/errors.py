@@ -1,0 +1,46 @@
+"""What can go wrong on the bus.
+
+BusError
+ +-- BusUnavailable (ConnectionError)   no session can be opened, or it is closed
+ +-- KeyNotValid (ValueError)           not a key, or not a robot's name
+ +-- MessageError (ValueError)          a payload is not the message it claims to be, or a message does not fit its type
+ +-- NoAnswer (TimeoutError)            nobody answered a query in time
+ +-- Refused                            the answerer said no, and why
+"""
+
+from typing import Any
+
+
+class BusError(Exception):
+    """The root: whatever can go wrong on the bus."""
+
+
+class BusUnavailable(BusError, ConnectionError):
+    """No session can be opened, or the session is closed."""
+
+
+class KeyNotValid(BusError, ValueError):
+    """A text is not a key (expression), or not a robot's name."""
+
+
+class MessageError(BusError, ValueError):
+    """A payload is not the message it claims to be, or a message does not fit its type."""
+
+
+class NoAnswer(BusError, TimeoutError):
+    """Nobody answered a query in time; a killed answerer is seen as this too."""
+
+
+class Refused(BusError):
+    """The answerer said no.
+
+    A handler given to `Bus.serve` raises it with the reason; `Bus.query` raises it on the asker's side.
+
+    why: the reason in one sentence.
+    answers: what the other answerers of the same query said, key to value; empty for a query to one key.
+    """
+
+    def __init__(self, why: str, answers: dict[str, dict[str, Any]] | None = None) -> None:
+        super().__init__(why)
+        self.why = why
+        self.answers = answers or {}

@@ -1,0 +1,180 @@
+"""Every key on the bus: what flows there, how often, and what it means.
+
+A key is `<robot>/<suffix>`. Publishers, `acromovi topics` and the documentation read this one table.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from bus.bus import JSON
+from bus.errors import KeyNotValid
+
+FORBIDDEN_IN_NAMES = frozenset("/*$?#")
+
+
+class Kind(StrEnum):
+    """Who speaks on a key."""
+
+    STREAM = "stream"  # the robot publishes
+    COMMAND = "command"  # the robot listens
+    QUERY = "query"  # the robot answers
+    TOKEN = "token"  # liveliness; carries nothing
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A row of the table.
+
+    suffix: what follows the robot's name; `*` stands for one chunk that varies.
+    type_name: the message type, or `application/json`.
+    rate: how often, for people.
+    """
+
+    suffix: str
+    kind: Kind
+    type_name: str
+    rate: str
+    meaning: str
+
+    def key(self, robot: str) -> str:
+        """The topic's key for one robot.
+
+        Raises:
+            KeyNotValid: The name does not serve as a robot's name.
+        """
+        return f"{robot_name(robot)}/{self.suffix}"
+
+
+ALIVE = Topic("alive", Kind.TOKEN, "", "", "There while the robot's gateway lives; how programs list robots")
+ODOM = Topic(
+    "odom", Kind.STREAM, "nav_msgs/msg/Odometry", "every SIP", "Pose in <robot>/odom and twist in <robot>/base_link"
+)
+SONAR = Topic(
+    "sonar", Kind.STREAM, "acromovi_msgs/msg/RangeArray", "every SIP", "Fresh sonar ranges, each in its disc's frame"
+)
+SONAR_POINTS = Topic(
+    "sonar/points", Kind.STREAM, "sensor_msgs/msg/PointCloud2", "every SIP", "Valid sonar echoes in <robot>/base_link"
+)
+IR = Topic("ir", Kind.STREAM, "acromovi_msgs/msg/RangeArray", "with IOpac", "Infrared ranges")
+SCAN = Topic("scan", Kind.STREAM, "sensor_msgs/msg/LaserScan", "every scan", "Laser ranges")
+BUMPERS = Topic("bumpers", Kind.STREAM, "acromovi_msgs/msg/Bumpers", "every SIP", "Contact segments and wheel stalls")
+BATTERY = Topic("battery", Kind.STREAM, "sensor_msgs/msg/BatteryState", "1 Hz and on change", "Voltage and charging")
+STATE = Topic(
+    "state",
+    Kind.STREAM,
+    "acromovi_msgs/msg/RobotState",
+    "on change and 1 Hz",
+    "Connection, motors, e-stop, sonar, faults",
+)
+IO = Topic("io", Kind.STREAM, "acromovi_msgs/msg/InputsOutputs", "with IOpac", "User inputs and outputs")
+IMU = Topic("imu", Kind.STREAM, "sensor_msgs/msg/Imu", "as packets come", "Turn rate of the gyro")
+JOYSTICK = Topic("joystick", Kind.STREAM, "sensor_msgs/msg/Joy", "as packets come", "The joystick on the robot")
+LEASE = Topic("lease", Kind.QUERY, JSON, "", "Take, renew or release the sole right to move the robot")
+LEASE_STATE = Topic("lease/state", Kind.STREAM, JSON, "on change", "Who holds the lease")
+JOINT_STATES = Topic(
+    "joint_states", Kind.STREAM, "sensor_msgs/msg/JointState", "with encoders", "Wheel angles and speeds"
+)
+CAMERA = Topic(
+    "camera/image/compressed", Kind.STREAM, "sensor_msgs/msg/CompressedImage", "camera rate", "Pictures, JPEG or PNG"
+)
+TF = Topic("tf", Kind.STREAM, "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom")
+TF_STATIC = Topic("tf_static", Kind.STREAM, "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
+DIAGNOSTICS = Topic(
+    "diagnostics",
+    Kind.STREAM,
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "1 Hz",
+    "Counters and health of robot, cable and gateway",
+)
+DESCRIPTION = Topic("description", Kind.QUERY, JSON, "", "Model, elements, geometry, versions, emulated or not")
+CMD_VEL = Topic(
+    "cmd_vel", Kind.COMMAND, "geometry_msgs/msg/Twist", "≥ 2 Hz while moving", "Drive; stops after 0.5 s of silence"
+)
+CMD_VEL_STAMPED = Topic(
+    "cmd_vel_stamped", Kind.COMMAND, "geometry_msgs/msg/TwistStamped", "≥ 2 Hz while moving", "Drive, with a stamp"
+)
+ENABLE = Topic("command/enable", Kind.QUERY, JSON, "", 'Motor power: {"on": true}')
+STOP = Topic("command/stop", Kind.QUERY, JSON, "", "Stop, and hold until cmd_vel has been silent for 0.5 s: {}")
+ESTOP = Topic(
+    "command/estop", Kind.QUERY, JSON, "", 'Emergency stop, latched until {"on": false} and enable: {"on": true}'
+)
+MOVE = Topic("command/move", Kind.QUERY, JSON, "", 'Drive a distance in m, backward if negative: {"distance": 1.0}')
+TURN = Topic("command/turn", Kind.QUERY, JSON, "", 'Turn by an angle in rad, counter-clockwise: {"angle": 1.57}')
+HEADING = Topic("command/heading", Kind.QUERY, JSON, "", 'Turn to a heading in <robot>/odom, rad: {"heading": 0.0}')
+SONAR_POWER = Topic("command/sonar", Kind.QUERY, JSON, "", 'Sonar on or off: {"on": true}')
+OUTPUT = Topic(
+    "command/output", Kind.QUERY, JSON, "", 'Set the digital outputs that mask names: {"mask": 1, "value": 1}'
+)
+RESULT = Topic("command/result/*", Kind.STREAM, JSON, "once", "How a long motion ended; * is the id in its answer")
+
+TOPICS = (
+    ODOM,
+    SONAR,
+    SONAR_POINTS,
+    IR,
+    SCAN,
+    BUMPERS,
+    BATTERY,
+    STATE,
+    IO,
+    IMU,
+    JOYSTICK,
+    LEASE,
+    LEASE_STATE,
+    JOINT_STATES,
+    CAMERA,
+    TF,
+    TF_STATIC,
+    DIAGNOSTICS,
+    DESCRIPTION,
+    CMD_VEL,
+    CMD_VEL_STAMPED,
+    ENABLE,
+    STOP,
+    ESTOP,
+    MOVE,
+    TURN,
+    HEADING,
+    SONAR_POWER,
+    OUTPUT,
+    RESULT,
+    ALIVE,
+)
+_BY_SUFFIX = {topic.suffix: topic for topic in TOPICS}
+
+
+def robot_name(name: str) -> str:
+    """Return the name if it serves as a robot's name: one chunk of a key.
+
+    Raises:
+        KeyNotValid: It is empty, begins with `@`, or holds whitespace or one of `/ * $ ? #`.
+    """
+    bad = sorted({character for character in name if character in FORBIDDEN_IN_NAMES or not character.isprintable()})
+    bad += [" "] * any(character.isspace() and character.isprintable() for character in name)
+    if not name or name.startswith("@") or bad:
+        reason = f"holds {' '.join(map(repr, bad))}" if bad else "is empty" if not name else "begins with '@'"
+        raise KeyNotValid(f"{name!r} cannot name a robot because it {reason}; use letters, digits, '_' and '-'")
+    return name
+
+
+def result_key(robot: str, motion_id: str) -> str:
+    """The key on which the end of one long motion is published."""
+    return f"{robot_name(robot)}/command/result/{motion_id}"
+
+
+def frame(robot: str, name: str) -> str:
+    """A coordinate frame of one robot: `happy/base_link`."""
+    return f"{robot}/{name}"
+
+
+def split(key: str) -> tuple[str, str]:
+    """A key's robot and suffix: `("happy", "sonar/points")`; the suffix is empty when the key has one chunk."""
+    robot, _, suffix = key.partition("/")
+    return robot, suffix
+
+
+def topic_of(key: str) -> Topic | None:
+    """The row of the table that a key belongs to, or None for a key of someone else's."""
+    _, suffix = split(key)
+    parent, _, _ = suffix.rpartition("/")
+    return _BY_SUFFIX.get(suffix) or _BY_SUFFIX.get(f"{parent}/*")

@@ -1,0 +1,237 @@
+"""Messages: ROS 2 types in CDR, and plain objects in JSON.
+
+The standard classes are those of ROS 2 Jazzy, our own are in `acromovi_msgs`. All are dataclasses whose fields are
+spelled as in their `.msg` files; every field of a standard class must be given, and its number arrays are numpy arrays
+of the field's own type (`covariance`: float64, shape (36,)).
+"""
+
+import base64
+import json
+import math
+import struct
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+from rosbags.typesys.stores import ros2_jazzy as jazzy
+
+from bus.acromovi_msgs import ACROMOVI_MESSAGES, Bumpers, InputsOutputs, RangeArray, RobotState
+from bus.errors import MessageError
+
+__all__ = [
+    "BatteryState",
+    "Bumpers",
+    "DiagnosticArray",
+    "DiagnosticStatus",
+    "Header",
+    "InputsOutputs",
+    "JointState",
+    "KeyValue",
+    "LaserScan",
+    "Odometry",
+    "Point",
+    "PointCloud2",
+    "PointField",
+    "Pose",
+    "PoseWithCovariance",
+    "Quaternion",
+    "Range",
+    "RangeArray",
+    "RobotState",
+    "TFMessage",
+    "Time",
+    "Transform",
+    "TransformStamped",
+    "Twist",
+    "TwistStamped",
+    "TwistWithCovariance",
+    "Vector3",
+    "decode",
+    "decode_json",
+    "encode",
+    "encode_json",
+    "header",
+    "heading",
+    "prepare",
+    "quaternion",
+    "stamp_ns",
+    "to_json",
+    "twist",
+    "type_of",
+]
+
+BatteryState = jazzy.sensor_msgs__msg__BatteryState
+DiagnosticArray = jazzy.diagnostic_msgs__msg__DiagnosticArray
+DiagnosticStatus = jazzy.diagnostic_msgs__msg__DiagnosticStatus
+Header = jazzy.std_msgs__msg__Header
+JointState = jazzy.sensor_msgs__msg__JointState
+KeyValue = jazzy.diagnostic_msgs__msg__KeyValue
+LaserScan = jazzy.sensor_msgs__msg__LaserScan
+Odometry = jazzy.nav_msgs__msg__Odometry
+Point = jazzy.geometry_msgs__msg__Point
+PointCloud2 = jazzy.sensor_msgs__msg__PointCloud2
+PointField = jazzy.sensor_msgs__msg__PointField
+Pose = jazzy.geometry_msgs__msg__Pose
+PoseWithCovariance = jazzy.geometry_msgs__msg__PoseWithCovariance
+Quaternion = jazzy.geometry_msgs__msg__Quaternion
+Range = jazzy.sensor_msgs__msg__Range
+TFMessage = jazzy.tf2_msgs__msg__TFMessage
+Time = jazzy.builtin_interfaces__msg__Time
+Transform = jazzy.geometry_msgs__msg__Transform
+TransformStamped = jazzy.geometry_msgs__msg__TransformStamped
+Twist = jazzy.geometry_msgs__msg__Twist
+TwistStamped = jazzy.geometry_msgs__msg__TwistStamped
+TwistWithCovariance = jazzy.geometry_msgs__msg__TwistWithCovariance
+Vector3 = jazzy.geometry_msgs__msg__Vector3
+
+DEFINITIONS = Path(__file__).with_name("msg")
+
+# What the generated serialisers raise on values and bytes that do not fit.
+ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
+DECODE_ERRORS = (SerdeError, struct.error, IndexError, TypeError, ValueError, OverflowError)
+
+
+def type_of(message: object) -> str:
+    """The ROS name of a message's type: `nav_msgs/msg/Odometry`.
+
+    Raises:
+        MessageError: The object is no message.
+    """
+    name = getattr(message, "__msgtype__", None)
+    if not isinstance(name, str):
+        raise MessageError(f"a {type(message).__name__} is not a message; take a class of bus.messages")
+    return name
+
+
+def prepare(type_name: str) -> None:
+    """Compile a type's serialisers now, so that the first message is as fast as the next.
+
+    Raises:
+        MessageError: The type is unknown.
+    """
+    if type_name not in _typestore().fielddefs:
+        raise MessageError(f"unknown message type {type_name!r}; expected one like nav_msgs/msg/Odometry")
+    _typestore().get_msgdef(type_name)
+
+
+def encode(message: object) -> bytes:
+    """Write a message as CDR, little-endian, with the four bytes of its representation header.
+
+    Raises:
+        MessageError: The object is no message, or a value does not fit its field.
+    """
+    name = type_of(message)
+    try:
+        return bytes(_typestore().serialize_cdr(message, name, little_endian=True))
+    except ENCODE_ERRORS as err:
+        raise MessageError(f"this {name} cannot be written: {err}") from err
+
+
+def decode(type_name: str, payload: bytes) -> Any:
+    """Read a message from CDR of either byte order.
+
+    Number arrays of the result are read-only views of the payload.
+
+    Raises:
+        MessageError: The type is unknown, or the payload is too short, too long or garbage.
+    """
+    prepare(type_name)
+    try:
+        return _typestore().deserialize_cdr(payload, type_name)
+    except DECODE_ERRORS as err:
+        raise MessageError(f"{len(payload)} bytes are not a {type_name}: {err}") from err
+
+
+def encode_json(value: Mapping[str, Any]) -> bytes:
+    """Write a JSON object.
+
+    Raises:
+        MessageError: A value has no JSON form; infinity and NaN have none.
+    """
+    try:
+        return json.dumps(value, allow_nan=False, separators=(",", ":")).encode()
+    except (TypeError, ValueError) as err:
+        raise MessageError(f"this object cannot be written as JSON: {err}") from err
+
+
+def decode_json(payload: bytes) -> dict[str, Any]:
+    """Read a JSON object; no bytes at all are the empty object.
+
+    Raises:
+        MessageError: The payload is no JSON, or no object.
+    """
+    if not payload:
+        return {}
+    try:
+        value = json.loads(payload)
+    except (ValueError, RecursionError) as err:
+        raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
+    if not isinstance(value, dict):
+        raise MessageError(f"expected a JSON object, not {type(value).__name__}")
+    return value
+
+
+def header(stamp_ns: int, frame_id: str) -> Header:
+    """A header from a stamp in ns since the epoch, of the clock that the sender says."""
+    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    return Header(stamp=Time(sec=seconds, nanosec=nanoseconds), frame_id=frame_id)
+
+
+def stamp_ns(header: Header) -> int:
+    """A header's stamp in ns since the epoch."""
+    return header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+
+
+def twist(linear: float, angular: float) -> Twist:
+    """A twist in the plane: m/s forward, rad/s counter-clockwise."""
+    return Twist(linear=Vector3(x=linear, y=0.0, z=0.0), angular=Vector3(x=0.0, y=0.0, z=angular))
+
+
+def quaternion(heading: float) -> Quaternion:
+    """A rotation in the plane, from rad counter-clockwise."""
+    return Quaternion(x=0.0, y=0.0, z=math.sin(heading / 2), w=math.cos(heading / 2))
+
+
+def heading(rotation: Quaternion) -> float:
+    """The rotation about the vertical axis, rad in (-pi, pi]."""
+    return math.atan2(
+        2 * (rotation.w * rotation.z + rotation.x * rotation.y),
+        1 - 2 * (rotation.y * rotation.y + rotation.z * rotation.z),
+    )
+
+
+def to_json(message: object) -> Any:
+    """A message as JSON knows it: objects, lists, numbers, strings.
+
+    Numbers that JSON lacks become the strings "inf", "-inf" and "nan"; arrays of bytes become base64, as in rosbridge.
+    """
+    match message:
+        case np.ndarray():
+            if message.dtype == np.uint8:
+                return base64.b64encode(message.tobytes()).decode()
+            return [to_json(item) for item in message.tolist()]
+        case list():
+            return [to_json(item) for item in message]
+        case float() if not math.isfinite(message):
+            return str(message)
+        case _ if hasattr(message, "__msgtype__"):
+            _, fields = _typestore().fielddefs[type_of(message)]
+            return {name: to_json(getattr(message, name)) for name, _ in fields}
+    return message
+
+
+@cache
+def _typestore() -> Typestore:
+    """All types of ROS 2 Jazzy, and ours; built when first needed, since that takes tens of ms."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for message_class in ACROMOVI_MESSAGES:
+        name = message_class.__msgtype__
+        definition = DEFINITIONS / f"{name.rpartition('/')[2]}.msg"
+        store.register(get_types_from_msg(definition.read_text(encoding="utf-8"), name))
+        store.types[name] = message_class
+    return store
