@@ -1,1 +1,8 @@
-"""TODO."""
+"""Robots, worlds, links and bus profiles: TOML files, and the loader that turns them into frozen dataclasses.
+
+The files lie inside the package, so an installed wheel finds them as a checkout does.
+"""
+
+from configs.loader import ConfigError, build, find, load, names, read
+
+__all__ = ["ConfigError", "build", "find", "load", "names", "read"]

@@ -1,0 +1,186 @@
+"""From a name to a file, from a file to a table, from a table to a frozen dataclass; every error in one sentence."""
+
+import difflib
+import tomllib
+import types
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields, is_dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+T = TypeVar("T")
+
+SUFFIX = ".toml"
+KINDS = ("robots", "worlds", "links", "bus")
+
+
+class ConfigError(ValueError):
+    """A configuration that cannot be used; the message says which file, what is wrong and what to do."""
+
+
+def names(kind: str) -> list[str]:
+    """The names of the files of one kind ("robots", "worlds", "links", "bus"), sorted."""
+    return sorted(path.stem if path.suffix == SUFFIX else path.name for path in _files(kind))
+
+
+def find(kind: str, name: str) -> Path:
+    """The file that a name means.
+
+    Args:
+        kind: "robots", "worlds", "links" or "bus".
+        name: Of a file in this package, or a path to one elsewhere.
+    Raises:
+        ConfigError: There is no such file; the message gives the nearest names.
+    """
+    for path in _files(kind):
+        if name in (path.name, path.stem):
+            return path
+    elsewhere = Path(name)
+    if elsewhere.is_file():
+        return elsewhere
+    if elsewhere.is_dir():
+        raise ConfigError(f"{name} is a folder; give the file or one of the {kind} {_listed(names(kind))}")
+    near = difflib.get_close_matches(name.lower(), names(kind), 3, 0.4)
+    hint = f"did you mean {_listed(near)}?" if near else f"choose one of {_listed(names(kind))}"
+    raise ConfigError(f"there is no {name!r} among the {kind}; {hint}")
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Parse a TOML file.
+
+    Raises:
+        ConfigError: The file cannot be read or is not TOML; the message names file, line and reason.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as err:
+        raise ConfigError(f"{path} cannot be read: {err.strerror}") from err
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as err:
+        raise ConfigError(f"{path} is not TOML: {err}") from err
+
+
+def load(cls: type[T], kind: str, name: str) -> T:
+    """Find, read and build in one go.
+
+    Raises:
+        ConfigError: As `find`, `read` and `build`.
+    """
+    path = find(kind, name)
+    return build(cls, read(path), str(path))
+
+
+def build(cls: type[T], table: Mapping[str, Any], source: str) -> T:
+    """Fill a frozen dataclass from a table.
+
+    A class with a `from_table` reads the table itself. In any other a key is a field's name; nested tables fill nested
+    dataclasses, lists fill tuples, whole numbers fill floats.
+
+    Args:
+        cls: What to build.
+        table: Parsed TOML.
+        source: Named in messages, usually the file.
+    Raises:
+        ConfigError: A key is unknown or missing, or a value has the wrong type.
+    """
+    from_table: Callable[[Mapping[str, Any]], T] | None = getattr(cls, "from_table", None)
+    if from_table is None:
+        return _build_dataclass(cls, table, source, "")
+    try:
+        return from_table(table)
+    except ValueError as err:
+        raise ConfigError(f"{source}: {err}") from err
+
+
+def _build_dataclass(cls: type[T], table: Mapping[str, Any], source: str, path: str) -> T:
+    if not is_dataclass(cls):
+        raise TypeError(f"{cls.__name__} is no dataclass and has no from_table")
+    hints = get_type_hints(cls)
+    for key in table:
+        if key not in hints:
+            nearest = difflib.get_close_matches(key, hints, 1, 0)
+            raise ConfigError(f"{source}: unknown key {path}{key}; did you mean {path}{nearest[0]}?")
+    for field in fields(cls):
+        if field.name not in table and field.default is MISSING and field.default_factory is MISSING:
+            raise ConfigError(f"{source}: key {path}{field.name} is missing")
+    return cls(**{key: _convert(hints[key], value, source, path + key) for key, value in table.items()})
+
+
+def _convert(kind: Any, value: Any, source: str, path: str) -> Any:
+    """Turn a TOML value into a field's type."""
+    origin = get_origin(kind)
+    if origin in (Union, types.UnionType):
+        return _convert_union(kind, value, source, path)
+    if origin is tuple and isinstance(value, list):
+        return _convert_tuple(get_args(kind), value, source, path)
+    if origin in (dict, Mapping) or kind is dict:
+        if isinstance(value, dict):
+            item = get_args(kind)[1] if get_args(kind) else Any
+            return {key: _convert(item, each, source, f"{path}.{key}") for key, each in value.items()}
+    elif is_dataclass(kind) and isinstance(value, dict):
+        return _build_dataclass(kind, value, source, path + ".")  # type: ignore[arg-type] # is_dataclass allows instances too
+    elif kind is Any:
+        return value
+    elif isinstance(kind, type):
+        converted = _convert_plain(kind, value)
+        if converted is not None:
+            return converted
+    raise ConfigError(f"{source}: {path} must be {_type_name(kind)}, not {value!r}")
+
+
+def _convert_plain(kind: type, value: Any) -> Any:
+    """A bool, number, string or enumeration member; None where the value is of another type."""
+    if isinstance(value, bool):
+        return value if kind is bool else None
+    if kind is float and isinstance(value, int):
+        return float(value)
+    if kind is Path and isinstance(value, str):
+        return Path(value)
+    if isinstance(value, kind):
+        return value
+    members = getattr(kind, "__members__", {})
+    return next((member for member in members.values() if member.value == value), None)
+
+
+def _convert_union(kind: Any, value: Any, source: str, path: str) -> Any:
+    for option in get_args(kind):
+        try:
+            return _convert(option, value, source, path)
+        except ConfigError:
+            continue  # not this alternative; if none fits, the error below tells
+    raise ConfigError(f"{source}: {path} must be {_type_name(kind)}, not {value!r}")
+
+
+def _convert_tuple(items: Sequence[Any], values: list[Any], source: str, path: str) -> tuple[Any, ...]:
+    if len(items) == 2 and items[1] is Ellipsis:
+        items = [items[0]] * len(values)
+    if len(items) != len(values):
+        raise ConfigError(f"{source}: {path} must hold {len(items)} values, not {values!r}")
+    return tuple(
+        _convert(item, each, source, f"{path}[{i}]") for i, (item, each) in enumerate(zip(items, values, strict=True))
+    )
+
+
+def _files(kind: str) -> list[Path]:
+    if kind not in KINDS:
+        raise ConfigError(f"there is no kind of configuration {kind!r}; choose one of {_listed(KINDS)}")
+    folder = Path(str(resources.files("configs"))) / kind
+    return sorted(path for path in folder.glob("*") if path.is_file()) if folder.is_dir() else []
+
+
+def _listed(words: Sequence[str]) -> str:
+    return ", ".join(words[:-1]) + " or " + words[-1] if len(words) > 1 else "".join(words)
+
+
+def _type_name(kind: Any) -> str:
+    plain = {float: "a number", int: "a whole number", str: "text", bool: "true or false", type(None): "nothing"}
+    if kind in plain:
+        return plain[kind]
+    if get_origin(kind) in (Union, types.UnionType):
+        return " or ".join(_type_name(option) for option in get_args(kind))
+    if get_origin(kind) is tuple:
+        return "a list"
+    members = getattr(kind, "__members__", None)
+    if members:
+        return "one of " + ", ".join(str(member.value) for member in members.values())
+    return "a table" if is_dataclass(kind) or get_origin(kind) in (dict, Mapping) else str(kind)

@@ -1,0 +1,122 @@
+"""Commands: what a host may say to a robot, and how its argument is written.
+
+`encode_command` is the host's side, `decode_command` the robot's; both read the table in `command_table`.
+Source: fact sheet sections 1 (argument types), 4 and 7 (tables).
+"""
+
+import math
+from typing import NamedTuple
+
+from p2os.command_table import COMMANDS, Argument, Command, CommandSpec
+from p2os.errors import EncodeError
+from p2os.fields import FIXED_SCALES, Quantity
+from p2os.framing import encode_frame
+
+POSITIVE = 0x3B
+NEGATIVE = 0x1B
+TEXT = 0x2B
+"""Argument types: an int's magnitude, the magnitude of a negative int, a counted string."""
+
+MAX_MAGNITUDE = 0xFFFF
+MAX_STRING = 196
+"""Bytes; the shortest limit of any firmware's manual."""
+
+CommandValue = float | bytes | tuple[int, int]
+
+
+class ReceivedCommand(NamedTuple):
+    """A command as a robot understands it.
+
+    number: first byte of the payload. command: None where the table has no such number.
+    value: None for commands without argument and unknown ones; SI for quantities, int for plain counts, bytes for
+    strings and raw data, (high, low) for two bytes, each 0 to 255. What the argument lacks reads as zero or empty.
+    """
+
+    number: int
+    command: Command | None
+    value: CommandValue | None = None
+
+
+def encode_command(command: Command, value: CommandValue | None = None) -> bytes:
+    """Write a command as a whole frame.
+
+    Args:
+        command: Which.
+        value: As `ReceivedCommand` has it; None only for commands without argument.
+    Raises:
+        EncodeError: The value does not fit the command's argument.
+    """
+    spec = COMMANDS[command]
+    if spec.argument is Argument.NONE:
+        if value is not None:
+            raise EncodeError(f"{spec.name} takes no argument, not {value!r}")
+        return encode_frame(bytes([command]))
+    return encode_frame(bytes([command]) + _encode_argument(spec, value))
+
+
+def _encode_argument(spec: CommandSpec, value: CommandValue | None) -> bytes:
+    match spec.argument, value:
+        case ((Argument.INT | Argument.UINT), int() | float()):
+            return _encode_int(spec, value)
+        case Argument.TWO_BYTES, (int(high), int(low)):
+            return _encode_two_bytes(spec, high, low)
+        case Argument.STRING, bytes():
+            if len(value) > MAX_STRING:
+                raise EncodeError(f"string of {len(value)} bytes does not fit {spec.name}, which carries {MAX_STRING}")
+            return bytes([TEXT, len(value)]) + value
+        case Argument.DATA, bytes():
+            return bytes([TEXT]) + value
+    raise EncodeError(f"{spec.name} takes {spec.argument.value}, not {value!r}")
+
+
+def _encode_int(spec: CommandSpec, value: float) -> bytes:
+    scale = FIXED_SCALES[spec.quantity]
+    count = round(value / scale) if math.isfinite(value) else None
+    lowest = -MAX_MAGNITUDE if spec.argument is Argument.INT else 0
+    if count is None or not lowest <= count <= MAX_MAGNITUDE:
+        what, unit = spec.quantity.label, spec.quantity.unit
+        sign = "" if count is None or count > 0 or lowest else ", none below zero"
+        most = f"{MAX_MAGNITUDE * scale:.8g} {unit}".rstrip()
+        raise EncodeError(
+            f"{what} {value} {unit}".rstrip() + f" does not fit {spec.name}, which carries at most {most}{sign}"
+        )
+    return bytes([NEGATIVE if count < 0 else POSITIVE]) + abs(count).to_bytes(2, "little")
+
+
+def _encode_two_bytes(spec: CommandSpec, high: int, low: int) -> bytes:
+    """Raw bytes under the positive type, as one well-known driver sends them; signed bytes in two's complement."""
+    if not (-128 <= high <= 255 and -128 <= low <= 255):
+        raise EncodeError(f"bytes {high}, {low} do not fit {spec.name}, which carries -128 to 255 in each")
+    return bytes([POSITIVE, low & 0xFF, high & 0xFF])
+
+
+def decode_command(payload: bytes) -> ReceivedCommand:
+    """Read the payload of a frame from a host. Whatever it holds, this never fails."""
+    if not payload:
+        return ReceivedCommand(0, None)
+    number = payload[0]
+    spec = COMMANDS.get(number)
+    if spec is None:
+        return ReceivedCommand(number, None)
+    return ReceivedCommand(number, Command(number), _decode_argument(spec, payload[1:]))
+
+
+def _decode_argument(spec: CommandSpec, argument: bytes) -> CommandValue | None:
+    match spec.argument:
+        case Argument.NONE:
+            return None
+        case Argument.STRING:
+            return argument[2 : 2 + argument[1]] if len(argument) > 1 else b""
+        case Argument.DATA:
+            return argument[1:]
+        case Argument.TWO_BYTES:
+            # A high byte of 0x80 and more may come as a negative int: two's complement brings the two bytes back.
+            high, low = divmod(_decode_int(argument) & 0xFFFF, 256)
+            return high, low
+    count = _decode_int(argument)
+    return count if spec.quantity is Quantity.COUNT else count * FIXED_SCALES[spec.quantity]
+
+
+def _decode_int(argument: bytes) -> int:
+    magnitude = int.from_bytes(argument[1:3], "little")
+    return -magnitude if argument[:1] == bytes([NEGATIVE]) else magnitude

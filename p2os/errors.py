@@ -1,0 +1,28 @@
+"""What can go wrong on the wire.
+
+P2OSError
+ +-- EncodeError (ValueError)       a value does not fit its field
+ +-- DecodeError (ValueError)       a sound frame carries unknown content
+ +-- LocalProtocolError             we broke the protocol: our bug
+ +-- RemoteProtocolError            the peer broke it: report and restart
+"""
+
+
+class P2OSError(Exception):
+    """Root of everything this package raises."""
+
+
+class EncodeError(P2OSError, ValueError):
+    """A value does not fit its field."""
+
+
+class DecodeError(P2OSError, ValueError):
+    """A sound frame carries content that its packet type does not allow."""
+
+
+class LocalProtocolError(P2OSError):
+    """We broke the protocol."""
+
+
+class RemoteProtocolError(P2OSError):
+    """The peer broke the protocol."""

@@ -1,0 +1,139 @@
+"""The handshake SYNC0, SYNC1, SYNC2 and the connection states behind it, for host and for robot.
+
+Source: fact sheet section 3 and client quirks section 5, item 2.
+"""
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import NamedTuple
+
+from p2os.command_table import Command
+from p2os.commands import encode_command
+from p2os.errors import LocalProtocolError
+
+MAX_NAME = 19
+"""Characters in each of the three strings: two well-known drivers copy them into 20 bytes."""
+
+
+class Identity(NamedTuple):
+    """What a robot answers to SYNC2."""
+
+    name: str
+    robot_type: str
+    subtype: str
+
+
+class ConnectionState(Enum):
+    """How far a connection is: WAIT, then one state per SYNC answered, then OPEN."""
+
+    WAIT = "wait"
+    SYNC0_ANSWERED = "SYNC0 answered"
+    SYNC1_ANSWERED = "SYNC1 answered"
+    SYNCED = "synced"
+    OPEN = "open"
+
+
+_SYNC0 = bytes([Command.SYNC0])
+_SYNC1 = bytes([Command.SYNC1])
+_SYNC2 = bytes([Command.SYNC2])
+
+_ROBOT_STATES: Mapping[tuple[ConnectionState, bytes], ConnectionState] = {
+    # SYNC0 always restarts the sequence, and a repeat of the SYNC answered last is answered again.
+    (ConnectionState.WAIT, _SYNC0): ConnectionState.SYNC0_ANSWERED,
+    (ConnectionState.SYNC0_ANSWERED, _SYNC0): ConnectionState.SYNC0_ANSWERED,
+    (ConnectionState.SYNC0_ANSWERED, _SYNC1): ConnectionState.SYNC1_ANSWERED,
+    (ConnectionState.SYNC1_ANSWERED, _SYNC0): ConnectionState.SYNC0_ANSWERED,
+    (ConnectionState.SYNC1_ANSWERED, _SYNC1): ConnectionState.SYNC1_ANSWERED,
+    (ConnectionState.SYNC1_ANSWERED, _SYNC2): ConnectionState.SYNCED,
+    (ConnectionState.SYNCED, _SYNC0): ConnectionState.SYNC0_ANSWERED,
+    (ConnectionState.SYNCED, _SYNC2): ConnectionState.SYNCED,
+}
+"""(state, one-byte payload) to the state behind the answer; what is not here is not answered."""
+
+
+class RobotHandshake:
+    """The robot's side: answers SYNCs, follows OPEN and CLOSE.
+
+    state: where the connection stands.
+    """
+
+    def __init__(self, identity: Identity) -> None:
+        for text in identity:
+            if len(text) > MAX_NAME or "\0" in text:
+                raise LocalProtocolError(f"{text!r} does not fit the SYNC2 answer, which carries {MAX_NAME} characters")
+        self._welcome = _SYNC2 + b"".join(text.encode("latin-1", "replace") + b"\0" for text in identity)
+        self.state = ConnectionState.WAIT
+
+    def receive(self, payload: bytes) -> bytes | None:
+        """Take the payload of a frame; only SYNCs, OPEN and CLOSE matter here.
+
+        Returns:
+            The payload to answer, or None.
+        """
+        if self.state is not ConnectionState.OPEN:
+            following = _ROBOT_STATES.get((self.state, payload))
+            if following is not None:
+                self.state = following
+                return self._welcome if payload == _SYNC2 else payload
+        self._open_or_close(payload)
+        return None
+
+    def reset(self) -> None:
+        """Forget the connection, as a power cycle does."""
+        self.state = ConnectionState.WAIT
+
+    def _open_or_close(self, payload: bytes) -> None:
+        match self.state, payload[:1]:
+            case ConnectionState.SYNCED, b"\x01":
+                self.state = ConnectionState.OPEN
+            case ConnectionState.OPEN, b"\x02":
+                self.state = ConnectionState.WAIT
+            case _, b"\x02" if len(payload) > 1:
+                # A lone 02 out of turn may be a SYNC2 too many; with an argument it is a CLOSE in every state.
+                self.state = ConnectionState.WAIT
+
+
+class HostHandshake:
+    """The host's side: asks SYNC0, SYNC1, SYNC2 and reads the robot's identity.
+
+    streaming: a SIP came instead of an answer: the robot is still connected to someone and wants a CLOSE.
+    """
+
+    _SYNCS = (Command.SYNC0, Command.SYNC1, Command.SYNC2)
+
+    def __init__(self) -> None:
+        self._answered = 0
+        self.identity: Identity | None = None
+        self.streaming = False
+
+    def request(self) -> bytes:
+        """The frame to send next, again after every silence."""
+        return encode_command(self._SYNCS[min(self._answered, 2)])
+
+    def receive(self, payload: bytes) -> Identity | None:
+        """Take the payload of a frame.
+
+        Returns:
+            The robot's identity once SYNC2 is answered.
+        """
+        expected = self._SYNCS[min(self._answered, 2)]
+        if payload[:1] == bytes([expected]) and (expected is Command.SYNC2) == (len(payload) > 1):
+            self._answered += 1
+            if expected is Command.SYNC2:
+                self.identity = _read_identity(payload)
+            return self.identity
+        if payload[:1] not in (_SYNC0, _SYNC1, _SYNC2):
+            # Neither a late answer nor an early one: the robot is not in the handshake, start again.
+            self.streaming = payload[:1] != b"" and payload[0] >> 4 == 3
+            self._answered = 0
+        return None
+
+    def restart(self) -> None:
+        """Begin again at SYNC0."""
+        self.__init__()  # type: ignore[misc]
+
+
+def _read_identity(payload: bytes) -> Identity:
+    parts = payload[1:].decode("latin-1").split("\0")
+    name, robot_type, subtype = [*parts, "", "", ""][:3]
+    return Identity(name, robot_type, subtype)

@@ -1,0 +1,294 @@
+"""The standard server information packet (SIP): the robot's state, sent every cycle.
+
+One table, `HEAD` + (`SONAR` for each reading) + `TAIL`, serves encoder, decoder and documentation.
+Source: fact sheet section 5.
+"""
+
+from enum import IntFlag
+from operator import mul
+from struct import Struct, error
+from typing import Any, NamedTuple
+
+from p2os.errors import DecodeError, EncodeError
+from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, limits, misfit, to_count
+from p2os.firmware import FIRMWARES
+from p2os.robot_model import RobotModel
+
+STOPPED = 0x32
+MOVING = 0x33
+SIP_TYPES = range(0x30, 0x35)
+"""Types that clients have always read as a standard SIP; 0x32 and 0x33 are sent."""
+
+_POSITION = Ring(0, POSITION_UNITS)
+_HEADING = Ring(1 - HEADING_UNITS // 2, HEADING_UNITS)
+
+HEAD = (
+    Field("moving", "B", meaning="0x32 motors stopped, 0x33 robot moving"),
+    Field("x", "H", Quantity.DISTANCE, _POSITION, "odometry, rolls over at 32768 counts"),
+    Field("y", "H", Quantity.DISTANCE, _POSITION, "likewise"),
+    Field("heading", "h", Quantity.HEADING, _HEADING, "4096 counts a turn, counter-clockwise"),
+    Field("left_velocity", "h", Quantity.VELOCITY),
+    Field("right_velocity", "h", Quantity.VELOCITY),
+    Field("battery", "B", Quantity.VOLTAGE, Ceiling(255), "ends at 25.5 V"),
+    Field("stall", "H", meaning="bit 0 left stall, 1-7 rear bumpers, 8 right stall, 9-15 front bumpers"),
+    Field("control", "h", Quantity.HEADING, _HEADING, "heading setpoint"),
+    Field("flags", "H", meaning="see SipFlag"),
+    Field("compass", "B", meaning="2 degrees a count"),
+)
+COUNT = Field("sonar", "B", meaning="number of new readings that follow")
+SONAR = (Field("number", "B"), Field("range", "H", Quantity.RANGE))
+TAIL = (
+    Field("gripper_state", "B"),
+    Field("analog_port", "B", meaning="selected by ADSEL"),
+    Field("analog", "B", Quantity.ANALOG_8),
+    Field("digital_in", "B", meaning="user inputs, pulled high"),
+    Field("digital_out", "B", meaning="user outputs; P2OS and AROS packets end here"),
+    Field("battery_fine", "H", Quantity.VOLTAGE, meaning="without the ceiling of 25.5 V"),
+    Field("charge_state", "B", meaning="255 unknown, 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance"),
+    Field("rotational_velocity", "h", Quantity.FINE_ROTATION),
+    Field("fault_flags", "H", meaning="bit 4 gyro failed; ARCOS packets end here"),
+    Field("lateral_velocity", "h", Quantity.SPEED, meaning="Seekur"),
+    Field("temperature", "b", Quantity.TEMPERATURE, meaning="-128 unknown"),
+    Field("state_of_charge", "b", Quantity.FRACTION),
+    Field("controller_time", "I", Quantity.TIME, meaning="MTX"),
+    Field("flags3", "I", meaning="MTX"),
+)
+
+
+class SipFlag(IntFlag):
+    """Bits of `StandardSip.flags`."""
+
+    MOTORS_ENABLED = 1 << 0
+    SONAR_ARRAY_1 = 1 << 1
+    SONAR_ARRAY_2 = 1 << 2
+    SONAR_ARRAY_3 = 1 << 3
+    SONAR_ARRAY_4 = 1 << 4
+    STOP_BUTTON = 1 << 5
+    E_STALL = 1 << 6
+    FAR_LEDGE = 1 << 7
+    NEAR_LEDGE = 1 << 8
+    JOYSTICK_BUTTON_1 = 1 << 9
+    CHARGER_GOOD = 1 << 10
+
+
+SONAR_FLAGS = SipFlag.SONAR_ARRAY_1 | SipFlag.SONAR_ARRAY_2 | SipFlag.SONAR_ARRAY_3 | SipFlag.SONAR_ARRAY_4
+GYRO_FAULT = 1 << 4
+"""Bit of `StandardSip.fault_flags`."""
+LEFT_STALL = 1 << 0
+RIGHT_STALL = 1 << 8
+REAR_BUMPERS_SHIFT = 1
+FRONT_BUMPERS_SHIFT = 9
+BUMPER_SEGMENTS = 0x7F
+
+
+def stall_word(left_stalled: bool, right_stalled: bool, front_bumpers: int, rear_bumpers: int) -> int:
+    """Put stalls and bumper segments (bit i is segment i + 1) into the word that a SIP carries."""
+    return (
+        (left_stalled and LEFT_STALL)
+        | (right_stalled and RIGHT_STALL)
+        | (front_bumpers & BUMPER_SEGMENTS) << FRONT_BUMPERS_SHIFT
+        | (rear_bumpers & BUMPER_SEGMENTS) << REAR_BUMPERS_SHIFT
+    )
+
+
+class StandardSip(NamedTuple):
+    """The robot's state as its controller sees it; SI, angles in rad.
+
+    x, y: m, the wire's counter: rolls over after 32768 counts, see `OdometryUnwrapper`. heading: in (-pi, pi].
+    stall: as on the wire, see `stall_word`. control: heading setpoint, rad. flags: see `SipFlag`.
+    sonar: (number, range in m) of each new reading, in the order of the packet.
+    battery_fine and what follows is None where the packet ends before it.
+    charge_state: 255 unknown, 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance.
+    temperature: °C, -128 unknown. state_of_charge: 0 to 1. controller_time: s.
+    """
+
+    moving: bool = False
+    x: float = 0.0
+    y: float = 0.0
+    heading: float = 0.0
+    left_velocity: float = 0.0
+    right_velocity: float = 0.0
+    battery: float = 0.0
+    stall: int = 0
+    control: float = 0.0
+    flags: int = 0
+    compass: int = 0
+    sonar: tuple[tuple[int, float], ...] = ()
+    gripper_state: int = 0
+    analog_port: int = 0
+    analog: float = 0.0
+    digital_in: int = 0
+    digital_out: int = 0
+    battery_fine: float | None = None
+    charge_state: int | None = None
+    rotational_velocity: float | None = None
+    fault_flags: int | None = None
+    lateral_velocity: float | None = None
+    temperature: float | None = None
+    state_of_charge: float | None = None
+    controller_time: float | None = None
+    flags3: int | None = None
+
+    @property
+    def left_stalled(self) -> bool:
+        """The left wheel is stalled."""
+        return bool(self.stall & LEFT_STALL)
+
+    @property
+    def right_stalled(self) -> bool:
+        """The right wheel is stalled."""
+        return bool(self.stall & RIGHT_STALL)
+
+    @property
+    def front_bumpers(self) -> int:
+        """Pressed segments in front, bit i is segment i + 1."""
+        return self.stall >> FRONT_BUMPERS_SHIFT & BUMPER_SEGMENTS
+
+    @property
+    def rear_bumpers(self) -> int:
+        """Pressed segments behind, bit i is segment i + 1."""
+        return self.stall >> REAR_BUMPERS_SHIFT & BUMPER_SEGMENTS
+
+    @property
+    def motors_enabled(self) -> bool:
+        """The motors have power."""
+        return bool(self.flags & SipFlag.MOTORS_ENABLED)
+
+    @property
+    def sonar_arrays(self) -> int:
+        """Enabled sonar arrays, bit i is array i + 1."""
+        return (self.flags & SONAR_FLAGS) >> 1
+
+    @property
+    def stop_button(self) -> bool:
+        """The STOP button is pressed."""
+        return bool(self.flags & SipFlag.STOP_BUTTON)
+
+    @property
+    def e_stalled(self) -> bool:
+        """The emergency stall is engaged."""
+        return bool(self.flags & SipFlag.E_STALL)
+
+    @property
+    def charger_good(self) -> bool:
+        """The charger's power is good."""
+        return bool(self.flags & SipFlag.CHARGER_GOOD)
+
+    @property
+    def gyro_failed(self) -> bool:
+        """The gyro has failed; false where the packet does not say."""
+        return bool((self.fault_flags or 0) & GYRO_FAULT)
+
+    @property
+    def best_battery(self) -> float:
+        """Battery voltage from the field without a ceiling where the packet has it, V."""
+        return self.battery if self.battery_fine is None else self.battery_fine
+
+
+class _Layout:
+    """The fields of a SIP with so many sonar readings and tail fields, compiled."""
+
+    def __init__(self, readings: int, tail: int, scales: Scales) -> None:
+        fields = (*HEAD, COUNT, *SONAR * readings, *TAIL[:tail])
+        self.fields = fields
+        self.struct = Struct("<" + "".join(field.code for field in fields))
+        self.scales = tuple(scales[field.quantity] for field in fields)
+        self.per_unit = tuple(1 / scale for scale in self.scales)
+        self.tail = len(fields) - tail
+        self.absent = ABSENT[tail:]
+
+
+ABSENT = StandardSip()[len(HEAD) + 1 :]
+"""What stands for the fields of the tail that a packet ends before."""
+_BOUNDS = tuple((index, field.bound) for index, field in enumerate(HEAD) if field.bound)
+_READINGS = len(HEAD)  # index of the count of readings among the fields
+_COUNT_OFFSET = Struct("<" + "".join(field.code for field in HEAD)).size
+_SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
+_TAIL_ENDS = [Struct("<" + "".join(field.code for field in TAIL[:n])).size for n in range(len(TAIL) + 1)]
+
+
+class SipCodec:
+    """Standard SIPs of one robot model, both directions.
+
+    Encoding ends after the last field that the model's firmware sends, or before the first field that is None.
+    """
+
+    def __init__(self, model: RobotModel, last_field: str | None = None) -> None:
+        """Prepare for one robot model.
+
+        Args:
+            model: Gives scales and firmware family.
+            last_field: The last field to send, if it is not the one of the firmware family.
+        """
+        self._scales = model.scales
+        last = last_field or FIRMWARES[model.firmware].last_sip_field
+        self._sent = [field.name for field in TAIL].index(last) + 1
+        self._layouts: dict[tuple[int, int], _Layout] = {}  # by sonar count and payload size
+        self._shapes: dict[tuple[int, int], _Layout] = {}  # by sonar count and tail fields
+
+    def decode(self, payload: bytes) -> StandardSip:
+        """Read a packet of any length that holds at least the announced sonar readings.
+
+        Raises:
+            DecodeError: The packet ends before its sonar readings do.
+        """
+        try:
+            layout = self._layouts[payload[_COUNT_OFFSET], len(payload)]
+        except (KeyError, IndexError):
+            layout = self._learn(payload)
+        counts = list(layout.struct.unpack_from(payload))
+        for index, bound in _BOUNDS:
+            counts[index] = bound.fit(counts[index])
+        values = tuple(map(mul, counts, layout.scales))
+        sonar = tuple(
+            zip(values[_READINGS + 1 : layout.tail : 2], values[_READINGS + 2 : layout.tail : 2], strict=True)
+        )
+        return StandardSip._make(
+            (counts[0] == MOVING, *values[1:_READINGS], sonar, *values[layout.tail :], *layout.absent)
+        )
+
+    def encode(self, sip: StandardSip) -> bytes:
+        """Write a packet.
+
+        Raises:
+            EncodeError: A value does not fit its field.
+        """
+        tail = sip[_READINGS + 1 : _READINGS + 1 + self._sent]
+        if None in tail:
+            tail = tail[: tail.index(None)]
+        layout = self._shape(len(sip.sonar), len(tail))
+        values: list[Any] = [MOVING if sip.moving else STOPPED, *sip[1:_READINGS], len(sip.sonar)]
+        for reading in sip.sonar:
+            values += reading
+        values += tail
+        try:
+            counts = list(map(round, map(mul, values, layout.per_unit)))
+            for index, bound in _BOUNDS:
+                counts[index] = bound.fit(counts[index])
+            return layout.struct.pack(*counts)
+        except (ValueError, OverflowError, error) as err:
+            raise self._explain(layout, values) from err
+
+    def _learn(self, payload: bytes) -> _Layout:
+        size = len(payload)
+        readings = payload[_COUNT_OFFSET] if size > _COUNT_OFFSET else 0
+        tail_size = size - (_COUNT_OFFSET + 1 + readings * _SONAR_SIZE)
+        if tail_size < 0:
+            raise DecodeError(f"a SIP of {size} bytes ends before its {readings} sonar readings do")
+        tail = max(n for n, end in enumerate(_TAIL_ENDS) if end <= tail_size)
+        layout = self._layouts[readings, size] = self._shape(readings, tail)
+        return layout
+
+    def _shape(self, readings: int, tail: int) -> _Layout:
+        layout = self._shapes.get((readings, tail))
+        if layout is None:
+            layout = self._shapes[readings, tail] = _Layout(readings, tail, self._scales)
+        return layout
+
+    def _explain(self, layout: _Layout, values: list[float]) -> EncodeError:
+        """Find the field that a value does not fit."""
+        for field, value in zip(layout.fields, values, strict=True):
+            low, high = limits(field.code)
+            if not low <= to_count(field, value, self._scales) <= high:
+                return misfit(field, value, self._scales)
+        raise AssertionError("every value fits its field, yet the packet could not be written")
