@@ -1,0 +1,52 @@
+"""Measure the figures of the project: `python -m benchmarks`."""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.figures import Figure, as_text, write_json, write_picture
+
+GROUPS = {
+    "codec": "time to decode and encode one SIP",
+    "determinism": "the same seed and commands give the same bytes",
+    "accuracy": "how exactly moves, turns and stops end",
+    "cadence": "how evenly SIPs come on a pty",
+    "emulator": "processor time of one robot and of twenty, and readiness",
+    "latency": "from the port to the bus and from the bus to the port",
+    "gateway": "processor time and memory of the gateway",
+    "connect": "time to connect from any state, and to come back after the cable was pulled",
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the groups asked for, print each figure, write JSON and a picture."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks",
+        description="Measure the figures of the project.",
+        epilog="groups:\n"
+        + "\n".join(f"  {name:<12} {what}" for name, what in GROUPS.items())
+        + "\n\nexample: python -m benchmarks codec latency --out /tmp/bench",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("group", nargs="*", choices=[*GROUPS, []], help="what to measure (default: all)")
+    parser.add_argument("--out", type=Path, default=Path("bench"), help="folder for figures.json and figures.png")
+    parser.add_argument("--minutes", type=float, default=10.0, help="length of the cadence run (default: 10)")
+    options = parser.parse_args(argv)
+    figures: list[Figure] = []
+    for group in options.group or GROUPS:
+        print(f"-- {group}: {GROUPS[group]}", flush=True)
+        for figure in importlib.import_module(f"benchmarks.{group}").measure(options):
+            figures.append(figure)
+            print(as_text(figure), flush=True)
+    options.out.mkdir(parents=True, exist_ok=True)
+    write_json(figures, options.out / "figures.json")
+    write_picture(figures, options.out / "figures.png")
+    missed = sum(not figure.is_reached for figure in figures)
+    print(f"{len(figures)} figures, {missed} missed; see {options.out}/figures.json and {options.out}/figures.png")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
