@@ -1,1 +1,22 @@
-"""TODO."""
+"""Pure maths of the plane: poses, twists, angles and segments, and the reader of ARIA `.map` files.
+
+Metres, seconds and radians; x forward, y left, headings counter-clockwise from +x in (-pi, pi].
+"""
+
+from geometry.map_file import Cairn, MapError, MapFile, parse_map, read_map
+from geometry.pose import Pose2D, Twist2D, integrate, wrap_angle
+from geometry.segments import Segment, polygon_edges
+
+__all__ = [
+    "Cairn",
+    "MapError",
+    "MapFile",
+    "Pose2D",
+    "Segment",
+    "Twist2D",
+    "integrate",
+    "parse_map",
+    "polygon_edges",
+    "read_map",
+    "wrap_angle",
+]

@@ -1,0 +1,145 @@
+"""Reader of ARIA `.map` files: walls as lines, scanned points, and cairns (named places), in metres and radians.
+
+A file is text: `Key: value` rows, then a row `LINES` with one segment a row, then a row `DATA` with one point a row.
+The counts in the header are advisory: nothing here depends on them.
+Source: the layout as seen in public map files; lengths in mm, headings in degrees.
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import isfinite, radians
+from pathlib import Path
+
+from geometry.pose import Pose2D, wrap_angle
+from geometry.segments import Segment
+
+_MM = 1e-3
+_SECTION = re.compile(r"[A-Za-z][\w .-]*")
+_NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
+_CAIRN = re.compile(rf'(\S+)\s+{_NUMBER}\s+{_NUMBER}\s+{_NUMBER}\s+"[^"]*"\s+\S+\s+"([^"]*)"\s*(.*)')
+
+
+class MapError(ValueError):
+    """A map file cannot be used; the message names file, line and reason."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cairn:
+    """A named place of a map.
+
+    kind: what it is, e.g. `RobotHome`, `Goal`, `Dock`, `ForbiddenLine`.
+    pose: where it is; of a line or an area, the heading its extent is turned by.
+    name: the label people gave it, often empty.
+    extent: end points of a line or opposite corners of an area; None for a point.
+    """
+
+    kind: str
+    pose: Pose2D
+    name: str
+    extent: Segment | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class MapFile:
+    """What a map holds, in the map's frame.
+
+    lines: walls, m.
+    points: what a laser saw, (x, y) in m.
+    cairns: named places in the order of the file.
+    """
+
+    lines: tuple[Segment, ...] = ()
+    points: tuple[tuple[float, float], ...] = field(default=(), repr=False)
+    cairns: tuple[Cairn, ...] = ()
+
+    def places(self, kind: str) -> tuple[Cairn, ...]:
+        """All cairns of one kind, in the order of the file."""
+        return tuple(cairn for cairn in self.cairns if cairn.kind == kind)
+
+    @property
+    def home(self) -> Pose2D | None:
+        """Where a robot starts (the first `RobotHome`), or None where the map names no such place."""
+        homes = self.places("RobotHome")
+        return homes[0].pose if homes else None
+
+
+def read_map(path: Path) -> MapFile:
+    """Read a map file.
+
+    Raises:
+        MapError: the file cannot be read, is no map, or a row of it makes no sense.
+    """
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as err:
+        raise MapError(f"{path}: cannot be read: {err.strerror}") from err
+    return parse_map(text, str(path))
+
+
+def parse_map(text: str, source: str) -> MapFile:
+    """Read the text of a map file; `source` is named in errors.
+
+    Raises:
+        MapError: the text is no map, or a row of it makes no sense.
+    """
+    rows = [(number, row.strip()) for number, row in enumerate(text.splitlines(), start=1) if row.strip()]
+    if not rows or not rows[0][1].startswith("2D-Map"):
+        raise MapError(f"{source}:1: not an ARIA map: the first line must be 2D-Map")
+    lines: list[Segment] = []
+    points: list[tuple[float, float]] = []
+    cairns: list[Cairn] = []
+    section = ""
+    for number, row in rows[1:]:
+        if row[0].isalpha():
+            key, colon, value = row.partition(":")
+            if not colon:
+                section = _section(row, f"{source}:{number}")
+            elif key == "Cairn":
+                cairns.append(_cairn(value.strip(), f"{source}:{number}"))
+        elif section == "LINES":
+            x1, y1, x2, y2 = _numbers(row, 4, f"{source}:{number}", "a line needs x1 y1 x2 y2")
+            lines.append(Segment(x1 * _MM, y1 * _MM, x2 * _MM, y2 * _MM))
+        elif section == "DATA":
+            x, y = _numbers(row, 2, f"{source}:{number}", "a point needs x y")
+            points.append((x * _MM, y * _MM))
+        elif not section:
+            raise MapError(f"{source}:{number}: expected `Key: value`, LINES or DATA, found {row[:40]!r}")
+    return MapFile(tuple(lines), tuple(points), tuple(cairns))
+
+
+def _section(row: str, where: str) -> str:
+    """Name of the section that a row opens; rows of sections other than LINES and DATA are passed over."""
+    if not _SECTION.fullmatch(row):
+        raise MapError(f"{where}: expected `Key: value`, LINES or DATA, found {row[:40]!r}")
+    return row
+
+
+def _numbers(row: str, count: int, where: str, expected: str) -> list[float]:
+    words = row.split()
+    if len(words) != count:
+        raise MapError(f"{where}: {expected} (mm), found {row[:40]!r}")
+    return _floats(words, where)
+
+
+def _floats(words: Iterable[str], where: str) -> list[float]:
+    try:
+        values = [float(word) for word in words]
+    except ValueError as err:
+        raise MapError(f"{where}: {err}") from err
+    if not all(map(isfinite, values)):
+        raise MapError(f"{where}: a coordinate is not finite")
+    return values
+
+
+def _cairn(value: str, where: str) -> Cairn:
+    match = _CAIRN.fullmatch(value)
+    if match is None:
+        raise MapError(f'{where}: a cairn needs TYPE x y heading "description" ICON "name", found {value[:40]!r}')
+    kind, *pose, name, rest = match.groups()
+    x, y, degrees = _floats(pose, where)
+    extent = None
+    if rest:
+        ends = _numbers(rest, 4, where, "the extent of a cairn needs x1 y1 x2 y2")
+        extent = Segment(*(_MM * end for end in ends))
+    return Cairn(kind, Pose2D(x * _MM, y * _MM, wrap_angle(radians(degrees))), name, extent)
