@@ -1,0 +1,46 @@
+"""Which descriptors are ready, asked once a step for all of them together.
+
+One system call a step, however many robots there are. The level is asked, not the edge: what a handler leaves unread is
+reported again at the next step.
+"""
+
+import select
+from collections.abc import Callable
+
+READABLE = select.EPOLLIN
+WRITABLE = select.EPOLLOUT
+HUNG_UP = select.EPOLLHUP
+
+
+class Poller:
+    """Descriptors, and what to call when one of them is ready."""
+
+    def __init__(self) -> None:
+        self._epoll = select.epoll()
+        self._handlers: dict[int, Callable[[int], None]] = {}
+
+    def watch(self, descriptor: int, handler: Callable[[int], None], events: int = READABLE) -> None:
+        """Call `handler(events)` whenever the descriptor is ready; errors and hang-ups are always reported."""
+        if descriptor in self._handlers:
+            self._epoll.modify(descriptor, events)
+        else:
+            self._epoll.register(descriptor, events)
+        self._handlers[descriptor] = handler
+
+    def forget(self, descriptor: int) -> None:
+        """Watch the descriptor no longer; call this before closing it."""
+        del self._handlers[descriptor]
+        self._epoll.unregister(descriptor)
+
+    def poll(self) -> None:
+        """Call the handlers of everything that is ready now, without waiting."""
+        for descriptor, events in self._epoll.poll(0):
+            # A handler that ran a moment ago may have closed this one.
+            handler = self._handlers.get(descriptor)
+            if handler is not None:
+                handler(events)
+
+    def close(self) -> None:
+        """Let the operating system's part go; the descriptors themselves belong to those who opened them."""
+        self._handlers.clear()
+        self._epoll.close()
