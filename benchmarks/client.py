@@ -1,0 +1,78 @@
+"""A plain client on a port, for measuring: it connects, sends frames, and notes when each SIP's last byte arrived."""
+
+import os
+import select
+import time
+import tty
+from collections.abc import Iterator
+from typing import Self
+
+import configs
+from p2os.commands import Command, CommandValue, encode_command
+from p2os.framing import Frame, FrameDecoder
+from p2os.handshake import HostHandshake
+from p2os.robot_model import RobotModel
+from p2os.sip import SIP_TYPES, SipCodec, StandardSip
+
+ANSWER_TIMEOUT_S = 0.5
+CONNECT_TIMEOUT_S = 5.0
+
+
+class PortClient:
+    """Holds a pty open as a client would; use it as a context manager."""
+
+    def __init__(self, port: str) -> None:
+        self.descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        tty.setraw(self.descriptor)
+        self._frames = FrameDecoder()
+        self._codec: SipCodec | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        os.close(self.descriptor)
+
+    def connect(self) -> None:
+        """Shake hands and open the robot.
+
+        Raises:
+            TimeoutError: The robot did not answer.
+        """
+        handshake = HostHandshake()
+        deadline = time.monotonic() + CONNECT_TIMEOUT_S
+        while handshake.identity is None:
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"no robot answered in {CONNECT_TIMEOUT_S} s")
+            os.write(self.descriptor, handshake.request())
+            for _, payload in self.payloads(ANSWER_TIMEOUT_S):
+                handshake.receive(payload)
+                break
+        self._codec = SipCodec(configs.load(RobotModel, "robots", handshake.identity.subtype))
+        self.send(Command.OPEN)
+
+    def send(self, command: Command, value: CommandValue | None = None) -> float:
+        """Send one command; returns the time just before, s on the steady clock."""
+        now = time.monotonic()
+        os.write(self.descriptor, encode_command(command, value))
+        return now
+
+    def payloads(self, seconds: float) -> Iterator[tuple[float, bytes]]:
+        """Arrival time and payload of every frame that comes within some seconds."""
+        deadline = time.monotonic() + seconds
+        while (rest := deadline - time.monotonic()) > 0:
+            if not select.select([self.descriptor], [], [], rest)[0]:
+                continue
+            data = os.read(self.descriptor, 4096)
+            now = time.monotonic()
+            for event in self._frames.receive(data, now):
+                if isinstance(event, Frame):
+                    yield now, event.payload
+
+    def sips(self, seconds: float) -> Iterator[tuple[float, StandardSip]]:
+        """Arrival time and content of every SIP that comes within some seconds."""
+        if self._codec is None:
+            raise RuntimeError("connect first: the robot's model says how to read its SIPs")
+        for now, payload in self.payloads(seconds):
+            if payload[0] in SIP_TYPES:
+                yield now, self._codec.decode(payload)

@@ -1,0 +1,102 @@
+"""From a command on the port to moving wheels, from the port to the bus, and from the bus to the port."""
+
+import argparse
+import random
+import time
+from collections.abc import Callable
+
+from acromovi.children import emulator, gateway
+from benchmarks.client import PortClient
+from benchmarks.figures import Figure, p50_p99
+from benchmarks.peer import STEP_M, CableRobot
+from bus import Sample, ZenohBus, keys, messages
+from p2os.commands import Command
+
+TRIALS = 150
+SETTLE_TIMEOUT_S = 10.0
+PORT_SECONDS = 40.0
+
+
+def measure(options: argparse.Namespace) -> list[Figure]:
+    """Three ways, each with its own peer at the far end."""
+    return [
+        *p50_p99("latency", "VEL on the port to first SIP with turning wheels", _wheels(), (80.0, 130.0), "ms"),
+        *p50_p99("latency", "SIP on the port to odometry in another process", _port_to_bus(), (0.6, 2.0), "ms"),
+        *p50_p99("latency", "cmd_vel put to first byte on the port", _bus_to_port(), (1.0, 5.0), "ms"),
+    ]
+
+
+def _wheels() -> list[float]:
+    """At random moments of the SIP cycle, ms."""
+    times = []
+    moments = random.Random(1)
+    with emulator("--robot", "p3dx-sh", "--world", "empty", "--quiet") as robots, PortClient(robots.port) as client:
+        client.connect()
+        client.send(Command.ENABLE, 1)
+        for trial in range(TRIALS):
+            _until_wheels(client, turning=False)
+            time.sleep(moments.uniform(0.0, 0.1))
+            sent = client.send(Command.VEL, 0.2 if trial % 2 else -0.2)
+            times.append((_until_wheels(client, turning=True) - sent) * 1e3)
+            client.send(Command.STOP)
+    return times
+
+
+def _until_wheels(client: PortClient, turning: bool) -> float:
+    for arrival, sip in client.sips(SETTLE_TIMEOUT_S):
+        if bool(sip.left_velocity or sip.right_velocity) is turning:
+            return arrival
+    raise TimeoutError(f"the wheels did not {'turn' if turning else 'stop'} in {SETTLE_TIMEOUT_S} s")
+
+
+def _port_to_bus() -> list[float]:
+    """From the end of the write on the port to the handler of a subscriber in this process, ms."""
+    name = "bench-up"
+    heard: dict[int, float] = {}
+
+    def on_odometry(sample: Sample) -> None:
+        now = time.monotonic()
+        position = messages.decode(keys.ODOM.type_name, sample.payload).pose.pose.position
+        heard[round(position.x / STEP_M)] = now
+
+    with CableRobot(name) as robot, ZenohBus.open() as bus, gateway(robot.port, "--quiet"):
+        bus.subscribe(keys.ODOM.key(name), on_odometry)
+        _wait(lambda: bool(heard))
+        offset = max(robot.written) - max(heard)  # the gateway counts from its first SIP
+        time.sleep(PORT_SECONDS)
+    return [(now - robot.written[step + offset]) * 1e3 for step, now in sorted(heard.items()) if step + offset > 5]
+
+
+def _bus_to_port() -> list[float]:
+    """From the put in this process to the first byte of its VEL on the port, ms."""
+    name = "bench-down"
+    times = []
+    moments = random.Random(2)
+    with CableRobot(name) as robot, ZenohBus.open() as bus, gateway(robot.port, "--quiet"):
+        publisher = bus.publisher(keys.CMD_VEL.key(name), keys.CMD_VEL.type_name)
+        _wait_for_drive(publisher.put, robot)
+        for trial in range(TRIALS):
+            time.sleep(moments.uniform(0.05, 0.15))
+            speed = (50 + trial) / 1000
+            put = time.monotonic()
+            publisher.put(messages.twist(speed, 0.0))
+            _wait(lambda speed=speed: robot.velocities[-1][1] == speed)  # type: ignore[misc]  # bound at once
+            times.append((robot.velocities[-1][0] - put) * 1e3)
+    return times
+
+
+def _wait_for_drive(put: Callable[[object], None], robot: CableRobot) -> None:
+    deadline = time.monotonic() + SETTLE_TIMEOUT_S
+    while not robot.velocities or not robot.velocities[-1][1]:
+        if time.monotonic() > deadline:
+            raise TimeoutError("no VEL reached the port")
+        put(messages.twist(0.01, 0.0))
+        time.sleep(0.1)
+
+
+def _wait(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + SETTLE_TIMEOUT_S
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"what the benchmark waits for did not come in {SETTLE_TIMEOUT_S} s")
+        time.sleep(0.002)

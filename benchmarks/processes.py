@@ -1,0 +1,32 @@
+"""What a process costs, read from the kernel."""
+
+import os
+import time
+from pathlib import Path
+
+TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
+
+
+def cpu_seconds(pid: int) -> float:
+    """Processor time a process has used so far, all threads, user and system, s."""
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS_PER_SECOND
+
+
+def resident_megabytes(pid: int) -> float:
+    """Memory a process holds, MB (2**20 bytes)."""
+    rows = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text(encoding="ascii").splitlines())
+    return int(rows["VmRSS"].split()[0]) / 1024
+
+
+class CpuMeter:
+    """Percent of one core that a process uses between construction and `percent`."""
+
+    def __init__(self, pid: int) -> None:
+        self._pid = pid
+        self._cpu = cpu_seconds(pid)
+        self._wall = time.monotonic()
+
+    def percent(self) -> float:
+        """The share so far, in percent of one core."""
+        return 100 * (cpu_seconds(self._pid) - self._cpu) / (time.monotonic() - self._wall)
