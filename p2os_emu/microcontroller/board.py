@@ -1,0 +1,129 @@
+"""The board: all of the microcontroller but its connection. Commands change it, packets show it, steps move it."""
+
+from p2os.firmware import BAUD_CODES
+from p2os.robot_model import RobotModel
+from p2os_emu.body import Body, BodyState
+from p2os_emu.microcontroller.battery import Battery
+from p2os_emu.microcontroller.flash import Flash
+from p2os_emu.microcontroller.motion import Motion
+from p2os_emu.microcontroller.motors import Motors
+from p2os_emu.microcontroller.odometry import Odometry
+from p2os_emu.microcontroller.panel import Panel
+from p2os_emu.microcontroller.requests import Requests
+from p2os_emu.microcontroller.sonar import SonarScheduler
+from p2os_emu.microcontroller.watchdog import Watchdog
+
+GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
+
+
+class Board:
+    """One robot's controller board.
+
+    gains: working PID gains by name; accepted and reported, the wheels follow their profiles by other means.
+    ticks_mm, rev_count, drift_factor: working calibration, see `calibrate`.
+    stops_on_button: the STOP button disables the motors (ESTALL). e_stalled: it has done so.
+    digital_out: levels of the user outputs, bit 0 to 7. analog_port: the one that the SIP reports.
+    fake_battery: V that BATTEST pretends, None for the real ones.
+    host_baud: bit/s of the host line. reset_due: RESET was commanded.
+    """
+
+    def __init__(self, model: RobotModel, name: str, flash: Flash, panel: Panel, seed: int) -> None:
+        """Switch on.
+
+        Args:
+            model: What the robot is.
+            name: What it is called.
+            flash: What the controller remembers.
+            panel: Inputs from outside.
+            seed: Decides the charge of the battery.
+        """
+        self.model = model
+        self.name = name
+        self.flash = flash
+        self.panel = panel
+        self.odometry = Odometry(model)
+        self.motion = Motion(model, flash, self.odometry)
+        self.motors = Motors(self.motion, flash)
+        self.sonar = SonarScheduler(model, flash)
+        self.battery = Battery(model.battery_nominal, seed)
+        self.watchdog = Watchdog(flash.watchdog)
+        self.requests = Requests()
+        self.power_on()
+
+    def power_on(self) -> None:
+        """Begin as after the power switch; the battery's charge stays what it is."""
+        self.host_baud = self.flash.host_baud
+        self._next_baud = self.flash.host_baud
+        self.digital_out = 0
+        self.fake_battery: float | None = None
+        self.reset_due = False
+        self.odometry.power_on()
+        self.restore()
+
+    def open(self) -> None:
+        """A client has come: motors off, sonar as FLASH says."""
+        self.motors.disable()
+        self.sonar.enable(self.flash.sonar_enabled)
+        self.watchdog.feed()
+
+    def restore(self) -> None:
+        """The client has gone: motors and sonar off, working parameters as in FLASH."""
+        flash = self.flash
+        self.motion.restore(flash)
+        self.motors.restore(flash)
+        self.sonar.restore(flash)
+        self.watchdog.timeout = flash.watchdog
+        self.watchdog.feed()
+        self.requests.clear()
+        self.gains = {name: getattr(flash, name) for name in GAINS}
+        self.stops_on_button = flash.e_stall
+        self.e_stalled = False
+        self.analog_port = 0
+        self.ticks_mm = flash.ticks_mm
+        self.rev_count = flash.rev_count
+        self.drift_factor = flash.drift_factor
+        self.calibrate()
+
+    def calibrate(self) -> None:
+        """Bring odometry in line with the working calibration."""
+        flash = self.flash
+        drift = self.drift_factor - flash.drift_factor
+        self.odometry.calibrate(self.ticks_mm / flash.ticks_mm, self.rev_count / flash.rev_count, drift)
+
+    def request_baud(self, code: int) -> None:
+        """Change the rate of the host line once what this step sends has gone out; unknown codes are ignored."""
+        self._next_baud = BAUD_CODES.get(code, self._next_baud)
+
+    def enable_motors(self, on: bool) -> None:
+        """ENABLE; a pressed STOP button keeps the motors off."""
+        if not on:
+            self.motors.disable()
+        elif not (self.panel.stop_button and self.stops_on_button):
+            self.e_stalled = False
+            self.motors.enable()
+
+    @property
+    def battery_voltage(self) -> float:
+        """What the controller measures, V: BATTEST's pretence, else the panel's, else the battery's."""
+        for voltage in (self.fake_battery, self.panel.battery):
+            if voltage is not None:
+                return max(0.0, voltage)
+        return self.battery.voltage
+
+    def advance(self, body: Body, state: BodyState, dt: float) -> None:
+        """Take one step: encoders, motors, sonar."""
+        self.odometry.update(state.left_travel, state.right_travel)
+        if self.panel.stop_button and self.stops_on_button:
+            self.e_stalled = True
+            self.motors.brake_and_disable()
+        self.motion.halted = self.watchdog.barking
+        self.motors.advance(body, state, dt)
+        self.sonar.advance(body, dt)
+
+    def begin_step(self) -> None:
+        """What was asked for in the last step and waited for its bytes to go out."""
+        self.host_baud = self._next_baud
+
+    def consume(self, state: BodyState, dt: float) -> None:
+        """Draw from the battery, or charge it."""
+        self.battery.advance(dt, (state.left_load + state.right_load) / 2, self.panel.charger_plugged)

@@ -1,0 +1,199 @@
+"""What each command does to the board: a table from command to handler, and the handlers.
+
+A handler takes the value as `p2os.commands` reads it: SI for quantities, int for counts, bytes for strings, (high, low)
+for two bytes. Source: fact sheet sections 4, 8 and 9.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from p2os.command_table import Command
+from p2os.commands import decode_command
+from p2os.firmware import Family
+from p2os.packets import PacketType
+from p2os_emu.microcontroller.board import Board
+from p2os_emu.microcontroller.motion import Motion
+from p2os_emu.microcontroller.panel import ANALOG_PORTS
+from p2os_emu.microcontroller.sonar import ARRAYS
+from p2os_emu.microcontroller.telemetry import EXTRAS
+
+Handler = Callable[[Board, Any], None]
+
+_FAKES_BATTERY = frozenset({Family.ARCOS, Family.UARCS})
+_DECIVOLT = 0.1
+
+
+def execute(board: Board, payload: bytes) -> None:
+    """Carry out a command of an open connection; commands without a handler are ignored."""
+    received = decode_command(payload)
+    handler = HANDLERS.get(received.number)
+    if handler is not None:
+        handler(board, received.value)
+
+
+def _moves(act: Callable[[Motion, Any], None]) -> Handler:
+    """A motion command: it has no effect while the motors are disabled."""
+
+    def handle(board: Board, value: Any) -> None:
+        if board.motors.enabled:
+            act(board.motion, value)
+
+    return handle
+
+
+def _requests(packet: PacketType) -> Handler:
+    return lambda board, count: board.requests.ask(packet, count)
+
+
+def _sets_gain(name: str) -> Handler:
+    def handle(board: Board, gain: int) -> None:
+        if gain >= 0:
+            board.gains[name] = gain
+
+    return handle
+
+
+def _vel2(board: Board, wheels: tuple[int, int]) -> None:
+    if board.motors.enabled:
+        left, right = (byte - 256 if byte > 127 else byte for byte in wheels)
+        board.motion.wheels(left * board.model.vel2_unit, right * board.model.vel2_unit)
+
+
+def _estop(board: Board, _: None) -> None:
+    board.motion.stop(emergency=True)
+
+
+def _seto(board: Board, _: None) -> None:
+    board.odometry.reset()
+    board.motion.forget_heading()
+
+
+def _estall(board: Board, on: int) -> None:
+    board.stops_on_button = on != 0
+
+
+def _bumpstall(board: Board, bumpers: int) -> None:
+    if 0 <= bumpers <= 3:
+        board.motors.stall.bumpers = bumpers
+
+
+def _sonar(board: Board, argument: int) -> None:
+    """Bit 0 switches; bits 1 to 3 name an array from 1 on, or all with 0. P2OS knows only 0 and 1."""
+    array = argument >> 1 & 7
+    if board.model.firmware is Family.P2OS:
+        if argument in (0, 1):
+            board.sonar.enable(argument == 1)
+    elif array == 0:
+        board.sonar.enable(bool(argument & 1))
+    elif array <= ARRAYS:
+        board.sonar.enable(bool(argument & 1), array - 1)
+
+
+def _sonarcycle(board: Board, period: float) -> None:
+    board.sonar.cycle = period
+
+
+def _digout(board: Board, mask_and_levels: tuple[int, int]) -> None:
+    mask, levels = mask_and_levels
+    board.digital_out = board.digital_out & ~mask | levels & mask
+
+
+def _adsel(board: Board, port: int) -> None:
+    if 0 <= port < ANALOG_PORTS:
+        board.analog_port = port
+
+
+def _ticksmm(board: Board, ticks: int) -> None:
+    if ticks > 0:
+        board.ticks_mm = ticks
+        board.calibrate()
+
+
+def _revcount(board: Board, ticks: int) -> None:
+    if ticks > 0:
+        board.rev_count = ticks
+        board.calibrate()
+
+
+def _driftfactor(board: Board, drift: int) -> None:
+    if -0x8000 <= drift < 0x8000:
+        board.drift_factor = drift
+        board.calibrate()
+
+
+def _battest(board: Board, decivolts: int) -> None:
+    """On AROS the number means SHUTDOWN, of a computer that is not there."""
+    if board.model.firmware in _FAKES_BATTERY:
+        board.fake_battery = decivolts * _DECIVOLT if decivolts > 0 else None
+
+
+def _reset(board: Board, _: None) -> None:
+    board.reset_due = True
+
+
+HANDLERS: Mapping[int, Handler] = {
+    Command.ENABLE: lambda board, on: board.enable_motors(on != 0),
+    # motion
+    Command.VEL: _moves(Motion.translate),
+    Command.MOVE: _moves(Motion.move),
+    Command.RVEL: _moves(Motion.rotate),
+    Command.ROTATE: _moves(Motion.rotate),
+    Command.HEAD: _moves(Motion.head),
+    Command.DHEAD: _moves(Motion.turn),
+    Command.DCHEAD: _moves(Motion.turn_setpoint),
+    Command.VEL2: _vel2,
+    Command.STOP: lambda board, _: board.motion.stop(),
+    Command.ESTOP: _estop,
+    Command.ESTOP_ALIAS: _estop,
+    # limits of motion
+    Command.SETV: lambda board, speed: board.motion.translation.limits.set_fastest(speed),
+    Command.SETA: lambda board, change: board.motion.translation.limits.set_acceleration(change),
+    Command.SETRV: lambda board, speed: board.motion.rotation.limits.set_fastest(speed),
+    Command.SETRVDIR: lambda board, speed: board.motion.rotation.limits.set_fastest_one_way(speed),
+    Command.SETRV_DIRECTIONAL: lambda board, speed: board.motion.rotation.limits.set_fastest_one_way(speed),
+    Command.SETRA: lambda board, change: board.motion.rotation.limits.set_acceleration(change),
+    Command.ESTALL: _estall,
+    Command.BUMPSTALL: _bumpstall,
+    # odometry
+    Command.SETO: _seto,
+    Command.TICKSMM: _ticksmm,
+    Command.REVCOUNT: _revcount,
+    Command.DRIFTFACTOR: _driftfactor,
+    # gains
+    Command.ROTKP: _sets_gain("rot_kp"),
+    Command.ROTKV: _sets_gain("rot_kv"),
+    Command.ROTKI: _sets_gain("rot_ki"),
+    Command.TRANSKP: _sets_gain("trans_kp"),
+    Command.TRANSKV: _sets_gain("trans_kv"),
+    Command.TRANSKI: _sets_gain("trans_ki"),
+    # sonar
+    Command.SONAR: _sonar,
+    Command.POLLING: lambda board, sequence: board.sonar.poll(sequence),
+    Command.SONARCYCLE: _sonarcycle,
+    # inputs, outputs, packets
+    Command.DIGOUT: _digout,
+    Command.ADSEL: _adsel,
+    Command.CONFIG: lambda board, _: board.requests.ask(PacketType.CONFIGURATION, 1),
+    Command.ENCODER: _requests(PacketType.ENCODERS),
+    Command.IOREQUEST: _requests(PacketType.INPUTS_OUTPUTS),
+    # the controller itself
+    Command.HOSTBAUD: lambda board, code: board.request_baud(code),
+    Command.BATTEST: _battest,
+    Command.RESET: _reset,
+}
+
+CONNECTION = frozenset({Command.SYNC0, Command.SYNC1, Command.SYNC2})
+"""Handshake, PULSE, OPEN and CLOSE: the connection itself carries them out."""
+
+EMULATED: frozenset[int] = frozenset(HANDLERS) | CONNECTION
+"""Numbers of the commands that have an effect, for the compliance page."""
+
+EMULATED_PACKETS: frozenset[PacketType] = frozenset(EXTRAS) | {
+    PacketType.SYNC0,
+    PacketType.SYNC1,
+    PacketType.SYNC2,
+    PacketType.SIP_STOPPED,
+    PacketType.SIP_MOVING,
+    PacketType.RESET,
+}
+"""Types of the packets that the microcontroller sends."""

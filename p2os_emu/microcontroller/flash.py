@@ -1,0 +1,77 @@
+"""FLASH: the parameters that outlive the client and the power switch."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import radians
+from typing import Any
+from zlib import crc32
+
+from p2os.firmware import FlashDefaults
+from p2os.robot_model import RobotModel
+
+Entry = float | str
+
+BUMP_STALL = "bump_stall"
+BOTH_BUMPERS = 3
+"""The BUMPSTALL command counts 0 none, 1 front, 2 rear, 3 both; FLASH counts 0 both, 1 rear, 2 front, 3 none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flash(FlashDefaults):
+    """One robot's FLASH; SI. What the factory defaults say, and what belongs to this one robot.
+
+    serial: as CONFIGpac says; never "SIM", which makes one well-known client look for a simulator.
+    velocity_top, rotation_top: what no command exceeds. max_velocity, max_rotation: SETV and SETRV at power-on.
+    emergency_deceleration, emergency_rotational_deceleration: of ESTOP and the STOP button (assumed).
+    sonar_enabled: the sonar fires from OPEN on. charger: as CONFIGpac counts: 0 none, 1 Pioneer 3, 2 PowerBot.
+    ticks_mm, rev_count, drift_factor: the calibration that odometry starts from. Manuals disagree on what REVCOUNT
+    counts, so only its changes matter and its value is assumed.
+    """
+
+    serial: str
+    velocity_top: float
+    rotation_top: float
+    max_velocity: float
+    max_rotation: float
+    emergency_deceleration: float = 4.0
+    emergency_rotational_deceleration: float = radians(400)
+    sonar_enabled: bool = True
+    charger: int = 0
+    ticks_mm: int
+    rev_count: int = 32550
+    drift_factor: int = 0
+
+    @classmethod
+    def of(cls, model: RobotModel, name: str) -> "Flash":
+        """What a robot of this model leaves the factory with; its serial number follows from its name."""
+        return cls(
+            **asdict(model.flash),
+            serial=f"ACR{crc32(name.encode()) % 100000:05}",
+            velocity_top=model.max_velocity,
+            rotation_top=model.max_rotation,
+            max_velocity=model.max_velocity,
+            max_rotation=model.max_rotation,
+            ticks_mm=max(1, round(model.ticks_per_metre / 1000)),
+        )
+
+    def to_table(self) -> dict[str, Entry]:
+        """Every parameter by name, for a file; BumpStall as FLASH counts it."""
+        return {**asdict(self), BUMP_STALL: self.bump_stall ^ BOTH_BUMPERS}
+
+    def changed(self, table: Mapping[str, Entry]) -> "Flash":
+        """This FLASH with some parameters replaced, as `to_table` names and counts them.
+
+        Raises:
+            ValueError: A name is unknown, or a value is of another type than the parameter.
+        """
+        present = self.to_table()
+        for name, value in table.items():
+            if name not in present:
+                raise ValueError(f"FLASH has no parameter {name!r}; it has {', '.join(present)}")
+            kind = type(present[name])
+            if type(value) is not kind and not (kind is float and type(value) is int):
+                raise ValueError(f"FLASH parameter {name} must be {kind.__name__}, not {value!r}")
+            present[name] = kind(value)
+        bump_stall = int(present.pop(BUMP_STALL)) ^ BOTH_BUMPERS
+        values: dict[str, Any] = present
+        return Flash(**values, bump_stall=bump_stall)

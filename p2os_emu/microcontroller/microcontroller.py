@@ -1,0 +1,152 @@
+"""The firmware of a robot, without port and clock: bytes and time in, bytes out."""
+
+from p2os.framing import Frame, FrameDecoder, encode_frame
+from p2os.handshake import ConnectionState, Identity, RobotHandshake
+from p2os.packets import PacketType, encode_packet
+from p2os.robot_model import RobotModel
+from p2os.sip import SipCodec
+from p2os_emu.body import Body, BodyState
+from p2os_emu.microcontroller.board import Board
+from p2os_emu.microcontroller.cadence import Cadence
+from p2os_emu.microcontroller.commands import execute
+from p2os_emu.microcontroller.flash import Flash
+from p2os_emu.microcontroller.panel import Panel
+from p2os_emu.microcontroller.telemetry import EXTRAS, standard_sip
+
+_RESET_FRAME = encode_frame(bytes([PacketType.RESET]))
+
+
+class Microcontroller:
+    """One robot's controller: between a serial line and a body.
+
+    Its time is the sum of the steps. Commands received take effect at the start of the next step.
+
+    panel: inputs from outside the cable; change them at any time.
+    """
+
+    def __init__(self, model: RobotModel, name: str, *, flash: Flash | None = None, seed: int = 0) -> None:
+        """Switch the robot on.
+
+        Args:
+            model: What it is.
+            name: What it answers to SYNC2, at most 19 characters.
+            flash: What it remembers from before; None for the factory's values.
+            seed: Decides what chance would: the charge that the battery starts with.
+        Raises:
+            LocalProtocolError: The name does not fit the handshake.
+            EncodeError: A FLASH parameter does not fit CONFIGpac.
+        """
+        self.panel = Panel()
+        self._board = Board(model, name, flash or Flash.of(model, name), self.panel, seed)
+        self._handshake = RobotHandshake(Identity(name, model.robot_class, model.name))
+        self._codec = SipCodec(model)
+        self._sip_clock = Cadence(self._board.flash.sip_cycle)
+        self._decoder = FrameDecoder()
+        self._inbox = bytearray()
+        self._outbox: list[bytes] = []
+        self._now = 0.0
+        encode_packet(EXTRAS[PacketType.CONFIGURATION](self._board, BodyState()), model)
+
+    @property
+    def connected(self) -> bool:
+        """A client has opened the connection."""
+        return self._handshake.state is ConnectionState.OPEN
+
+    @property
+    def host_baud(self) -> int:
+        """Rate of the host line, bit/s: for the bytes that the last step returned, and for those to come."""
+        return self._board.host_baud
+
+    @property
+    def motors_enabled(self) -> bool:
+        """The motors have power."""
+        return self._board.motors.enabled
+
+    @property
+    def digital_out(self) -> int:
+        """Levels of the user outputs, bit 0 to 7."""
+        return self._board.digital_out
+
+    @property
+    def battery_charge(self) -> float:
+        """State of charge, 0 to 1."""
+        return self._board.battery.charge
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes from the line."""
+        self._inbox += data
+
+    def power_cycle(self) -> None:
+        """Lose power for a moment: a connected client is told, then everything is as after the power switch."""
+        if self.connected:
+            self._outbox.append(_RESET_FRAME)
+        self._handshake.reset()
+        self._decoder = FrameDecoder()
+        self._inbox.clear()
+        self._board.power_on()
+
+    def step(self, dt: float, body: Body) -> bytes:
+        """Take one step.
+
+        Args:
+            dt: s.
+            body: The machine, as the last physics step left it.
+        Returns:
+            Everything to send now: whole frames.
+        """
+        board = self._board
+        self._now += dt
+        board.begin_step()
+        if self._inbox:
+            self._listen()
+        state = body.state
+        if self._handshake.state is ConnectionState.OPEN:
+            board.watchdog.advance(dt)
+        board.advance(body, state, dt)
+        if self._sip_clock.advance(dt):
+            self._complete_cycle(state)
+        if not self._outbox:
+            return b""
+        sent = b"".join(self._outbox)
+        self._outbox.clear()
+        return sent
+
+    def _listen(self) -> None:
+        data = bytes(self._inbox)
+        self._inbox.clear()
+        self._handle_frames(data)
+
+    def _handle_frames(self, data: bytes) -> None:
+        """Carry out every sound frame; damaged ones and noise are ignored."""
+        for event in self._decoder.receive(data, self._now):
+            if isinstance(event, Frame):
+                self._handle(event.payload)
+            if self._board.reset_due:
+                self.power_cycle()
+                return
+
+    def _handle(self, payload: bytes) -> None:
+        board, handshake = self._board, self._handshake
+        was_open = self.connected
+        answer = handshake.receive(payload)
+        if answer is not None:
+            self._outbox.append(encode_frame(answer))
+        elif self.connected:
+            board.watchdog.feed()
+            if was_open:
+                execute(board, payload)
+            else:
+                board.open()
+        elif was_open:
+            board.restore()
+
+    def _complete_cycle(self, state: BodyState) -> None:
+        """Once a SIP cycle: battery, frames begun and never ended, and the packets of the cycle."""
+        board = self._board
+        board.consume(state, self._sip_clock.period)
+        self._handle_frames(b"")
+        if not self.connected:
+            return
+        self._outbox.append(encode_frame(self._codec.encode(standard_sip(board, state))))
+        for packet in board.requests.take():
+            self._outbox.append(encode_frame(encode_packet(EXTRAS[packet](board, state), board.model)))

@@ -1,0 +1,34 @@
+"""Packets that a client has asked for beside the standard SIP."""
+
+from p2os.packets import PacketType
+
+ONE = 1
+STANDING = 2
+
+
+class Requests:
+    """What follows the next SIPs: once, or with every one of them."""
+
+    __slots__ = ("_wanted",)
+
+    def __init__(self) -> None:
+        self._wanted: dict[PacketType, int] = {}
+
+    def clear(self) -> None:
+        """Send nothing more."""
+        self._wanted.clear()
+
+    def ask(self, packet: PacketType, count: int) -> None:
+        """Ask for a packet: 0 stops it, 1 asks for one, 2 and more for one with every SIP."""
+        if count <= 0:
+            self._wanted.pop(packet, None)
+        else:
+            self._wanted[packet] = min(count, STANDING)
+
+    def take(self) -> list[PacketType]:
+        """The packets for this SIP, lowest type first."""
+        if not self._wanted:
+            return []
+        due = sorted(self._wanted)
+        self._wanted = {packet: count for packet, count in self._wanted.items() if count == STANDING}
+        return due

@@ -1,0 +1,162 @@
+"""What the board tells a client: standard SIP, CONFIGpac, ENCODERpac and IOpac."""
+
+from collections.abc import Callable, Mapping
+
+from p2os.firmware import BAUD_CODES, FIRMWARES, Family
+from p2os.packets import Configuration, Encoders, InputsOutputs, Packet, PacketType
+from p2os.sip import SipFlag, StandardSip, stall_word
+from p2os_emu.body import BodyState
+from p2os_emu.microcontroller.board import Board
+
+SHOWS = 0.0005
+"""m/s of a wheel rim from which the SIP shows it turning: what rounds to 1 mm/s."""
+ANALOG_TOP = 5.0
+"""V; the converters measure no more."""
+BATTERY_DIVIDER = 4
+"""Of a 12 V battery's divider to its A/D port; in proportion for others (assumed)."""
+PIONEER_BATTERY = 12.0
+
+_BAUD_CODE = {baud: code for code, baud in BAUD_CODES.items()}
+_INFRARED_INPUTS = frozenset({Family.ARCOS, Family.UARCS})
+_WRAP = 1 << 32
+
+
+def standard_sip(board: Board, state: BodyState) -> StandardSip:
+    """The standard SIP of this cycle; takes the sonar readings since the last one."""
+    odometry = board.odometry
+    panel = board.panel
+    stall = board.motors.stall
+    left, right = state.left_velocity, state.right_velocity
+    voltage = board.battery_voltage
+    port = board.analog_port
+    front, rear = _bumpers(board, state)
+    return StandardSip(
+        moving=abs(left) >= SHOWS or abs(right) >= SHOWS,
+        x=odometry.x,
+        y=odometry.y,
+        heading=odometry.heading,
+        left_velocity=left,
+        right_velocity=right,
+        battery=voltage,
+        stall=stall_word(stall.left, stall.right, front, rear),
+        control=board.motion.heading_setpoint,
+        flags=_flags(board),
+        sonar=board.sonar.take(),
+        analog_port=port,
+        analog=_clip(panel.analog[port]),
+        digital_in=panel.digital_in & 0xFF,
+        digital_out=board.digital_out,
+        battery_fine=voltage,
+        charge_state=board.battery.charging,
+        rotational_velocity=(right - left) / board.model.wheel_track,
+        fault_flags=0,
+    )
+
+
+def configuration(board: Board, state: BodyState) -> Configuration:
+    """CONFIGpac: working values where commands change them, FLASH for the rest."""
+    model, flash = board.model, board.flash
+    along = board.motion.translation.limits
+    around = board.motion.rotation.limits
+    front_arrays, rear_arrays = _sonar_arrays(board)
+    return Configuration(
+        robot_type=model.robot_class,
+        subtype=model.name,
+        serial=flash.serial,
+        rotation_top=around.top,
+        velocity_top=along.top,
+        rotational_acceleration_top=around.acceleration_top,
+        acceleration_top=along.acceleration_top,
+        pwm_max=flash.pwm_max,
+        name=board.name,
+        sip_cycle=flash.sip_cycle,
+        host_baud=_BAUD_CODE[board.host_baud],
+        aux1_baud=_BAUD_CODE[flash.aux_baud],
+        front_sonar=front_arrays,
+        rear_sonar=rear_arrays,
+        low_battery=flash.low_battery * model.battery_nominal,
+        rev_count=board.rev_count,
+        watchdog=board.watchdog.timeout,
+        stall_value=flash.stall_value,
+        stall_count=flash.stall_count,
+        joystick_velocity=flash.joystick_velocity,
+        joystick_rotation=flash.joystick_rotation,
+        rotation_max=max(around.forward, around.backward),
+        velocity_max=along.forward,
+        rotational_acceleration=around.acceleration,
+        rotational_deceleration=around.deceleration,
+        acceleration=along.acceleration,
+        deceleration=along.deceleration,
+        **board.gains,
+        front_bumpers=model.front_bumpers,
+        rear_bumpers=model.rear_bumpers,
+        charger=flash.charger,
+        sonar_cycle=board.sonar.cycle,
+        auto_baud=1,
+        drift_factor=board.drift_factor,
+        aux2_baud=_BAUD_CODE[flash.aux_baud],
+        aux3_baud=_BAUD_CODE[flash.aux_baud],
+        ticks_per_mm=board.ticks_mm,
+        shutdown_voltage=flash.shutdown_battery * model.battery_nominal,
+        firmware_version=FIRMWARES[model.firmware].version,
+        kinematics_delay=flash.kinematics_delay,
+    )
+
+
+def encoders(board: Board, state: BodyState) -> Encoders:
+    """ENCODERpac: ticks since power-on, as 32 bits carry them."""
+    odometry = board.odometry
+    return Encoders(_wrapped(odometry.left_ticks), _wrapped(odometry.right_ticks))
+
+
+def inputs_outputs(board: Board, state: BodyState) -> InputsOutputs:
+    """IOpac: user inputs, bumpers and, on ARCOS, infrared sensors; the battery's A/D port comes last."""
+    panel = board.panel
+    digital_in = [panel.digital_in & 0xFF, *_bumpers(board, state)]
+    if board.model.firmware in _INFRARED_INPUTS:
+        digital_in.append(panel.infrared & 0xFF)
+    divided = board.battery_voltage * PIONEER_BATTERY / board.model.battery_nominal / BATTERY_DIVIDER
+    analog = (*map(_clip, panel.analog), _clip(divided))
+    return InputsOutputs(bytes(digital_in), bytes([board.digital_out]), analog)
+
+
+EXTRAS: Mapping[PacketType, Callable[[Board, BodyState], Packet]] = {
+    PacketType.CONFIGURATION: configuration,
+    PacketType.ENCODERS: encoders,
+    PacketType.INPUTS_OUTPUTS: inputs_outputs,
+}
+"""Packets that follow a standard SIP when a client has asked for them."""
+
+
+def _flags(board: Board) -> int:
+    panel = board.panel
+    return (
+        (board.motors.enabled and SipFlag.MOTORS_ENABLED.value)
+        | board.sonar.firing << 1
+        | (panel.stop_button and SipFlag.STOP_BUTTON.value)
+        | (board.e_stalled and SipFlag.E_STALL.value)
+        | (panel.charger_plugged and SipFlag.CHARGER_GOOD.value)
+    )
+
+
+def _bumpers(board: Board, state: BodyState) -> tuple[int, int]:
+    """The pressed segments among those fitted, front and rear."""
+    model = board.model
+    return state.front_bumpers & (1 << model.front_bumpers) - 1, state.rear_bumpers & (1 << model.rear_bumpers) - 1
+
+
+def _sonar_arrays(board: Board) -> tuple[int, int]:
+    """How many arrays look forward, and how many look back: by where their discs sit."""
+    depths: dict[int, float] = {}
+    for disc in board.model.sonar:
+        depths[disc.array] = depths.get(disc.array, 0.0) + disc.x
+    front = sum(1 for depth in depths.values() if depth >= 0.0)
+    return front, len(depths) - front
+
+
+def _clip(voltage: float) -> float:
+    return max(0.0, min(ANALOG_TOP, voltage))
+
+
+def _wrapped(ticks: int) -> int:
+    return (ticks + _WRAP // 2) % _WRAP - _WRAP // 2
