@@ -1,0 +1,153 @@
+"""Where the suite finds its robots: on the port it is given, or in emulators it starts itself.
+
+One emulator per model serves a whole session (of one xdist worker); each test gets a connection of its own.
+"""
+
+import json
+import select
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+from pty_tests.client import CLOSE, ENABLE, SETA, SETO, SETRA, SETRV, SETV, STOP, Client
+from pty_tests.models import MODELS, Model
+
+# Every firmware family, odd factors, empty sonar slots. The world is the empty one unless "@WORLD" says otherwise.
+EMULATED = ("powerbot", "p3dx-sh", "p2dx", "powerbot-sh", "amigo")
+READY_WITHIN = 30.0  # s for an emulator to say where it listens, on a machine that is busy with other tests
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("P2OS conformance")
+    group.addoption(
+        "--port", help="judge the robot on this port (device path or socket://host:port); default: emulators"
+    )
+    group.addoption("--baud", type=int, default=9600, help="rate of the line to --port (default 9600)")
+    group.addoption("--model", help="subtype to emulate, or that the robot on --port must announce")
+    group.addoption("--may-move", action="store_true", help="the robot on --port has 2 m of free floor around it")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "moves: the robot drives or turns; on --port only with --may-move")
+    config.addinivalue_line(
+        "markers", "emulate(*models): which emulated models suffice for this test, to keep the suite short"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--port") and not config.getoption("--may-move"):
+        for item in items:
+            if item.get_closest_marker("moves"):
+                item.add_marker(pytest.mark.skip(reason="moves the robot: give --may-move where there is room"))
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "site" not in metafunc.fixturenames:
+        return
+    if metafunc.config.getoption("--port"):
+        models = ["port"]
+    elif chosen := metafunc.config.getoption("--model"):
+        models = [chosen]
+    else:
+        mark = metafunc.definition.get_closest_marker("emulate")
+        models = list(mark.args if mark else EMULATED)
+    metafunc.parametrize("site", models, indirect=True, scope="session")
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A port with a robot behind it: `model` is the subtype it must announce, if that is known."""
+
+    port: str
+    baud: int
+    model: str | None
+    emulated: bool
+
+
+@pytest.fixture(scope="session")
+def site(request: pytest.FixtureRequest) -> Iterator[Site]:
+    """The robot under test."""
+    baud = request.config.getoption("--baud")
+    if port := request.config.getoption("--port"):
+        yield Site(port, baud, request.config.getoption("--model"), emulated=False)
+        return
+    model, _, world = request.param.partition("@")
+    with subprocess.Popen(
+        [sys.executable, "-m", "p2os_emu", "--robot", model, "--world", world or "empty", "--json"],
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as emulator:
+        try:
+            yield Site(port_of(emulator), baud, model, emulated=True)
+            assert emulator.poll() is None, f"the emulator ended by itself with code {emulator.returncode}"
+        finally:
+            emulator.terminate()
+            emulator.wait(10)
+
+
+def port_of(emulator: "subprocess.Popen[str]") -> str:
+    """Wait for the line that says every robot is ready; return the first robot's port."""
+    assert emulator.stdout is not None
+    ready, _, _ = select.select([emulator.stdout], [], [], READY_WITHIN)
+    assert ready, f"the emulator said nothing within {READY_WITHIN} s"
+    line = emulator.stdout.readline()
+    assert line, f"the emulator ended with code {emulator.wait(10)} before it was ready"
+    port = json.loads(line)["robots"][0]["port"]
+    assert isinstance(port, str)
+    return port
+
+
+@pytest.fixture
+def line(site: Site) -> Iterator[Client]:
+    """A cable to a robot that waits for a handshake and is silent."""
+    with Client(site.port, site.baud) as client:
+        client.hang_up()
+        yield client
+        client.send(CLOSE)
+        assert not client.complaints
+
+
+@pytest.fixture
+def robot(site: Site) -> Iterator[Client]:
+    """A connected robot, SIPs running, motors off."""
+    with Client(site.port, site.baud) as client:
+        client.connect()
+        yield client
+        client.send(STOP)
+        client.send(CLOSE)
+        assert not client.complaints
+
+
+@pytest.fixture
+def model(site: Site) -> Model:
+    """The factors of the robot under test."""
+    name = site.model
+    if name is None:
+        with Client(site.port, site.baud) as client:
+            name = client.sync().subtype.lower()
+    if name not in MODELS:
+        pytest.skip(f"the suite holds no factors for {name!r}: it knows {', '.join(sorted(MODELS))}")
+    return MODELS[name]
+
+
+@pytest.fixture
+def driven(robot: Client) -> Client:
+    """A robot at rest with its motors on, at the origin of its odometry, with brisk and known limits."""
+    robot.send(STOP)
+    for number, value in (
+        (SETV, 600),
+        (SETA, 400),
+        (SETA, -400),
+        (SETRV, 90),
+        (SETRA, 150),
+        (SETRA, -150),
+        (ENABLE, 1),
+    ):
+        robot.send(number, value)
+    robot.sip(lambda sip: sip.motors and sip.at_rest, "SIP with motors on and wheels still", 5.0)
+    robot.send(SETO)
+    robot.sip(lambda sip: not (sip.x or sip.y or sip.heading), "SIP with the odometry at its origin")
+    return robot

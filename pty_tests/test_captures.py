@@ -1,0 +1,60 @@
+"""The host side of recorded conversations, replayed: ARIA programs, the ROS 1 driver and CARMEN.
+
+The recordings lie beside the repository, not in it. Pauses are shortened, but each SYNC waits for its answer.
+"""
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+
+from pty_tests.client import Client, Splitter
+from pty_tests.conftest import Site
+from pty_tests.packets import CONFIGPAC, Sip
+
+CAPTURES = Path(__file__).resolve().parents[2] / "shared" / "captures"
+FASTER = 8  # how many times; a wander of half a minute becomes one of 4 s
+LONGEST_PAUSE = 0.25  # s, as replayed
+PROGRAMS = ("aria-gotoAction", "aria-wander", "carmen", "ros-p2os")
+
+
+def host_side(path: Path) -> list[tuple[float, bytes]]:
+    """When (s) the client wrote what."""
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    return [(line["t"], bytes.fromhex(line["hex"])) for line in lines if line["from"] == "host"]
+
+
+def replay(robot: Client, writes: list[tuple[float, bytes]]) -> list[bytes]:
+    """Write all that the client wrote; return the payloads that came back after the handshake."""
+    heard: list[bytes] = []
+    syncs = [0, 1, 2]
+    before = writes[0][0]
+    for at, raw in writes:
+        heard += [item.payload for item in robot.hear(min((at - before) / FASTER, LONGEST_PAUSE), pulse=False)]
+        before = at
+        robot.write(raw)
+        if syncs and list(Splitter().receive(raw)) == [bytes([syncs[0]])]:
+            robot.next(syncs.pop(0), pulse=False)
+    return heard
+
+
+@pytest.mark.skipif(not CAPTURES.is_dir(), reason="the recordings are not beside the repository")
+@pytest.mark.parametrize("program", PROGRAMS)
+@pytest.mark.emulate("p3dx-sh", "powerbot-sh")
+def test_a_recorded_client_is_served(site: Site, line: Client, program: str) -> None:
+    if not site.emulated:
+        pytest.skip("a recorded program drives further than a tester's floor")
+    path = CAPTURES / f"{program}.{site.model}.jsonl"
+    if not path.is_file():
+        pytest.skip(f"no recording {path.name}")
+    began = time.monotonic()
+    heard = replay(line, host_side(path))
+    sips = [Sip.parse(payload) for payload in heard if Sip.is_one(payload)]
+    assert len(sips) >= (time.monotonic() - began) * 10 * 0.5, "the stream faltered"
+    assert not program.startswith("aria") or any(payload[0] == CONFIGPAC for payload in heard), (
+        "ARIA asks for CONFIGpac"
+    )
+    assert any(sip.motors for sip in sips)
+    assert max(abs(sip.left) for sip in sips) > 50, "the drive commands moved no wheel"
+    assert not list(line.hear(0.25, pulse=False)), "the stream went on after the client's CLOSE"

@@ -1,0 +1,93 @@
+"""A driver written elsewhere meets the robot: Soar's ARCOS client, used as a library.
+
+It opens the port anew at each rate it tries, sends CLOSE before the handshake, and shares no code with us.
+"""
+
+from collections.abc import Callable, Iterator
+from threading import Event
+from typing import Any
+
+import pytest
+
+from pty_tests.client import Client
+from pty_tests.conftest import Site
+from pty_tests.models import Model
+
+arcos = pytest.importorskip(
+    "soar.robot.arcos", reason="Soar imports tkinter, which this Python lacks", exc_type=ImportError
+)
+
+pytestmark = [
+    pytest.mark.moves,
+    # In the office there are echoes nearer than 5 m; without any, Soar waits 5 s for one at every connection.
+    pytest.mark.emulate("p3dx-sh@office", "powerbot-sh@office"),
+    # Soar's reader thread may be caught between its last look at the flag and the closed port, and dies of it.
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning"),
+]
+
+
+@pytest.fixture
+def connect(site: Site, model: Model) -> Iterator[Callable[[], Any]]:
+    """A function that returns a new, connected Soar client."""
+    if model.firmware != "ARCOS":
+        pytest.skip("Soar reads the fields that only ARCOS sends")
+    if "://" in site.port:
+        pytest.skip("Soar opens devices only")
+    clients = []
+
+    def new_client() -> Any:
+        client = arcos.ARCOSClient()
+        clients.append(client)
+        client.connect(forced_ports=[site.port])
+        return client
+
+    yield new_client
+    for client in clients:
+        client.disconnect()
+    with Client(site.port, site.baud) as ours:
+        ours.hang_up()
+
+
+def until(client: Any, holds: Callable[[dict[str, Any]], bool], tries: int = 40) -> dict[str, Any]:
+    """The first of the next standard SIPs, as Soar decodes them, that fits."""
+    for _ in range(tries):
+        client.wait_or_timeout(client.standard_event, 2.0, "no SIP")
+        if holds(client.standard):
+            return dict(client.standard)
+    raise AssertionError(f"not within {tries} SIPs: {client.standard}")
+
+
+def ask(client: Any, event: Event, command: int, argument: int | None = None) -> None:
+    event.clear()
+    client.send_command(command, argument)
+    client.wait_or_timeout(event, 2.0, f"no answer to {command}")
+
+
+def test_soar_connects_reads_everything_drives_and_leaves_several_times(
+    connect: Callable[[], Any], model: Model
+) -> None:
+    for _ in range(3):
+        client = connect()
+        ask(client, client.config_event, arcos.CONFIG)
+        assert client.config["ROBOT_TYPE"] == "Pioneer"
+        assert client.config["SUBTYPE"] == model.subtype
+        assert client.config["TRANSVELMAX"] > 0
+
+        ask(client, client.io_event, arcos.IOREQUEST, 1)
+        assert (client.io["N DIGIN"], client.io["N_DIGOUT"]) == (4, 1), "ARCOS groups, as Soar takes them for granted"
+        assert len(client.io["ANALOGS"]) == client.io["N_AN"]
+
+        heard = {number for number in range(32) if client.sonars[number] != 5000}
+        assert heard
+        assert heard <= model.discs
+
+        ask(client, client.encoder_event, arcos.ENCODER, 1)
+        before = client.encoder["L_ENCODER"]
+        client.send_command(arcos.ENABLE, 1)
+        client.send_command(arcos.VEL, 200)
+        until(client, lambda sip: sip["L VEL"] > 190 and sip["R VEL"] > 190)
+        client.send_command(arcos.STOP)
+        until(client, lambda sip: sip["L VEL"] == sip["R VEL"] == 0)
+        ask(client, client.encoder_event, arcos.ENCODER, 1)
+        assert client.encoder["L_ENCODER"] != before
+        client.disconnect()
