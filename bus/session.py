@@ -1,0 +1,307 @@
+"""The bus between processes and machines: a Zenoh session.
+
+What a profile says is Zenoh's own configuration, in TOML with Zenoh's own names; the profiles are in `configs/bus`, and
+a file of Zenoh's (`.json5`) serves as well.
+"""
+
+import atexit
+import contextlib
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from queue import SimpleQueue
+from typing import Any, Protocol, Self
+
+import zenoh
+
+from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
+from bus.errors import BusUnavailable, NoAnswer
+from bus.exchange import (
+    Answerer,
+    Reply,
+    answered,
+    encode_any,
+    encode_as,
+    encoding_of,
+    guarded,
+    key_expression,
+    plain_key,
+    reason,
+    sorted_out,
+)
+from bus.messages import encode_json, prepare
+from configs.loader import ConfigError, find, read
+
+# Sessions on one machine meet within some ms of opening. A query that finds nobody in a session younger than this is
+# asked again.
+MEETING_TIME = 0.5  # s
+ASK_AGAIN_AFTER = 0.02  # s
+HANDLER_GRACE = 1.0  # s for handlers to end when the bus is closed
+
+ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
+
+
+def configuration(profile: str) -> zenoh.Config:
+    """Zenoh's configuration from a profile.
+
+    Args:
+        profile: A name in `configs/bus`, or a file: TOML, or Zenoh's own JSON5 when it ends in `.json5` or `.json`.
+    Raises:
+        ConfigError: There is no such profile, or Zenoh does not take it.
+    """
+    path = find("bus", profile)
+    try:
+        if path.suffix in (".json5", ".json"):
+            return zenoh.Config.from_file(path)
+        return zenoh.Config.from_json5(json.dumps(read(path)))
+    except zenoh.ZError as err:
+        raise ConfigError(f"{path} is not a configuration of Zenoh: {reason(err)}") from err
+
+
+class ZenohBus(Bus):
+    """One participant: a session, and one thread on which all its handlers run, in the order of arrival.
+
+    Since a handler holds up the others it must be quick, and must not query what the same bus serves.
+    """
+
+    def __init__(self, config: zenoh.Config) -> None:
+        """Open a session.
+
+        Raises:
+            BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
+        """
+        try:
+            self._session = zenoh.open(config)
+        except zenoh.ZError as err:
+            raise BusUnavailable(f"the bus cannot be opened: {reason(err)}") from err
+        self._is_closed = False
+        self._met_at = time.monotonic() + MEETING_TIME
+        self._handlers = _HandlerThread()
+        atexit.register(self.close)  # a session left open keeps the interpreter from ending
+
+    @classmethod
+    def open(cls, profile: str = "local") -> Self:
+        """Open a session with a profile: a name in `configs/bus`, or a file.
+
+        Raises:
+            ConfigError: There is no such profile, or Zenoh does not take it.
+            BusUnavailable: Zenoh cannot open a session.
+        """
+        return cls(configuration(profile))
+
+    def publisher(self, key: str, type_name: str) -> Publisher:
+        """Declare a stream."""
+        plain_key(key)
+        if type_name != JSON:
+            prepare(type_name)
+        with self._usable():
+            handle = self._session.declare_publisher(
+                key, encoding=encoding_of(type_name), congestion_control=zenoh.CongestionControl.DROP
+            )
+        return _ZenohPublisher(handle, type_name)
+
+    def put(self, key: str, message: object, attachment: bytes = b"") -> None:
+        """Publish one message once; dropped under congestion."""
+        self._put(key, message, attachment, zenoh.CongestionControl.DROP)
+
+    def send(self, key: str, message: object, attachment: bytes = b"") -> None:
+        """Publish one message; wait while the way is congested."""
+        self._put(key, message, attachment, zenoh.CongestionControl.BLOCK)
+
+    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None]) -> Subscription:
+        """Hear what is put on matching keys."""
+
+        def hear(sample: zenoh.Sample) -> None:
+            if sample.kind == zenoh.SampleKind.PUT:
+                attachment = sample.attachment
+                on_sample(
+                    Sample(
+                        key=str(sample.key_expr),
+                        payload=sample.payload.to_bytes(),
+                        encoding=str(sample.encoding),
+                        attachment=attachment.to_bytes() if attachment else b"",
+                    )
+                )
+
+        return self._listen(key_expr, hear, partial(self._session.declare_subscriber, key_expression(key_expr)))
+
+    def serve(self, key: str, answer: Answerer) -> Subscription:
+        """Answer queries on a key."""
+
+        def respond(query: zenoh.Query) -> None:
+            with query:
+                reply = answered(key, answer, query.payload.to_bytes() if query.payload else b"")
+                if reply.is_error:
+                    query.reply_err(reply.payload, encoding=JSON)
+                else:
+                    query.reply(key, reply.payload, encoding=JSON)
+
+        return self._listen(key, respond, partial(self._session.declare_queryable, plain_key(key)))
+
+    def query(
+        self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
+    ) -> list[Answer]:
+        """Ask everyone who serves a matching key, and wait until all have answered."""
+        key = key_expression(key_expr)
+        payload = encode_json(arguments or {})
+        with self._usable():
+            replies = self._ask(key, payload, timeout)
+            while not replies and time.monotonic() < self._met_at:
+                time.sleep(ASK_AGAIN_AFTER)
+                replies = self._ask(key, payload, timeout)
+        return sorted_out(key_expr, replies)
+
+    def declare_alive(self, key: str) -> Subscription:
+        """Show a token while this session lives."""
+        plain_key(key)
+        with self._usable():
+            return _Declared(self._session.liveliness().declare_token(key))
+
+    def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
+        """Hear of tokens that are there, come and go."""
+
+        def hear(sample: zenoh.Sample) -> None:
+            on_change(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
+
+        key = key_expression(key_expr)
+        with self._usable():
+            declare = self._session.liveliness().declare_subscriber
+        return self._listen(key_expr, hear, partial(declare, key, history=True))
+
+    def close(self) -> None:
+        """Leave the bus."""
+        if not self._is_closed:
+            self._is_closed = True
+            atexit.unregister(self.close)
+            self._handlers.stop()
+            self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
+
+    def _put(self, key: str, message: object, attachment: bytes, congestion: zenoh.CongestionControl) -> None:
+        payload, encoding = encode_any(message)
+        plain_key(key)
+        with self._usable():
+            self._session.put(
+                key, payload, encoding=encoding, congestion_control=congestion, attachment=attachment or None
+            )
+
+    def _ask(self, key: zenoh.KeyExpr, payload: bytes, timeout: float) -> list[Reply]:
+        """One round: every reply, in the order of arrival.
+
+        Consolidation would keep only the last of several replies on one key.
+        """
+        replies = []
+        for reply in self._session.get(
+            key,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=timeout,
+            payload=payload,
+            encoding=JSON,
+        ):
+            if reply.ok is not None:
+                replies.append(Reply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes()))
+            elif reply.err is not None:
+                payload = reply.err.payload.to_bytes()
+                if payload == ZENOH_TIMEOUT and str(reply.err.encoding) != JSON:
+                    raise NoAnswer(f"someone who serves {key} has not answered within {timeout:g} s")
+                replies.append(Reply(True, "", payload))
+        return replies
+
+    def _listen(
+        self, key_expr: str, handler: Callable[[Any], None], declare: "Callable[[Any], _Undeclarable]"
+    ) -> Subscription:
+        """Declare a subscriber or queryable whose handler runs on this bus's thread."""
+        listening = _Listening(guarded(key_expr, handler))
+        with self._usable():
+            # Zenoh's own thread posts to the one queue; by default there would be a thread for every declaration.
+            listening.handle = declare(zenoh.handlers.Callback(partial(self._handlers.post, listening), indirect=False))
+        return listening
+
+    @contextlib.contextmanager
+    def _usable(self) -> Iterator[None]:
+        """Refuse on a closed bus, and put Zenoh's errors in the bus's own words."""
+        if self._is_closed:
+            raise BusUnavailable("this bus is closed")
+        try:
+            yield
+        except zenoh.ZError as err:
+            raise BusUnavailable(f"the bus failed: {reason(err)}") from err
+
+
+class _Undeclarable(Protocol):
+    """What Zenoh returns for a declaration."""
+
+    def undeclare(self) -> object: ...
+
+
+class _Declared(Subscription):
+    """Something declared on a Zenoh session; when the session closes, so does it."""
+
+    def __init__(self, handle: _Undeclarable | None = None) -> None:
+        self.handle = handle
+
+    def close(self) -> None:
+        handle, self.handle = self.handle, None
+        if handle is not None:
+            with contextlib.suppress(zenoh.ZError):  # the session closed before it
+                handle.undeclare()
+
+
+class _Listening(_Declared):
+    """A subscriber or queryable and its handler."""
+
+    def __init__(self, handler: Callable[[Any], None]) -> None:
+        super().__init__()
+        self._handler = handler
+        self._is_open = True
+
+    def hear(self, item: object) -> None:
+        """Run the handler, unless this was closed while the item waited."""
+        if self._is_open:
+            self._handler(item)
+
+    def close(self) -> None:
+        self._is_open = False
+        super().close()
+
+
+class _ZenohPublisher(_Declared, Publisher):
+    """A key and a type on a Zenoh session."""
+
+    def __init__(self, handle: zenoh.Publisher, type_name: str) -> None:
+        super().__init__(handle)
+        self._publisher = handle
+        self._type_name = type_name
+
+    def put(self, message: object, attachment: bytes = b"") -> None:
+        payload = encode_as(message, self._type_name)
+        try:
+            self._publisher.put(payload, attachment=attachment or None)
+        except zenoh.ZError as err:
+            raise BusUnavailable(f"this message cannot be published: {reason(err)}") from err
+
+
+class _HandlerThread:
+    """Runs handlers one after the other. A daemon, since a handler may hang and the program must still end."""
+
+    def __init__(self) -> None:
+        self._work: SimpleQueue[tuple[_Listening, object] | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="bus", daemon=True)
+        self._thread.start()
+
+    def post(self, listening: _Listening, item: object) -> None:
+        """Have an item heard when its turn comes."""
+        self._work.put((listening, item))
+
+    def stop(self) -> None:
+        """End after what waits already; a handler that hangs is left behind."""
+        self._work.put(None)
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=HANDLER_GRACE)
+
+    def _run(self) -> None:
+        while (work := self._work.get()) is not None:
+            listening, item = work
+            listening.hear(item)
