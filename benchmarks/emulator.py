@@ -49,7 +49,10 @@ def _twenty() -> list[Figure]:
         arrivals = _listen(clients, SECONDS)
         cost = meter.percent()
     worst = max(
-        (deviation("emulator", f"SIP cadence, {TEAM} robots: distance from 100 ms, p99, worst robot", a) for a in arrivals),
+        (
+            deviation("emulator", f"SIP cadence, {TEAM} robots: distance from 100 ms, p99, worst robot", a)
+            for a in arrivals
+        ),
         key=lambda figure: figure.value,
     )
     return [Figure("emulator", f"processor, {TEAM} robots with 16 sonar each, all driving", cost, 20.0, "%"), worst]
