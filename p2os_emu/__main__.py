@@ -1,0 +1,166 @@
+"""`p2os-emu`: emulated robots on ports of their own."""
+
+import contextlib
+import gc
+import json
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import configs
+from p2os_emu.control import ControlSocket
+from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.fault_spec import FaultError
+from p2os_emu.faults import FaultBoard
+from p2os_emu.links.line import LinkProfile
+from p2os_emu.links.link import PortError
+from p2os_emu.links.poller import Poller
+from p2os_emu.lists import listing
+from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PHYSICS, EXIT_PORT, Options, parse
+from p2os_emu.ports import Ports
+from p2os_emu.requests import Desk
+from p2os_emu.runner import Runner
+from p2os_emu.team import Team, TeamError
+
+if TYPE_CHECKING:
+    from p2os_emu.world import World
+
+
+class PhysicsError(Exception):
+    """There is no physics engine, or it cannot start."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Parse, build and run; returns an exit code of `p2os_emu.options`."""
+    options = parse(argv)
+    try:
+        if options.listing is not None:
+            print(listing(options.listing))
+            return EXIT_OK
+        with _ended_by_signals():
+            _emulate(options)
+    except (configs.ConfigError, TeamError, FaultError) as error:
+        return _fail(error, EXIT_CONFIG)
+    except PortError as error:
+        return _fail(error, EXIT_PORT)
+    except PhysicsError as error:
+        return _fail(error, EXIT_PHYSICS)
+    except BrokenPipeError:
+        # Whoever was to read the ready line is gone; so is the reason to run.
+        return EXIT_OK
+    return EXIT_OK
+
+
+def _emulate(options: Options) -> None:
+    profile = configs.load(LinkProfile, "links", options.link)
+    flash = configs.read(options.flash) if options.flash else {}
+    with ExitStack() as stack:
+        world = stack.enter_context(contextlib.closing(_make_world(options)))
+        poller = stack.enter_context(contextlib.closing(Poller()))
+        emulator = Emulator(world, profile, seed=options.seed, hangup_stops=options.hangup_stops)
+        stack.callback(emulator.close)
+        ports = Ports(poller, pty=options.pty, tcp=options.tcp, several=len(options.robots) > 1)
+        team = Team(emulator, ports, options.link, flash, str(options.flash))
+        robots = [team.add(text) for text in options.robots]
+        faults = FaultBoard(emulator.robots)
+        emulator.before_step = faults.advance
+        for spec in options.faults:
+            faults.schedule(spec, emulator.time)
+        runner = Runner(emulator, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
+        desk = Desk(team, faults, runner)
+        control = ControlSocket(_control_path(options, stack), poller, desk.answer)
+        stack.callback(control.close)
+        runner.between_steps = control.serve
+        _announce(options, [team.entry(robot) for robot in robots], control.path)
+        # What the start has made lives to the end: the collector need not walk through it while robots are driving.
+        gc.collect()
+        gc.freeze()
+        stack.callback(_report, options, runner)
+        runner.run(options.duration)
+
+
+def _make_world(options: Options) -> "World":
+    # The engine takes longer to load than all the rest: what needs none of it should not wait for it.
+    try:
+        from p2os_emu.world import World, WorldError, load_world
+    except ImportError as error:
+        raise PhysicsError(f"{error}; install the physics engine with: pip install 'acromovi[emu]'") from error
+    try:
+        spec = load_world(options.world)
+    except WorldError as error:
+        raise configs.ConfigError(str(error)) from error
+    try:
+        return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
+    except WorldError as error:
+        raise PhysicsError(str(error)) from error
+
+
+def _control_path(options: Options, stack: ExitStack) -> Path:
+    if options.control is not None:
+        return options.control
+    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="p2os-emu-"))) / "control"
+
+
+def _announce(options: Options, robots: list[dict[str, Any]], control: Path) -> None:
+    if options.json:
+        print(json.dumps({"robots": robots, "control": str(control)}), flush=True)
+    elif not options.quiet:
+        for robot in robots:
+            print(f"{robot['name']}, a {robot['model']}, is on {robot['port']}")
+        print(f"\nConnect any client to it, or drive it from the bus:  p2os-gateway {robots[0]['port']}")
+        print(f"Control socket: {control}")
+        print("Ctrl-C ends it.", flush=True)
+    if options.speed != 1.0 and not options.quiet:
+        print(
+            f"p2os-emu: at --speed {options.speed:g} the robots' watchdogs and those of their clients no longer agree",
+            file=sys.stderr,
+        )
+
+
+def _report(options: Options, runner: Runner) -> None:
+    if runner.late_dropped and not options.quiet:
+        seconds = runner.late_dropped * STEP
+        print(
+            f"p2os-emu: the machine was too busy: {runner.late_dropped} steps ({seconds:.1f} s) were more than a "
+            "second late and were dropped",
+            file=sys.stderr,
+        )
+
+
+def _fail(error: Exception, code: int) -> int:
+    print(f"p2os-emu: {error}", file=sys.stderr)
+    return code
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """SIGINT and SIGTERM end what is inside, in order: links, sockets and folders are removed."""
+    before = {number: signal.signal(number, _leave) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    except _Ended:
+        return
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Ended(BaseException):
+    """A signal asked for the end; not an error, and nobody on the way may take it for one."""
+
+
+def _leave(number: int, frame: FrameType | None) -> NoReturn:
+    # A second signal must not interrupt the tidying up.
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, signal.SIG_IGN)
+    raise _Ended
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,229 @@
+"""Robots in a world, each on its own line: one step moves them all. It opens no port and reads no clock."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from random import Random
+from typing import Protocol
+
+from geometry import Pose2D
+from p2os import Command, RobotModel, encode_command
+from p2os_emu.body import Body, BodyState
+from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.links.link import Link
+from p2os_emu.microcontroller import Flash, Microcontroller
+
+STEP = 1 / 120  # s; the world moves in steps of this size and no other
+_FAREWELL = encode_command(Command.CLOSE)
+
+
+class Truth(Protocol):
+    """How a robot really moves, which its odometry only estimates."""
+
+    @property
+    def pose(self) -> Pose2D:
+        """In the world: m, m, rad."""
+        ...
+
+    @property
+    def linear(self) -> float:
+        """Forward speed, m/s."""
+        ...
+
+    @property
+    def angular(self) -> float:
+        """Turning speed, rad/s, counter-clockwise."""
+        ...
+
+
+class Surroundings(Protocol):
+    """The part of a world that the emulator needs."""
+
+    @property
+    def time(self) -> float:
+        """Emulated time since the start, s."""
+        ...
+
+    def step(self) -> None:
+        """Move everything on by `STEP`."""
+        ...
+
+    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None) -> Body:
+        """Put a robot down, on a free place unless one is given."""
+        ...
+
+    def remove_robot(self, name: str) -> None:
+        """Take a robot away."""
+        ...
+
+    def truth(self, name: str) -> Truth:
+        """How a robot really moves."""
+        ...
+
+    def place(self, name: str, pose: Pose2D) -> None:
+        """Put a robot elsewhere, as a hand would; its odometry does not notice."""
+        ...
+
+
+@dataclass(slots=True)
+class PressedBumpers:
+    """A body some of whose bumper segments are held down; see `BodyState` for the bits."""
+
+    body: Body
+    front: int
+    rear: int
+
+    @property
+    def state(self) -> BodyState:
+        """The machine after the last physics step, with these segments pressed."""
+        state = self.body.state
+        return state._replace(
+            front_bumpers=state.front_bumpers | self.front, rear_bumpers=state.rear_bumpers | self.rear
+        )
+
+    def drive(self, left: float, right: float) -> None:
+        """As `Body.drive`."""
+        self.body.drive(left, right)
+
+    def release(self) -> None:
+        """As `Body.release`."""
+        self.body.release()
+
+    def ping(self, discs: Sequence[int]) -> Sequence[float]:
+        """As `Body.ping`."""
+        return self.body.ping(discs)
+
+
+@dataclass(slots=True)
+class EmulatedRobot:
+    """One robot: controller, machine and line.
+
+    start: where it was put down.
+    is_frozen: the firmware hangs; the wheels keep the speed it commanded last, and bytes that come are lost.
+    is_powered: whether the controller has power.
+    body: what the controller reaches, which a fault may have put something in front of.
+    """
+
+    name: str
+    model: RobotModel
+    microcontroller: Microcontroller
+    body: Body
+    line: Line
+    start: Pose2D
+    is_frozen: bool = False
+    is_powered: bool = True
+    was_attached: bool = False
+
+    def think(self, now: float) -> bytes:
+        """Take what has come over the line and let the firmware take a step; returns what it has to say."""
+        controller = self.microcontroller
+        data = self.line.receive(now, controller.host_baud)
+        if self.is_frozen or not self.is_powered:
+            return b""
+        if data:
+            controller.receive(data)
+        return controller.step(STEP, self.body)
+
+
+class Emulator:
+    """Robots in a world.
+
+    robots: by name, in the order they came.
+    before_step: called with emulated time, s, before every step: where faults come and go.
+    """
+
+    def __init__(self, world: Surroundings, profile: LinkProfile, *, seed: int = 0, hangup_stops: bool = False) -> None:
+        """Take over a world.
+
+        Args:
+            world: Nobody else may step it.
+            profile: What every line does to bytes.
+            seed: Decides what chance would in firmware and lines; each robot draws by its own name.
+            hangup_stops: Stop a robot whose client has closed the port, as iron never could.
+        """
+        self.robots: dict[str, EmulatedRobot] = {}
+        self.before_step: Callable[[float], None] = _nothing
+        self._world = world
+        self._profile = profile
+        self._seed = seed
+        self._hangup_stops = hangup_stops
+
+    @property
+    def time(self) -> float:
+        """Emulated time since the start, s."""
+        return self._world.time
+
+    def add(
+        self, name: str, model: RobotModel, link: Link, *, pose: Pose2D | None = None, flash: Flash | None = None
+    ) -> EmulatedRobot:
+        """Put a robot into the world and its line on a link.
+
+        Args:
+            name: Not yet taken; at most 19 characters.
+            model: What it is.
+            link: Its port; closed with the robot.
+            pose: In the world, m, m, rad; None leaves the choice to the world.
+            flash: What its controller remembers; None for the factory's values.
+        Raises:
+            ValueError: The name does not fit, or there is no room.
+        """
+        if name in self.robots:
+            raise ValueError(f"there is a robot {name!r} already; choose another name")
+        controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"))
+        body = self._world.add_robot(name, model, pose)
+        line = Line(link, self._profile, self._chance(name, "line"))
+        robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose)
+        self.robots[name] = robot
+        return robot
+
+    def remove(self, name: str) -> None:
+        """Take a robot out of the world and close its port."""
+        robot = self.robots.pop(name)
+        robot.line.link.close()
+        self._world.remove_robot(name)
+
+    def truth(self, name: str) -> Truth:
+        """How a robot really moves."""
+        return self._world.truth(name)
+
+    def place(self, name: str, pose: Pose2D) -> None:
+        """Put a robot elsewhere, as a hand would; its odometry does not notice."""
+        self._world.place(name, pose)
+
+    def restart(self, name: str) -> None:
+        """Carry a robot back to where it started and press its RESET button: odometry zero, connection closed."""
+        robot = self.robots[name]
+        self._world.place(name, robot.start)
+        robot.microcontroller.power_cycle()
+
+    def step(self) -> None:
+        """Move everything on by `STEP`: lines, firmware, world, lines."""
+        self.before_step(self._world.time)
+        if self._hangup_stops:
+            self._stop_deserted()
+        robots = tuple(self.robots.values())
+        now = self._world.time
+        sayings = [robot.think(now) for robot in robots]
+        self._world.step()
+        now = self._world.time
+        for robot, saying in zip(robots, sayings, strict=True):
+            robot.line.send(saying, now, robot.microcontroller.host_baud)
+
+    def close(self) -> None:
+        """Close every port; the world belongs to who made it."""
+        for robot in self.robots.values():
+            robot.line.link.close()
+
+    def _stop_deserted(self) -> None:
+        for robot in self.robots.values():
+            attached = robot.line.link.attached
+            if robot.was_attached and not attached:
+                robot.microcontroller.receive(_FAREWELL)
+            robot.was_attached = attached
+
+    def _chance(self, name: str, part: str) -> int:
+        """A seed that stays the same whatever other robots there are."""
+        return Random(f"{self._seed} {name} {part}").getrandbits(32)
+
+
+def _nothing(now: float) -> None:
+    """Before a step, when there are no faults."""

@@ -1,0 +1,60 @@
+"""What `--list-robots`, `--list-worlds`, `--list-links` and `--list-faults` print: a name, then what it is."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+import configs
+from p2os import RobotModel
+from p2os_emu.faults import FAULTS
+from p2os_emu.links.line import LinkProfile
+
+Row = tuple[str, str]
+
+
+def listing(kind: str) -> str:
+    """A table of everything of one kind: "robots", "worlds", "links" or "faults".
+
+    Raises:
+        ConfigError: A file has an error.
+    """
+    rows = list(_LISTS[kind]())
+    width = max(len(name) for name, _ in rows)
+    return "\n".join(f"{name:{width}}  {meaning}".rstrip() for name, meaning in rows)
+
+
+def _robots() -> Iterator[Row]:
+    for name in configs.names("robots"):
+        model = configs.load(RobotModel, "robots", name)
+        bumpers = model.front_bumpers + model.rear_bumpers
+        size = f"{model.length:.2f} x {model.width:.2f} m, {model.max_velocity:.1f} m/s"
+        sensors = f"{len(model.sonar)} sonar discs, {bumpers or 'no'} bumper segments"
+        yield name, f"{model.firmware.value:6}  {size}, {sensors}"
+
+
+def _worlds() -> Iterator[Row]:
+    for name in configs.names("worlds"):
+        path = configs.find("worlds", name)
+        about = configs.read(path).get("about", "") if path.suffix == ".toml" else "ARIA map"
+        yield name, str(about)
+
+
+def _links() -> Iterator[Row]:
+    for name in configs.names("links"):
+        yield name, configs.load(LinkProfile, "links", name).summary
+
+
+def _faults() -> Iterator[Row]:
+    for kind in FAULTS.values():
+        yield kind.name, kind.meaning
+        yield "", f"  ends: {kind.ending}"
+        for key, parameter in kind.parameters.items():
+            default = f" ({parameter.default})" if parameter.default else ""
+            yield "", f"  {key}=: {parameter.meaning}{default}"
+    yield "every fault", "robot=NAME says whom it befalls; every robot if not given"
+
+
+_LISTS: Mapping[str, Callable[[], Iterator[Row]]] = {
+    "robots": _robots,
+    "worlds": _worlds,
+    "links": _links,
+    "faults": _faults,
+}

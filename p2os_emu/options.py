@@ -1,0 +1,196 @@
+"""The command line of `p2os-emu`."""
+
+import argparse
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
+
+EXIT_OK = 0
+EXIT_USAGE = 2  # argparse's own
+EXIT_CONFIG = 3
+EXIT_PORT = 4
+EXIT_PHYSICS = 5
+
+_EXAMPLES = """\
+examples:
+  p2os-emu --robot powerbot                          a PowerBot in the office, on a pseudo-terminal of its own
+  p2os-emu --robot p3dx:happy --pty /tmp/happy       always at the same path
+  p2os-emu --robot p3dx --robot p2dx --tcp 8101      two robots, on TCP ports 8101 and 8102
+  p2os-emu --robot p3dx --world lab.map --link rs232 in a world of an ARIA map, on a cable of 9600 baud
+  p2os-emu --robot p3dx --fault line-cut:robot=p3dx@5+10
+                                                     5 s after the start the cable is cut for 10 s
+
+exit codes:
+  0  ended by --duration, by SIGINT, by SIGTERM or over the control socket
+  2  the command line is wrong
+  3  a robot, world, link or fault does not exist, or a file has an error
+  4  a port, a path for one or the control socket cannot be had
+  5  the physics engine is missing, or has no display for --gui
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What was asked for on the command line. speed: emulated s per s. duration: s of emulated time."""
+
+    robots: tuple[str, ...]
+    world: str
+    pty: Path | None
+    tcp: int | None
+    link: str
+    seed: int
+    speed: float
+    faults: tuple[FaultSpec, ...]
+    duration: float | None
+    control: Path | None
+    flash: Path | None
+    gui: bool
+    perfect: bool
+    hangup_stops: bool
+    json: bool
+    quiet: bool
+    listing: str | None
+
+
+def parse(argv: Sequence[str] | None = None) -> Options:
+    """Read the command line; ends the program with exit code 2 and a message where it is wrong."""
+    parser = _parser()
+    given = parser.parse_args(argv)
+    if given.listing is None and not given.robot:
+        parser.error("which robot? give --robot MODEL[:NAME]; --list-robots shows the models")
+    if given.pty is not None and given.tcp is not None:
+        parser.error("a robot has one port: give --pty or --tcp, not both")
+    return Options(
+        robots=tuple(given.robot),
+        world=given.world,
+        pty=given.pty,
+        tcp=given.tcp,
+        link=given.link,
+        seed=given.seed,
+        speed=given.speed,
+        faults=tuple(given.fault),
+        duration=given.duration,
+        control=given.control,
+        flash=given.flash,
+        gui=given.gui,
+        perfect=given.perfect,
+        hangup_stops=given.hangup_stops,
+        json=given.json,
+        quiet=given.quiet,
+        listing=given.listing,
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="p2os-emu",
+        description="Emulates Pioneer and PowerBot robots: a client that opens the port meets one as on its own cable.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    _add_team(parser)
+    _add_ports(parser)
+    _add_run(parser)
+    _add_lists(parser)
+    return parser
+
+
+def _add_team(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("robots and world")
+    group.add_argument(
+        "--robot",
+        action="append",
+        default=[],
+        metavar="MODEL[:NAME]",
+        help="a robot of this model; repeat for more; without a name it is called as its model, then MODEL-2 and so on",
+    )
+    group.add_argument(
+        "--world", default="office", metavar="NAME|FILE", help="a world, or a .toml or .map file (office)"
+    )
+    group.add_argument("--perfect", action="store_true", help="no imperfections: exact wheels, sonar without noise")
+    group.add_argument(
+        "--flash",
+        type=Path,
+        metavar="FILE",
+        help="TOML file of FLASH parameters that replace the factory's, in every robot",
+    )
+    group.add_argument("--seed", type=int, default=0, metavar="N", help="decides everything that chance would (0)")
+    group.add_argument("--gui", action="store_true", help="show the world in a window")
+
+
+def _add_ports(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("ports")
+    group.add_argument(
+        "--pty", type=Path, metavar="PATH", help="a symbolic link to the port; of several robots each has PATH-NAME"
+    )
+    group.add_argument(
+        "--tcp",
+        type=_tcp_port,
+        metavar="PORT",
+        help="listen on TCP instead, on this machine only; the next robots get the next ports; 0: any free ones",
+    )
+    group.add_argument("--link", default="ideal", metavar="PROFILE", help="what the cable does to bytes (ideal)")
+    group.add_argument(
+        "--hangup-stops", action="store_true", help="stop a robot whose client closed the port; no real one could"
+    )
+    group.add_argument(
+        "--control", type=Path, metavar="PATH", help="the control socket; without it, one in a private folder"
+    )
+
+
+def _add_run(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("run")
+    group.add_argument("--duration", type=_positive, metavar="SECONDS", help="end after so much emulated time")
+    group.add_argument(
+        "--speed",
+        type=_positive,
+        default=1.0,
+        metavar="X",
+        help="emulated seconds per second (1); at any other the clients' watchdogs and the robot's no longer agree",
+    )
+    group.add_argument(
+        "--fault",
+        type=_fault,
+        action="append",
+        default=[],
+        metavar="NAME[:key=value,...][@START[+DURATION]]",
+        help="let something go wrong; START counts from the start; repeat for more",
+    )
+    group.add_argument("--json", action="store_true", help="print one line of JSON once every robot is ready")
+    group.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_lists(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("lists")
+    for kind in ("robots", "worlds", "links", "faults"):
+        group.add_argument(
+            f"--list-{kind}", action="store_const", const=kind, dest="listing", help=f"show the {kind} there are"
+        )
+
+
+def _tcp_port(text: str) -> int:
+    port = int(text) if text.isascii() and text.isdecimal() else -1
+    if not 0 <= port <= 65535:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a TCP port; give a number from 0 to 65535")
+    return port
+
+
+def _positive(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} will not do; give a number above zero")
+    return number
+
+
+def _fault(text: str) -> FaultSpec:
+    try:
+        return parse_fault(text)
+    except FaultError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error

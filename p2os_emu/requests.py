@@ -1,0 +1,257 @@
+"""What the control socket can be asked: every `do`, the keys it takes and what it answers. SI and radians."""
+
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from configs import ConfigError
+from geometry import Pose2D
+from p2os_emu.control import RequestError
+from p2os_emu.emulator import EmulatedRobot, Emulator
+from p2os_emu.fault_spec import FaultError, parse_fault
+from p2os_emu.faults import FAULTS, Fault, FaultBoard
+from p2os_emu.hints import nearest
+from p2os_emu.links.link import PortError
+from p2os_emu.runner import Runner
+from p2os_emu.team import Team, TeamError
+
+Fields = Mapping[str, Any]
+_MOST_STEPS = 72_000  # ten minutes of emulated time
+
+
+@dataclass(frozen=True, slots=True)
+class _Request:
+    meet: "Callable[[Desk, Fields], Mapping[str, Any]]"
+    keys: Mapping[str, type]
+    needed: tuple[str, ...] = ()
+
+
+class Desk:
+    """Meets the requests of the control socket.
+
+    Args:
+        team: The robots and how more of them are made.
+        faults: The faults of this run.
+        runner: The loop.
+    """
+
+    def __init__(self, team: Team, faults: FaultBoard, runner: Runner) -> None:
+        self.team = team
+        self.faults = faults
+        self.runner = runner
+
+    @property
+    def emulator(self) -> Emulator:
+        """What is run."""
+        return self.team.emulator
+
+    def answer(self, request: Fields) -> Mapping[str, Any]:
+        """Meet one request.
+
+        Raises:
+            RequestError: It cannot be met; the message says why.
+        """
+        do = request.get("do")
+        if do not in REQUESTS or not isinstance(do, str):
+            raise RequestError(f'there is no "do": {do!r}; {nearest(str(do), REQUESTS)}')
+        kind = REQUESTS[do]
+        fields = {key: value for key, value in request.items() if key != "do"}
+        for key, value in fields.items():
+            fields[key] = _checked(do, kind, key, value)
+        for key in kind.needed:
+            if key not in fields:
+                raise RequestError(f'{do} needs "{key}"')
+        return kind.meet(self, fields)
+
+    def robot(self, fields: Fields) -> EmulatedRobot:
+        """The robot that a request means: the one it names, or the only one."""
+        robots = self.emulator.robots
+        if "robot" in fields:
+            return self._named(fields["robot"])
+        if len(robots) != 1:
+            raise RequestError(f'say which "robot": {", ".join(robots) or "there is none"}')
+        return next(iter(robots.values()))
+
+    def robots(self, fields: Fields) -> Iterable[EmulatedRobot]:
+        """The robots that a request means: the one it names, or all."""
+        return [self._named(fields["robot"])] if "robot" in fields else list(self.emulator.robots.values())
+
+    def _named(self, name: str) -> EmulatedRobot:
+        if name not in self.emulator.robots:
+            raise RequestError(f"there is no robot {name!r}; {nearest(name, self.emulator.robots)}")
+        return self.emulator.robots[name]
+
+
+def _checked(do: str, kind: _Request, key: str, value: Any) -> Any:
+    """A value of the type that the key takes."""
+    if key not in kind.keys:
+        close = difflib.get_close_matches(key, kind.keys, 1, 0)
+        hint = f'did you mean "{close[0]}"?' if close else "it takes none"
+        raise RequestError(f'{do} has no key "{key}"; {hint}')
+    wanted: type = kind.keys[key]
+    if wanted is float and type(value) is int and abs(value) < 2**53:
+        value = float(value)
+    if type(value) is not wanted or (isinstance(value, float) and not math.isfinite(value)):
+        raise RequestError(f'"{key}" must be {_TYPE_NAMES[wanted]}, not {value!r}')
+    return value
+
+
+def _truth(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    rows = {robot.name: _truth_of(desk, robot) for robot in desk.robots(fields)}
+    answer = {"robots": rows, "time": desk.emulator.time, **_pace(desk)}
+    if "robot" in fields:
+        answer |= {key: rows[fields["robot"]][key] for key in ("x", "y", "heading")}
+    return answer
+
+
+def _truth_of(desk: Desk, robot: EmulatedRobot) -> dict[str, Any]:
+    truth = desk.emulator.truth(robot.name)
+    return {
+        "x": truth.pose.x,
+        "y": truth.pose.y,
+        "heading": truth.pose.heading,
+        "linear": truth.linear,
+        "angular": truth.angular,
+        "model": robot.model.name,
+        "port": robot.line.link.port,
+        "connected": robot.microcontroller.connected,
+        "motors_enabled": robot.microcontroller.motors_enabled,
+        "battery_charge": robot.microcontroller.battery_charge,
+        "frames_dropped": robot.line.link.dropped,
+    }
+
+
+def _pose(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    robot = desk.robot(fields)
+    here = desk.emulator.truth(robot.name).pose
+    there = Pose2D(fields.get("x", here.x), fields.get("y", here.y), fields.get("heading", here.heading))
+    if fields.keys() - {"robot"}:
+        try:
+            desk.emulator.place(robot.name, there)
+        except ValueError as error:
+            raise RequestError(str(error)) from error
+    pose = desk.emulator.truth(robot.name).pose
+    return {"robot": robot.name, "x": pose.x, "y": pose.y, "heading": pose.heading}
+
+
+def _fault(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    try:
+        fault = desk.faults.schedule(parse_fault(fields["fault"]), desk.emulator.time)
+    except FaultError as error:
+        raise RequestError(str(error)) from error
+    return _fault_row(fault)
+
+
+def _clear(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    numbers = [fields["number"]] if "number" in fields else [fault.number for fault in desk.faults.faults]
+    try:
+        for number in numbers:
+            desk.faults.clear(number)
+    except FaultError as error:
+        raise RequestError(str(error)) from error
+    return {"cleared": numbers}
+
+
+def _faults(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    known = {name: {"meaning": kind.meaning, "ending": kind.ending} for name, kind in FAULTS.items()}
+    return {"faults": [_fault_row(fault) for fault in desk.faults.faults], "known": known}
+
+
+def _fault_row(fault: Fault) -> dict[str, Any]:
+    end = None if math.isinf(fault.end) else fault.end
+    return {
+        "number": fault.number,
+        "fault": str(fault.spec),
+        "active": fault.is_active,
+        "start": fault.start,
+        "end": end,
+    }
+
+
+def _step(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    count = fields.get("n", 1)
+    if not desk.runner.is_paused:
+        raise RequestError('the emulator runs by the clock; {"do": "pause"} first')
+    if not 1 <= count <= _MOST_STEPS:
+        raise RequestError(f'"n" must be from 1 to {_MOST_STEPS}, not {count}')
+    desk.runner.step(count)
+    return {"time": desk.emulator.time}
+
+
+def _pause(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    desk.runner.pause(fields.get("on", True))
+    return {"time": desk.emulator.time, **_pace(desk)}
+
+
+def _speed(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    factor = fields.get("factor", desk.runner.speed)
+    if factor <= 0:
+        raise RequestError(f'"factor" must be above zero, not {factor}; {{"do": "pause"}} stops time')
+    if "factor" in fields:
+        desk.runner.speed = factor
+    return _pace(desk)
+
+
+def _pace(desk: Desk) -> dict[str, Any]:
+    return {
+        "speed": desk.runner.speed,
+        "paused": desk.runner.is_paused,
+        "late_dropped": desk.runner.late_dropped,
+    }
+
+
+def _joystick(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    raise RequestError(f"{desk.robot(fields).name} has no joystick fitted; drive it from a client on its port")
+
+
+def _reset(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    names = [robot.name for robot in desk.robots(fields)]
+    for name in names:
+        desk.emulator.restart(name)
+    return {"reset": names}
+
+
+def _add(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    place = fields.keys() & {"x", "y", "heading"}
+    if place and not place >= {"x", "y"}:
+        raise RequestError('a place needs "x" and "y"; leave both out and the world finds one')
+    pose = Pose2D(fields["x"], fields["y"], fields.get("heading", 0.0)) if place else None
+    text = fields["model"] + (f":{fields['name']}" if "name" in fields else "")
+    try:
+        robot = desk.team.add(text, pose)
+    except (TeamError, ConfigError, PortError) as error:
+        raise RequestError(str(error)) from error
+    return {"robot": desk.team.entry(robot)}
+
+
+def _remove(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    robot = desk.robot(fields)
+    desk.emulator.remove(robot.name)
+    return {"removed": robot.name}
+
+
+def _quit(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    desk.runner.leave()
+    return {"time": desk.emulator.time}
+
+
+_TYPE_NAMES = {str: "text", float: "a finite number", int: "a whole number", bool: "true or false"}
+_PLACE: Mapping[str, type] = {"x": float, "y": float, "heading": float}
+
+REQUESTS: Mapping[str, _Request] = {
+    "truth": _Request(_truth, {"robot": str}),
+    "pose": _Request(_pose, {"robot": str, **_PLACE}),
+    "fault": _Request(_fault, {"fault": str}, ("fault",)),
+    "clear": _Request(_clear, {"number": int}),
+    "faults": _Request(_faults, {}),
+    "step": _Request(_step, {"n": int}),
+    "pause": _Request(_pause, {"on": bool}),
+    "speed": _Request(_speed, {"factor": float}),
+    "joystick": _Request(_joystick, {"robot": str, "x": float, "y": float}),
+    "reset": _Request(_reset, {"robot": str}),
+    "add": _Request(_add, {"model": str, "name": str, **_PLACE}, ("model",)),
+    "remove": _Request(_remove, {"robot": str}, ("robot",)),
+    "quit": _Request(_quit, {}),
+}

@@ -1,0 +1,94 @@
+"""The loop that moves an emulator in step with a clock."""
+
+from collections.abc import Callable
+
+from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.links.poller import Poller
+from p2os_emu.pacing import Pacer
+
+_LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
+
+
+class Runner:
+    """Steps an emulator, lets it hear its ports before every step, and lets somebody speak between steps.
+
+    between_steps: called after the ports were heard, also while paused.
+    is_paused: emulated time stands still; ports are still heard, what comes waits.
+    """
+
+    def __init__(
+        self,
+        emulator: Emulator,
+        poller: Poller,
+        *,
+        clock: Callable[[], float],
+        sleep: Callable[[float], None],
+        speed: float = 1.0,
+    ) -> None:
+        """Make ready to run; time counts from `run`.
+
+        Args:
+            emulator: What to move.
+            poller: Of its ports.
+            clock: Steady time, s.
+            sleep: Waits for so many s of that clock.
+            speed: Emulated seconds per second of the clock.
+        """
+        self.between_steps: Callable[[], None] = _nothing
+        self.is_paused = False
+        self._emulator = emulator
+        self._poller = poller
+        self._clock = clock
+        self._sleep = sleep
+        self._pacer = Pacer(STEP, clock(), speed)
+        self._is_leaving = False
+
+    @property
+    def late_dropped(self) -> int:
+        """Steps given up because they were more than a second late."""
+        return self._pacer.dropped
+
+    @property
+    def speed(self) -> float:
+        """Emulated seconds per second of the clock."""
+        return self._pacer.speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._pacer.set_speed(speed, self._clock())
+
+    def pause(self, on: bool) -> None:
+        """Stop emulated time, or let it run on."""
+        self.is_paused = on
+        self._pacer.restart(self._clock())
+
+    def leave(self) -> None:
+        """End `run` before the next step."""
+        self._is_leaving = True
+
+    def step(self, count: int) -> None:
+        """Take some steps at once, as fast as they go."""
+        for _ in range(count):
+            self._poller.poll()
+            self._emulator.step()
+
+    def run(self, duration: float | None = None) -> None:
+        """Run until `leave`, or until so many s of emulated time have passed."""
+        end = None if duration is None else self._emulator.time + duration - _LAST_STEP
+        self._pacer.restart(self._clock())
+        while not self._is_leaving and (end is None or self._emulator.time < end):
+            self._wait()
+            self._poller.poll()
+            self.between_steps()
+            if not (self.is_paused or self._is_leaving):
+                self._pacer.begin(self._clock())
+                self._emulator.step()
+
+    def _wait(self) -> None:
+        wait = STEP if self.is_paused else self._pacer.deadline - self._clock()
+        if wait > 0:
+            self._sleep(wait)
+
+
+def _nothing() -> None:
+    """Between steps, when nobody has anything to say."""
