@@ -7,7 +7,7 @@ from collections.abc import Callable
 from benchmarks.figures import Figure
 from benchmarks.tether import TetheredRobot
 from geometry import wrap_angle
-from p2os.commands import Command
+from p2os import Command
 
 MODELS = ("p3dx-sh", "powerbot", "p2dx", "amigo")
 REST_S = 15.0

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from itertools import pairwise
 
 from acromovi.children import emulator
 from benchmarks.client import PortClient
@@ -27,5 +28,5 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 
 def deviation(group: str, name: str, arrivals: Sequence[float]) -> Figure:
     """How far the time between two SIPs is from the cycle: the 99th percentile as a figure."""
-    gaps = [abs(later - earlier - CYCLE_S) * 1e3 for earlier, later in zip(arrivals, arrivals[1:], strict=False)]
+    gaps = [abs(later - earlier - CYCLE_S) * 1e3 for earlier, later in pairwise(arrivals)]
     return Figure(group, name, percentile(gaps, 99), 5.0, "ms", len(gaps))

@@ -8,11 +8,19 @@ from collections.abc import Iterator
 from typing import Self
 
 import configs
-from p2os.commands import Command, CommandValue, encode_command
-from p2os.framing import Frame, FrameDecoder
-from p2os.handshake import HostHandshake
-from p2os.robot_model import RobotModel
-from p2os.sip import SIP_TYPES, SipCodec, StandardSip
+from p2os import (
+    SIP_TYPES,
+    Command,
+    CommandValue,
+    Frame,
+    FrameDecoder,
+    HostHandshake,
+    RobotModel,
+    SipCodec,
+    StandardSip,
+    encode_command,
+)
+from p2os.sip import SIP_TYPES
 
 ANSWER_TIMEOUT_S = 0.5
 CONNECT_TIMEOUT_S = 5.0

@@ -6,9 +6,7 @@ from collections.abc import Callable
 
 import configs
 from benchmarks.figures import Figure
-from p2os.framing import FrameDecoder, encode_frame
-from p2os.robot_model import RobotModel
-from p2os.sip import SipCodec, StandardSip
+from p2os import FrameDecoder, RobotModel, SipCodec, StandardSip, encode_frame
 
 READINGS = 19  # an ARCOS SIP of 94 bytes carries 19 sonar readings
 LOOPS = 2_000

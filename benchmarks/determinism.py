@@ -5,7 +5,7 @@ import random
 
 from benchmarks.figures import Figure
 from benchmarks.tether import TetheredRobot
-from p2os.commands import Command
+from p2os import Command
 
 SECONDS = 60
 

@@ -13,7 +13,7 @@ from benchmarks.cadence import deviation
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure
 from benchmarks.processes import CpuMeter
-from p2os.commands import Command
+from p2os import Command
 
 TEAM = 20
 SECONDS = 20.0

@@ -10,7 +10,7 @@ from benchmarks.client import PortClient
 from benchmarks.figures import Figure, p50_p99
 from benchmarks.peer import STEP_M, CableRobot
 from bus import Sample, ZenohBus, keys, messages
-from p2os.commands import Command
+from p2os import Command
 
 TRIALS = 150
 SETTLE_TIMEOUT_S = 10.0

@@ -11,11 +11,20 @@ import tty
 from typing import Self
 
 import configs
-from p2os.commands import Command, decode_command
-from p2os.framing import Frame, FrameDecoder, encode_frame
-from p2os.handshake import ConnectionState, Identity, RobotHandshake
-from p2os.robot_model import RobotModel
-from p2os.sip import SipCodec, StandardSip, SipFlag
+from p2os import (
+    Command,
+    ConnectionState,
+    Frame,
+    FrameDecoder,
+    Identity,
+    RobotHandshake,
+    RobotModel,
+    SipCodec,
+    SipFlag,
+    StandardSip,
+    decode_command,
+    encode_frame,
+)
 
 CYCLE_S = 0.1
 STEP_M = 0.001

@@ -1,13 +1,21 @@
-"""A robot without a port: firmware and physics stepped as fast as the machine can, a client's bytes in, its SIPs out."""
+"""A robot without a port: firmware and physics stepped as fast as the machine can, bytes in and SIPs out."""
 
 from typing import Self
 
 import configs
 from geometry import Pose2D
-from p2os.commands import Command, CommandValue, encode_command
-from p2os.framing import Frame, FrameDecoder
-from p2os.robot_model import RobotModel
-from p2os.sip import SIP_TYPES, SipCodec, StandardSip
+from p2os import (
+    SIP_TYPES,
+    Command,
+    CommandValue,
+    Frame,
+    FrameDecoder,
+    RobotModel,
+    SipCodec,
+    StandardSip,
+    encode_command,
+)
+from p2os.sip import SIP_TYPES
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
