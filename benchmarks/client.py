@@ -9,7 +9,6 @@ from typing import Self
 
 import configs
 from p2os import (
-    SIP_TYPES,
     Command,
     CommandValue,
     Frame,

@@ -5,7 +5,6 @@ from typing import Self
 import configs
 from geometry import Pose2D
 from p2os import (
-    SIP_TYPES,
     Command,
     CommandValue,
     Frame,
