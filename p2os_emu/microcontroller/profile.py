@@ -21,7 +21,7 @@ def approach(speed: float, goal: float, acceleration: float, deceleration: float
     Returns:
         Speed after the step; exactly `goal` once it is within reach.
     """
-    same_way = speed * goal > 0.0
+    same_way = speed > 0.0 < goal or speed < 0.0 > goal
     if speed and (not same_way or abs(goal) < abs(speed)):
         nearest = goal if same_way else 0.0
         change = deceleration * dt
