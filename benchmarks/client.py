@@ -68,13 +68,14 @@ class PortClient:
         """Arrival time and payload of every frame that comes within some seconds."""
         deadline = time.monotonic() + seconds
         while (rest := deadline - time.monotonic()) > 0:
-            if not select.select([self.descriptor], [], [], rest)[0]:
-                continue
-            data = os.read(self.descriptor, 4096)
-            now = time.monotonic()
-            for event in self._frames.receive(data, now):
-                if isinstance(event, Frame):
-                    yield now, event.payload
+            if select.select([self.descriptor], [], [], rest)[0]:
+                yield from self.read()
+
+    def read(self) -> list[tuple[float, bytes]]:
+        """Arrival time and payload of every frame that is complete with the bytes that wait."""
+        data = os.read(self.descriptor, 4096)
+        now = time.monotonic()
+        return [(now, event.payload) for event in self._frames.receive(data, now) if isinstance(event, Frame)]
 
     def sips(self, seconds: float) -> Iterator[tuple[float, StandardSip]]:
         """Arrival time and content of every SIP that comes within some seconds."""

@@ -3,7 +3,7 @@
 import argparse
 import multiprocessing
 import os
-import threading
+import select
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -14,10 +14,12 @@ from benchmarks.client import PortClient
 from benchmarks.figures import Figure
 from benchmarks.processes import CpuMeter
 from p2os import Command
+from p2os.sip import SIP_TYPES
 
 TEAM = 20
 SECONDS = 20.0
 KEEP_ALIVE_S = 1.0
+SETTLE_S = 2.0
 
 
 def measure(options: argparse.Namespace) -> list[Figure]:
@@ -83,24 +85,24 @@ def _driving_team() -> Iterator[tuple[EmulatedRobots, list[PortClient]]]:
             client.send(Command.ENABLE, 1)
             client.send(Command.VEL, 0.3)
             client.send(Command.RVEL, 0.5)
+        _listen(clients, SETTLE_S)  # what waited while the others connected
         yield robots, clients
 
 
 def _listen(clients: list[PortClient], seconds: float) -> list[list[float]]:
-    """Read all clients at once, each in a thread, and keep their robots alive; arrival times for each."""
+    """Read all clients as their SIPs come and keep their robots alive; arrival times for each."""
     arrivals: list[list[float]] = [[] for _ in clients]
-
-    def listen(client: PortClient, into: list[float]) -> None:
-        deadline = time.monotonic() + seconds
-        while (rest := deadline - time.monotonic()) > 0:
-            client.send(Command.PULSE)
-            into.extend(arrival for arrival, _ in client.sips(min(KEEP_ALIVE_S, rest)))
-
-    threads = [threading.Thread(target=listen, args=pair) for pair in zip(clients, arrivals, strict=True)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    owner = {client.descriptor: number for number, client in enumerate(clients)}
+    deadline = time.monotonic() + seconds
+    pulse_due = 0.0
+    while (now := time.monotonic()) < deadline:
+        if now >= pulse_due:
+            pulse_due = now + KEEP_ALIVE_S
+            for client in clients:
+                client.send(Command.PULSE)
+        for descriptor in select.select(list(owner), [], [], KEEP_ALIVE_S)[0]:
+            number = owner[descriptor]
+            arrivals[number].extend(arrival for arrival, payload in clients[number].read() if payload[0] in SIP_TYPES)
     return arrivals
 
 
