@@ -54,8 +54,9 @@ class Desk:
             RequestError: It cannot be met; the message says why.
         """
         do = request.get("do")
-        if do not in REQUESTS or not isinstance(do, str):
-            raise RequestError(f'there is no "do": {do!r}; {nearest(str(do), REQUESTS)}')
+        if not isinstance(do, str) or do not in REQUESTS:
+            hint = nearest(do if isinstance(do, str) else "", REQUESTS)
+            raise RequestError(f'there is no "do": {do!r}; {hint}')
         kind = REQUESTS[do]
         fields = {key: value for key, value in request.items() if key != "do"}
         for key, value in fields.items():

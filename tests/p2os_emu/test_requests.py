@@ -1,0 +1,179 @@
+"""What the control socket can be asked, in a world without physics on a virtual clock."""
+
+import contextlib
+import json
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from p2os_emu.control import RequestError
+from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.faults import FaultBoard
+from p2os_emu.flat_world import FlatWorld
+from p2os_emu.links.line import LinkProfile
+from p2os_emu.links.poller import Poller
+from p2os_emu.ports import Ports
+from p2os_emu.requests import REQUESTS, Desk
+from p2os_emu.runner import Runner
+from p2os_emu.team import Team
+
+
+@pytest.fixture(scope="module")
+def desk() -> Iterator[Desk]:
+    yield from make_desk()
+
+
+@pytest.fixture
+def fresh() -> Iterator[Desk]:
+    """A desk that a test may empty."""
+    yield from make_desk()
+
+
+def make_desk() -> Iterator[Desk]:
+    poller = Poller()
+    emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
+    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "")
+    team.add("p3dx:happy")
+    team.add("p3dx:grumpy")
+    faults = FaultBoard(emulator.robots)
+    emulator.before_step = faults.advance
+    yield Desk(team, faults, Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None))
+    emulator.close()
+    poller.close()
+
+
+def ask(desk: Desk, do: str, **fields: Any) -> dict[str, Any]:
+    answer = dict(desk.answer({"do": do, **fields}))
+    json.dumps(answer, allow_nan=False)
+    return answer
+
+
+def test_truth_of_all_and_of_one(desk: Desk) -> None:
+    assert ask(desk, "pose", robot="happy", x=1.0, y=2, heading=0.5) == {
+        "robot": "happy",
+        "x": 1.0,
+        "y": 2.0,
+        "heading": 0.5,
+    }
+    everybody = ask(desk, "truth")
+    assert set(everybody["robots"]) == {"happy", "grumpy"}
+    assert everybody["robots"]["happy"]["x"] == 1.0
+    one = ask(desk, "truth", robot="happy")
+    assert (one["x"], one["y"], one["heading"]) == (1.0, 2.0, 0.5)
+    assert one["late_dropped"] == 0
+
+
+def test_pose_without_a_place_only_tells(desk: Desk) -> None:
+    before = ask(desk, "pose", robot="grumpy")
+    assert ask(desk, "pose", robot="grumpy") == before
+
+
+def test_fault_is_listed_until_it_is_cleared(desk: Desk) -> None:
+    asked = ask(desk, "fault", fault="line-cut:robot=happy@5+10")
+    assert asked["end"] - asked["start"] == 10
+    assert asked in ask(desk, "faults")["faults"]
+    assert ask(desk, "clear", number=asked["number"]) == {"cleared": [asked["number"]]}
+    assert ask(desk, "faults")["faults"] == []
+
+
+def test_clear_without_a_number_clears_all(desk: Desk) -> None:
+    ask(desk, "fault", fault="line-cut@1")
+    ask(desk, "fault", fault="stop-pressed@1")
+    assert len(ask(desk, "clear")["cleared"]) == 2
+
+
+def test_paused_emulator_moves_by_steps(desk: Desk) -> None:
+    with pytest.raises(RequestError, match="pause"):
+        ask(desk, "step", n=1)
+    before = ask(desk, "pause")["time"]
+    assert ask(desk, "step", n=12)["time"] == pytest.approx(before + 12 * STEP)
+    assert ask(desk, "step")["time"] == pytest.approx(before + 13 * STEP)
+    assert ask(desk, "pause", on=False)["paused"] is False
+
+
+def test_speed_is_told_and_changed(desk: Desk) -> None:
+    assert ask(desk, "speed", factor=2)["speed"] == 2.0
+    assert ask(desk, "speed")["speed"] == 2.0
+    ask(desk, "speed", factor=1.0)
+
+
+def test_robots_come_and_go(fresh: Desk) -> None:
+    entry = ask(fresh, "add", model="p2dx", x=5, y=5)["robot"]
+    assert entry["name"] == "p2dx"
+    assert entry["port"].startswith("socket://127.0.0.1:")
+    assert ask(fresh, "pose", robot="p2dx")["x"] == 5.0
+    assert ask(fresh, "add", model="p2dx")["robot"]["name"] == "p2dx-2"
+    assert ask(fresh, "remove", robot="p2dx") == {"removed": "p2dx"}
+    assert "p2dx" not in ask(fresh, "truth")["robots"]
+
+
+def test_only_robot_need_not_be_named(fresh: Desk) -> None:
+    ask(fresh, "remove", robot="grumpy")
+    assert ask(fresh, "pose", x=3)["robot"] == "happy"
+
+
+def test_reset_carries_home(desk: Desk) -> None:
+    ask(desk, "pose", robot="grumpy", x=9)
+    assert ask(desk, "reset", robot="grumpy") == {"reset": ["grumpy"]}
+    assert ask(desk, "pose", robot="grumpy")["x"] == 0.0
+
+
+def test_quit_ends_the_run(fresh: Desk) -> None:
+    ask(fresh, "quit")
+    fresh.runner.run()
+    assert fresh.emulator.time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("request_", "complaint"),
+    [
+        ({}, 'there is no "do": None; choose one of add, '),
+        ({"do": "thruth"}, "did you mean truth"),
+        ({"do": ["truth"]}, 'there is no "do"'),
+        ({"do": "truth", "robot": "hapy"}, "there is no robot 'hapy'; did you mean happy"),
+        ({"do": "truth", "robots": "happy"}, 'truth has no key "robots"; did you mean "robot"'),
+        ({"do": "faults", "robot": "happy"}, 'faults has no key "robot"; it takes none'),
+        ({"do": "truth", "robot": 7}, '"robot" must be text, not 7'),
+        ({"do": "pose"}, 'say which "robot": happy, grumpy'),
+        ({"do": "pose", "robot": "happy", "x": "1"}, '"x" must be a finite number'),
+        ({"do": "pose", "robot": "happy", "x": True}, '"x" must be a finite number'),
+        ({"do": "pose", "robot": "happy", "x": math.inf}, '"x" must be a finite number'),
+        ({"do": "fault"}, 'fault needs "fault"'),
+        ({"do": "fault", "fault": "line-cu"}, "did you mean line-cut"),
+        ({"do": "fault", "fault": "line-cut@soon"}, "is not START"),
+        ({"do": "clear", "number": 99}, "no fault number 99"),
+        ({"do": "speed", "factor": 0}, "must be above zero"),
+        ({"do": "joystick", "robot": "happy"}, "happy has no joystick fitted"),
+        ({"do": "add", "model": "p9dx"}, "there is no 'p9dx' among the robots"),
+        ({"do": "add", "model": "p3dx", "name": "happy"}, "there is a robot 'happy' already"),
+        ({"do": "add", "model": "p3dx", "name": "a/b"}, "robot name 'a/b' will not do"),
+        ({"do": "add", "model": "p3dx", "x": 1}, 'a place needs "x" and "y"'),
+        ({"do": "remove"}, 'remove needs "robot"'),
+    ],
+)
+def test_request_that_cannot_be_met_is_refused_with_what_can(
+    desk: Desk, request_: dict[str, Any], complaint: str
+) -> None:
+    with pytest.raises(RequestError, match=complaint):
+        desk.answer(request_)
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.text(max_size=5), inner, max_size=2),
+    max_leaves=4,
+)
+KEYS = sorted({key for request in REQUESTS.values() for key in request.keys} - {"n", "model"})
+
+
+HARMLESS = sorted(REQUESTS.keys() - {"quit", "add", "remove"})
+
+
+@given(do=st.sampled_from(HARMLESS), fields=st.dictionaries(st.sampled_from(KEYS), JSON))
+def test_any_request_is_met_or_refused(desk: Desk, do: str, fields: dict[str, Any]) -> None:
+    with contextlib.suppress(RequestError):
+        json.dumps(desk.answer({"do": do, **fields}), allow_nan=False)

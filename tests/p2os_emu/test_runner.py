@@ -1,0 +1,98 @@
+"""The loop on a virtual clock."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.flat_world import FlatWorld
+from p2os_emu.links.line import LinkProfile
+from p2os_emu.links.poller import Poller
+from p2os_emu.runner import Runner
+
+
+class Machine:
+    """A clock that moves when the loop sleeps, and a runner on it."""
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self.now = 1000.0
+        self.poller = Poller()
+        self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
+        self.runner = Runner(self.emulator, self.poller, clock=lambda: self.now, sleep=self.sleep, speed=speed)
+
+    def sleep(self, seconds: float) -> None:
+        assert seconds > 0
+        self.now += seconds + 50e-6  # as an operating system does, a little longer
+
+
+@pytest.fixture
+def machine() -> Iterator[Machine]:
+    machine = Machine()
+    yield machine
+    machine.poller.close()
+
+
+def test_emulated_time_equals_wall_time(machine: Machine) -> None:
+    start = machine.now
+    machine.runner.run(600.0)
+    assert machine.emulator.time == pytest.approx(600.0)
+    assert machine.now - start == pytest.approx(600.0, abs=2 * STEP)
+    assert machine.runner.late_dropped == 0
+
+
+def test_speed_divides_wall_time(machine: Machine) -> None:
+    machine.runner.speed = 4.0
+    start = machine.now
+    machine.runner.run(8.0)
+    assert machine.now - start == pytest.approx(2.0, abs=2 * STEP)
+
+
+def test_foreign_load_below_a_second_loses_no_emulated_time(machine: Machine) -> None:
+    start = machine.now
+    hiccups = [(2.0, 0.3), (4.0, 0.9), (6.0, 0.99)]
+
+    def between_steps() -> None:
+        if hiccups and machine.emulator.time > hiccups[0][0]:
+            machine.now += hiccups.pop(0)[1]
+
+    machine.runner.between_steps = between_steps
+    machine.runner.run(10.0)
+    assert machine.now - start == pytest.approx(10.0, abs=2 * STEP)
+    assert machine.runner.late_dropped == 0
+
+
+def test_longer_standstill_is_dropped_beyond_a_second_and_counted(machine: Machine) -> None:
+    start = machine.now
+    standstill = iter([5.0])
+
+    def between_steps() -> None:
+        machine.now += next(standstill, 0.0) if machine.emulator.time > 1.0 else 0.0
+
+    machine.runner.between_steps = between_steps
+    machine.runner.run(10.0)
+    assert machine.runner.late_dropped * STEP == pytest.approx(4.0, abs=2 * STEP)
+    assert machine.now - start == pytest.approx(14.0, abs=2 * STEP)
+
+
+def test_pause_stands_still_while_others_are_still_served(machine: Machine) -> None:
+    machine.runner.pause(True)
+    turns = 0
+
+    def between_steps() -> None:
+        nonlocal turns
+        turns += 1
+        if turns == 500:
+            machine.runner.pause(False)
+        if turns == 620:
+            machine.runner.leave()
+
+    machine.runner.between_steps = between_steps
+    machine.runner.run()
+    assert machine.emulator.time == pytest.approx(120 * STEP)
+    assert machine.runner.late_dropped == 0
+
+
+def test_leaving_ends_the_run_before_the_next_step(machine: Machine) -> None:
+    machine.runner.between_steps = machine.runner.leave
+    machine.runner.run()
+    assert machine.emulator.time == 0.0
