@@ -220,21 +220,22 @@ class Client:
 
     def hang_up(self) -> None:
         """Bring a robot from any state to the one before a handshake, and the line to rest."""
-        for _ in range(4):
-            self.send(CLOSE)
-            self.forget()
-            # Two cycles without a frame: no SIP stream, and any half frame in the robot's receiver has timed out.
-            if not list(self.hear(0.25, pulse=False)):
+        for _ in range(5):
+            self.send(CLOSE, 1)  # with an argument it is a CLOSE in every state; a bare 02 may be a SYNC2
+            self.send(PULSE)  # is SYNC0 now: its answer proves that the stream has ended
+            if any(heard.payload == b"\x00" for heard in self.hear(0.4, pulse=False)):
                 break
         else:
-            raise Silence("SIPs keep coming after CLOSE")
+            raise Silence("no answer to SYNC0 after CLOSE")
+        self.send(CLOSE, 1)
+        self.forget()
         self._splitter.forget()
         self.longest = 0
 
     def sync(self) -> Identity:
         """SYNC0, SYNC1, SYNC2 from any state of the robot; a try is lost when an answer takes longer than a second."""
         for _ in range(5):
-            self.send(CLOSE)
+            self.send(CLOSE, 1)
             self.forget()
             try:
                 for number in range(3):

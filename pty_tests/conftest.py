@@ -106,7 +106,7 @@ def line(site: Site) -> Iterator[Client]:
     with Client(site.port, site.baud) as client:
         client.hang_up()
         yield client
-        client.send(CLOSE)
+        client.send(CLOSE, 1)
         assert not client.complaints
 
 
@@ -117,7 +117,7 @@ def robot(site: Site) -> Iterator[Client]:
         client.connect()
         yield client
         client.send(STOP)
-        client.send(CLOSE)
+        client.send(CLOSE, 1)
         assert not client.complaints
 
 

@@ -22,6 +22,8 @@ from pty_tests.client import (
 )
 from pty_tests.packets import CONFIGPAC, ENCODERPAC, IOPAC, Sip
 
+pytestmark = pytest.mark.emulate("powerbot")  # no model differs in what it survives
+
 PARTIAL_FRAME_S = 0.1  # a receiver drops what it has after this long without a byte
 UNKNOWN = (16, 94, 99, 200)  # in nobody's command table
 
@@ -38,11 +40,11 @@ def pause(robot: Client) -> None:
     list(robot.hear(2.5 * PARTIAL_FRAME_S, pulse=False))
 
 
-@pytest.mark.parametrize("value", [None, 1, -1, b"hello"], ids=["bare", "int", "negative", "string"])
-def test_unknown_commands_are_ignored(robot: Client, value: int | bytes | None) -> None:
+def test_unknown_commands_are_ignored(robot: Client) -> None:
     robot.forget()
     for number in UNKNOWN:
-        robot.write(command(number, value))
+        for value in (None, 1, -1, b"hello"):
+            robot.send(number, value)
     assert all(Sip.is_one(heard.payload) for heard in robot.record(2)), "an unknown command was answered"
     assert_obeys(robot)
 
@@ -76,7 +78,7 @@ def test_strings_that_lie_about_their_length_are_survived(robot: Client) -> None
     robot.send(SONAR, 1)
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 3, 0x80, 0xFF])
+@pytest.mark.parametrize("count", [0, 2, 0x80, 0xFF])
 def test_a_count_that_lies_loses_no_more_than_what_comes_within_100_ms(robot: Client, count: int) -> None:
     robot.write(SYNC + bytes([count]) + b"\x04\x3b")
     pause(robot)

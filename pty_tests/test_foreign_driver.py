@@ -20,7 +20,7 @@ arcos = pytest.importorskip(
 pytestmark = [
     pytest.mark.moves,
     # In the office there are echoes nearer than 5 m; without any, Soar waits 5 s for one at every connection.
-    pytest.mark.emulate("p3dx-sh@office", "powerbot-sh@office"),
+    pytest.mark.emulate("p3dx-sh@office"),
     # Soar's reader thread may be caught between its last look at the flag and the closed port, and dies of it.
     pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning"),
 ]

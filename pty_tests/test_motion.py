@@ -34,8 +34,10 @@ from pty_tests.packets import CONFIGPAC, Sip, parse_configuration, travel_betwee
 
 pytestmark = pytest.mark.moves
 
-# One robot with raw units and one with mm: enough where units matter little.
-CLOSELY = pytest.mark.emulate("powerbot", "p3dx-sh")
+# Raw units with odd factors for distance and speed, and plain mm.
+UNITS = pytest.mark.emulate("powerbot", "p3dx-sh", "amigo")
+# Enough where units are no question.
+CLOSELY = pytest.mark.emulate("powerbot")
 
 
 @pytest.fixture
@@ -87,6 +89,7 @@ def finished(robot: Client) -> Sip:
     return stopped(robot)
 
 
+@UNITS
 @pytest.mark.parametrize("speed", [200, -200])
 def test_vel_turns_both_wheels_at_its_speed_and_the_odometry_agrees(
     driven: Client, model: Model, times: dict[str, float], speed: int
@@ -104,7 +107,7 @@ def test_vel_turns_both_wheels_at_its_speed_and_the_odometry_agrees(
     assert stopped(driven).motors
 
 
-@CLOSELY
+@pytest.mark.emulate("powerbot", "p3dx-sh")  # ARCOS recomposes the two wheels into translation and rotation
 @pytest.mark.parametrize(
     ("payload", "left", "right"),
     [
@@ -121,8 +124,8 @@ def test_vel2_sets_each_wheel(driven: Client, model: Model, payload: str, left: 
     assert all(runs_at(left, right, model)(sip) for sip in driven.sips(3))
 
 
-@pytest.mark.parametrize("number", [RVEL, ROTATE], ids=["RVEL", "ROTATE"])
-@pytest.mark.parametrize("rate", [30, -30])
+@UNITS
+@pytest.mark.parametrize(("number", "rate"), [(RVEL, 30), (ROTATE, -30)], ids=["RVEL", "ROTATE back"])
 def test_the_robot_turns_on_the_spot_at_the_rate_asked_for(
     driven: Client, model: Model, times: dict[str, float], number: int, rate: int
 ) -> None:
@@ -140,9 +143,8 @@ def test_the_robot_turns_on_the_spot_at_the_rate_asked_for(
 def test_heading_commands_turn_to_where_they_say_and_control_shows_it(driven: Client) -> None:
     for number, value, wanted in (
         (HEAD, 90, 90),
-        (HEAD, -30, -30),
-        (DHEAD, 60, 30),  # from the present heading
-        (DCHEAD, 30, 60),  # from the last setpoint
+        (DHEAD, -60, 30),  # from the present heading
+        (DCHEAD, -30, 0),  # from the last setpoint
         (HEAD, 270, -90),
     ):
         driven.send(number, value)
@@ -166,6 +168,7 @@ def test_translation_and_rotation_do_not_disturb_each_other(driven: Client, mode
     driven.sip(runs_at(150, 150, model), "SIP going straight on at 150 mm/s")
 
 
+@UNITS
 @pytest.mark.parametrize("way", [400, -400])
 def test_move_ends_where_it_should_and_the_counter_rolls_over(driven: Client, model: Model, way: int) -> None:
     start = driven.sip()

@@ -12,6 +12,10 @@ CYCLE_MS, SIP_MS = 40, 100  # every array fires one disc per cycle
 FARTHEST_MM = 5100  # "about 5 m" at 40 ms, the largest count of any family included
 
 
+# Which discs there are differs by model; how they are told to fire does not.
+ONE_MODEL = pytest.mark.emulate("powerbot")
+
+
 @pytest.fixture
 def pinging(robot: Client, model: Model) -> Iterator[Client]:
     """A robot whose discs all fire in ascending order every 40 ms; left the same way."""
@@ -63,6 +67,7 @@ def test_ranges_lie_between_the_disc_and_the_end_of_the_cycle(pinging: Client, m
         assert all(0 < reading.range * model.echo <= FARTHEST_MM for reading in sip.sonar), sip.sonar
 
 
+@ONE_MODEL
 def test_sonar_0_silences_all_and_1_brings_all_back(pinging: Client, model: Model) -> None:
     pinging.send(SONAR, 0)
     pinging.sip(lambda sip: not sip.arrays, "SIP with no array on")
@@ -71,6 +76,7 @@ def test_sonar_0_silences_all_and_1_brings_all_back(pinging: Client, model: Mode
     assert pinging.sip(lambda sip: bool(sip.sonar), "SIP with sonar").arrays >= set(model.arrays)
 
 
+@ONE_MODEL
 def test_each_array_has_a_switch_of_its_own(pinging: Client, model: Model) -> None:
     if model.firmware == "P2OS":
         pytest.skip("P2OS knows SONAR 0 and 1 only")
@@ -88,6 +94,7 @@ def test_each_array_has_a_switch_of_its_own(pinging: Client, model: Model) -> No
         assert any(readings([last], array))
 
 
+@ONE_MODEL
 def test_polling_chooses_the_discs_of_an_array_and_their_order(pinging: Client, model: Model) -> None:
     pinging.send(POLLING, bytes([4, 2, 7, 5]))
     pinging.fresh_sip()
@@ -98,20 +105,24 @@ def test_polling_chooses_the_discs_of_an_array_and_their_order(pinging: Client, 
             assert_follows(readings(sips, array), discs)
 
 
+@ONE_MODEL
 def test_polling_may_name_a_disc_twice(pinging: Client) -> None:
     pinging.send(POLLING, bytes([1, 2, 1, 3]))
     pinging.fresh_sip()
     reported = [number for numbers in readings(pinging.sips(12), 1) for number in numbers]
     assert set(reported) == {0, 1, 2}
-    assert reported.count(0) == pytest.approx(reported.count(1) + reported.count(2), abs=2)
+    # Every other firing is its own, though a SIP holds one reading of a disc at most.
+    assert reported.count(0) > 1.3 * max(reported.count(1), reported.count(2))
 
 
+@ONE_MODEL
 def test_empty_polling_silences_the_sonar(pinging: Client) -> None:
     pinging.send(POLLING, b"")
     pinging.fresh_sip()
     assert not any(sip.sonar for sip in pinging.sips(3))
 
 
+@ONE_MODEL
 def test_sonarcycle_sets_the_rate(pinging: Client, model: Model) -> None:
     if model.firmware == "P2OS":
         pytest.skip("SONARCYCLE came with AROS 1.8")
@@ -122,6 +133,7 @@ def test_sonarcycle_sets_the_rate(pinging: Client, model: Model) -> None:
         assert sum(map(len, readings(sips, array))) == pytest.approx(16 * SIP_MS / (2 * CYCLE_MS), abs=1)
 
 
+@ONE_MODEL
 def test_the_nul_that_aria_adds_to_a_string_is_not_part_of_it(pinging: Client) -> None:
     string = bytes([POLLING, 0x2B, 2, 6, 3]) + b"\0"
     pinging.write(frame(string))

@@ -30,6 +30,7 @@ def types(heard: list[Heard]) -> list[int]:
     return [item.payload[0] for item in heard]
 
 
+@pytest.mark.emulate("powerbot", "p3dx-sh")
 def test_sips_come_at_the_cycle_the_robot_names(robot: Client) -> None:
     cycle = configuration_of(robot)["sip_cycle"]
     assert isinstance(cycle, int)
@@ -85,6 +86,7 @@ def test_config_and_handshake_name_the_same_robot(site: Site) -> None:
     assert (fields["name"], fields["robot_class"], fields["subtype"]) == tuple(announced)
 
 
+@pytest.mark.emulate("powerbot", "p3dx-sh")
 @pytest.mark.parametrize(
     ("request_number", "packet"), [(ENCODER, ENCODERPAC), (IOREQUEST, IOPAC)], ids=["encoders", "I/O"]
 )
@@ -102,6 +104,7 @@ def test_a_packet_comes_once_for_1_every_cycle_for_2_and_no_more_for_0(
     assert packet not in types(robot.record(3)), "sent after 0"
 
 
+@pytest.mark.emulate("powerbot", "p3dx-sh")
 def test_encoders_stand_still_with_the_robot(robot: Client) -> None:
     robot.send(ENCODER, 2)
     first, second = (parse_encoders(robot.next(ENCODERPAC)) for _ in range(2))
