@@ -1,7 +1,7 @@
 """Commands: what a host may say to a robot, and how its argument is written.
 
 `encode_command` is the host's side, `decode_command` the robot's; both read the table in `command_table`.
-Source: fact sheet sections 1 (argument types), 4 and 7 (tables).
+Source: Pioneer 3 operations manual, client command argument types; deviations are those of the client libraries in use.
 """
 
 import math
@@ -10,7 +10,7 @@ from typing import NamedTuple
 from p2os.command_table import COMMANDS, Argument, Command, CommandSpec
 from p2os.errors import EncodeError
 from p2os.fields import FIXED_SCALES, Quantity
-from p2os.framing import encode_frame
+from p2os.framing import MAX_PAYLOAD, encode_frame
 
 POSITIVE = 0x3B
 NEGATIVE = 0x1B
@@ -20,6 +20,8 @@ TEXT = 0x2B
 MAX_MAGNITUDE = 0xFFFF
 MAX_STRING = 196
 """Bytes; the shortest limit of any firmware's manual."""
+MAX_DATA = MAX_PAYLOAD - 2
+"""Bytes behind the command number and the argument type."""
 
 CommandValue = float | bytes | tuple[int, int]
 
@@ -61,12 +63,17 @@ def _encode_argument(spec: CommandSpec, value: CommandValue | None) -> bytes:
         case Argument.TWO_BYTES, (int(high), int(low)):
             return _encode_two_bytes(spec, high, low)
         case Argument.STRING, bytes():
-            if len(value) > MAX_STRING:
-                raise EncodeError(f"string of {len(value)} bytes does not fit {spec.name}, which carries {MAX_STRING}")
+            _check_size(spec, "string", value, MAX_STRING)
             return bytes([TEXT, len(value)]) + value
         case Argument.DATA, bytes():
+            _check_size(spec, "raw data", value, MAX_DATA)
             return bytes([TEXT]) + value
     raise EncodeError(f"{spec.name} takes {spec.argument.value}, not {value!r}")
+
+
+def _check_size(spec: CommandSpec, what: str, value: bytes, most: int) -> None:
+    if len(value) > most:
+        raise EncodeError(f"{what} of {len(value)} bytes does not fit {spec.name}, which carries at most {most}")
 
 
 def _encode_int(spec: CommandSpec, value: float) -> bytes:

@@ -1,6 +1,6 @@
 """Fields: how a count on the wire becomes a quantity in SI, and back. The one place where units are scaled.
 
-A packet is a tuple of `Field`; `pack` and `unpack` are mirrors of each other, so the ends of a cable cannot drift apart.
+A packet is a tuple of `Field`; `pack` and `unpack` are mirrors, so the two ends of a cable cannot drift apart.
 """
 
 import math
@@ -127,7 +127,7 @@ class Field:
     """One row of a packet table.
 
     name: used everywhere above the wire.
-    code: struct code, little-endian; `z` is a NUL-terminated string; `*` and a code is a count byte, then that many items.
+    code: struct code, little-endian; `z` is a NUL-terminated string; `*B` is a count byte, then that many B.
     bound: what happens to a count that does not fit; without one it is an error.
     meaning: for the documentation.
     """
@@ -157,8 +157,8 @@ def pack(fields: Sequence[Field], values: Sequence[Value], scales: Scales) -> by
 def unpack(fields: Sequence[Field], body: bytes, scales: Scales) -> list[Value]:
     """Turn the bytes of a packet into SI values, one per field.
 
-    Fields that the body ends before read as zero or empty, bytes after the last field are ignored: firmware has grown its
-    packets at the end, and clients have always read them so.
+    Fields that the body ends before read as zero or empty, bytes after the last field are ignored: firmware has grown
+    its packets at the end, and clients have always read them so.
     """
     values: list[Value] = []
     offset = 0
@@ -172,22 +172,30 @@ def to_count(field: Field, value: float, scales: Scales) -> int:
     """The wire count nearest to a value in SI.
 
     Raises:
-        EncodeError: The value is not finite.
+        EncodeError: The value does not fit the field.
     """
-    if not math.isfinite(value):
-        raise EncodeError(f"{field.name} {value} is no number that a packet could carry")
-    count = round(value / scales[field.quantity])
-    return field.bound.fit(count) if field.bound else count
+    if not fits(field, value, scales):
+        raise misfit(field, value, scales)
+    return _nearest(field, value, scales)
+
+
+def fits(field: Field, value: float, scales: Scales) -> bool:
+    """Whether a field can carry a value."""
+    low, high = limits(field.code)
+    return math.isfinite(value) and low <= _nearest(field, value, scales) <= high
 
 
 def misfit(field: Field, value: float, scales: Scales) -> EncodeError:
     """The error for a value that does not fit its field."""
     low, high = limits(field.code)
-    scale = scales[field.quantity]
-    unit = field.quantity.unit
-    return EncodeError(
-        f"{field.name} {value} {unit} does not fit its field, which carries {low * scale:g} to {high * scale:g} {unit}"
-    )
+    scale, unit = scales[field.quantity], field.quantity.unit
+    most = f"{low * scale:.8g} to {high * scale:.8g} {unit}".rstrip()
+    return EncodeError(f"{field.name} {value} {unit}".rstrip() + f" does not fit its field, which carries {most}")
+
+
+def _nearest(field: Field, value: float, scales: Scales) -> int:
+    count = round(value / scales[field.quantity])
+    return field.bound.fit(count) if field.bound else count
 
 
 def limits(code: str) -> tuple[int, int]:
@@ -204,10 +212,7 @@ def _pack_field(field: Field, value: Value, scales: Scales) -> bytes:
         if len(value) > 255:
             raise EncodeError(f"{field.name} has {len(value)} items, a packet carries at most 255")
         return bytes([len(value)]) + b"".join(_pack_field(item, each, scales) for each in value)
-    try:
-        return struct.pack("<" + field.code, to_count(field, value, scales))
-    except struct.error as err:
-        raise misfit(field, value, scales) from err
+    return struct.pack("<" + field.code, to_count(field, value, scales))
 
 
 def _unpack_field(field: Field, body: bytes, offset: int, scales: Scales) -> tuple[Value, int]:
@@ -228,6 +233,6 @@ def _unpack_list(field: Field, body: bytes, offset: int, scales: Scales) -> tupl
     offset += 1
     size = struct.calcsize("<" + item.code)
     present = min(announced, max(0, len(body) - offset) // size)
-    counts = struct.unpack_from(f"<{present}{item.code}", body, offset)
+    counts = struct.unpack_from(f"<{present}{item.code}", body[offset:])
     scale = scales[field.quantity]
     return tuple(count * scale for count in counts), offset + announced * size

@@ -1,6 +1,7 @@
 """Firmware families, and the rows in which they differ.
 
-Source: fact sheet sections 4 to 9; uARCS is treated as ARCOS and AmigOS as AROS (both unverified there).
+Source: Pioneer 2 (P2OS), Pioneer 3/2 H8-series (AROS) and Pioneer 3 (ARCOS) operations manuals. The subsets of uARCS
+and AmigOS are not documented: they are treated as ARCOS and AROS.
 """
 
 from collections.abc import Mapping
@@ -23,7 +24,7 @@ class Family(StrEnum):
 class FlashDefaults:
     """What a controller's FLASH holds when it leaves the factory; SI.
 
-    Source: robots.yaml `flash_defaults_aros` and `defaults` (Pioneer 3/2 H8 manual); `assumed` marks the rest.
+    Source: FLASH parameter table of the Pioneer 3/2 H8-series manual; `assumed` marks what it does not say.
     sonar_cycle: s between two firings of one array. stall_value: in PWM units; above `pwm_max` it would never stall.
     bump_stall: as the BUMPSTALL command counts: 0 none, 1 front, 2 rear, 3 both.
     low_battery, shutdown_battery: fractions of the nominal voltage.
@@ -64,7 +65,7 @@ class FlashDefaults:
 class Firmware:
     """One family's rows.
 
-    version: as CONFIGpac says. last_sip_field, last_configuration_field: rows of the packet tables where its packets end.
+    version: as CONFIGpac says. last_sip_field, last_configuration_field: where its packets end, by the packet tables.
     """
 
     family: Family
@@ -102,4 +103,4 @@ FIRMWARES: Mapping[Family, Firmware] = {
 }
 
 BAUD_CODES: Mapping[int, int] = {0: 9600, 1: 19200, 2: 38400, 3: 57600, 4: 115200}
-"""Argument of HOSTBAUD and AUXnBAUD, and the baud fields of CONFIGpac: code to bit/s. Source: fact sheet section 2."""
+"""Argument of HOSTBAUD and AUXnBAUD, and baud fields of CONFIGpac, to bit/s. Source: Pioneer 3 operations manual."""

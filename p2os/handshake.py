@@ -1,6 +1,6 @@
 """The handshake SYNC0, SYNC1, SYNC2 and the connection states behind it, for host and for robot.
 
-Source: fact sheet section 3 and client quirks section 5, item 2.
+Source: Pioneer 3 operations manual, client-server communications; the rules for stray SYNCs are what clients need.
 """
 
 from collections.abc import Mapping
@@ -8,8 +8,9 @@ from enum import Enum
 from typing import NamedTuple
 
 from p2os.command_table import Command
-from p2os.commands import encode_command
 from p2os.errors import LocalProtocolError
+from p2os.framing import encode_frame
+from p2os.sip import SIP_TYPES
 
 MAX_NAME = 19
 """Characters in each of the three strings: two well-known drivers copy them into 20 bytes."""
@@ -36,6 +37,8 @@ class ConnectionState(Enum):
 _SYNC0 = bytes([Command.SYNC0])
 _SYNC1 = bytes([Command.SYNC1])
 _SYNC2 = bytes([Command.SYNC2])
+_NEXT_SYNC: Mapping[bytes, bytes] = {_SYNC0: _SYNC1, _SYNC1: _SYNC2}
+_SIPS = tuple(bytes([packet_type]) for packet_type in SIP_TYPES)
 
 _ROBOT_STATES: Mapping[tuple[ConnectionState, bytes], ConnectionState] = {
     # SYNC0 always restarts the sequence, and a repeat of the SYNC answered last is answered again.
@@ -96,44 +99,45 @@ class RobotHandshake:
 class HostHandshake:
     """The host's side: asks SYNC0, SYNC1, SYNC2 and reads the robot's identity.
 
-    streaming: a SIP came instead of an answer: the robot is still connected to someone and wants a CLOSE.
+    identity: what the robot answered, None until then.
+    streaming: a SIP came instead of an answer: the robot is still open, and wants a CLOSE before it answers.
     """
 
-    _SYNCS = (Command.SYNC0, Command.SYNC1, Command.SYNC2)
-
     def __init__(self) -> None:
-        self._answered = 0
         self.identity: Identity | None = None
         self.streaming = False
+        self._expected = _SYNC0
 
     def request(self) -> bytes:
         """The frame to send next, again after every silence."""
-        return encode_command(self._SYNCS[min(self._answered, 2)])
+        return encode_frame(self._expected)
 
     def receive(self, payload: bytes) -> Identity | None:
         """Take the payload of a frame.
 
+        A late or repeated answer changes nothing; anything that is no answer starts the sequence again at SYNC0.
+
         Returns:
             The robot's identity once SYNC2 is answered.
         """
-        expected = self._SYNCS[min(self._answered, 2)]
-        if payload[:1] == bytes([expected]) and (expected is Command.SYNC2) == (len(payload) > 1):
-            self._answered += 1
-            if expected is Command.SYNC2:
-                self.identity = _read_identity(payload)
-            return self.identity
-        if payload[:1] not in (_SYNC0, _SYNC1, _SYNC2):
-            # Neither a late answer nor an early one: the robot is not in the handshake, start again.
-            self.streaming = payload[:1] != b"" and payload[0] >> 4 == 3
-            self._answered = 0
-        return None
+        if payload == self._expected != _SYNC2:
+            self._expected = _NEXT_SYNC[payload]
+            self.streaming = False
+        elif payload[:1] == self._expected == _SYNC2:
+            self.identity = _read_identity(payload)
+        elif payload[:1] not in (_SYNC0, _SYNC1, _SYNC2):
+            self.restart()
+            self.streaming = payload[:1] in _SIPS
+        return self.identity
 
     def restart(self) -> None:
         """Begin again at SYNC0."""
-        self.__init__()  # type: ignore[misc]
+        self.identity = None
+        self.streaming = False
+        self._expected = _SYNC0
 
 
-def _read_identity(payload: bytes) -> Identity:
-    parts = payload[1:].decode("latin-1").split("\0")
-    name, robot_type, subtype = [*parts, "", "", ""][:3]
-    return Identity(name, robot_type, subtype)
+def _read_identity(payload: bytes) -> Identity | None:
+    """The three strings of a SYNC2 answer; None if they are not there, as in the echo of our own SYNC2."""
+    texts = payload[1:].decode("latin-1").removesuffix("\0").split("\0")
+    return Identity(*texts[:3]) if len(texts) >= 3 and all(texts[1:3]) else None

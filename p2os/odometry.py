@@ -4,7 +4,7 @@ from p2os.fields import POSITION_UNITS, Quantity, Ring
 from p2os.robot_model import RobotModel
 
 JUMP_COUNTS = 0x1000
-"""Counts between two SIPs beyond which the robot cannot have rolled there. Source: fact sheet section 5, XPOS."""
+"""Counts between two SIPs that no robot rolls in a cycle. Source: the limit that a client library unwraps by."""
 
 _SHORTEST = Ring(-POSITION_UNITS // 2, POSITION_UNITS)
 
@@ -12,8 +12,8 @@ _SHORTEST = Ring(-POSITION_UNITS // 2, POSITION_UNITS)
 class OdometryUnwrapper:
     """Follows the wire's position counters to a continuous position, m in `odom`.
 
-    A step of more than `JUMP_COUNTS`, the shortest way round, is no movement: the counters were set anew (SETO, a reset),
-    or a damaged packet passed as sound. The position stays, and later steps count from the new counters.
+    A step of more than `JUMP_COUNTS`, the shortest way round, is no movement: the counters were set anew (SETO, a
+    reset), or a damaged packet passed as sound. The position stays, and later steps count from the new counters.
 
     jumps: steps taken for jumps so far.
     """

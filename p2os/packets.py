@@ -1,6 +1,7 @@
 """Packets from the robot: types, and the tables of those that are not the standard SIP.
 
-Source: fact sheet section 6.
+Source: Pioneer 3/2 H8-series manual (CONFIGpac, its later fields as client libraries read them), Pioneer 3 operations
+manual (ENCODERpac, IOpac).
 """
 
 from collections.abc import Mapping
@@ -11,7 +12,7 @@ from p2os.errors import DecodeError
 from p2os.fields import Field, Quantity, pack, unpack
 from p2os.firmware import FIRMWARES
 from p2os.robot_model import RobotModel
-from p2os.sip import SIP_TYPES, SipCodec, StandardSip
+from p2os.sip import COUNT, HEAD, SIP_TYPES, SONAR, TAIL, SipCodec, StandardSip
 
 
 class PacketType(IntEnum):
@@ -120,6 +121,16 @@ INPUTS_OUTPUTS = (
     Field("digital_out", "*B"),
     Field("analog", "*H", Quantity.ANALOG_10),
 )
+
+
+TABLES: Mapping[int, tuple[Field, ...]] = {
+    PacketType.CONFIGURATION: CONFIGURATION,
+    PacketType.SIP_STOPPED: (*HEAD, COUNT, *SONAR, *TAIL),
+    PacketType.SIP_MOVING: (*HEAD, COUNT, *SONAR, *TAIL),
+    PacketType.ENCODERS: ENCODERS,
+    PacketType.INPUTS_OUTPUTS: INPUTS_OUTPUTS,
+}
+"""The packets that this package reads and writes, by type; in a SIP the two rows of a sonar reading repeat."""
 
 
 class Configuration(NamedTuple):
@@ -272,7 +283,7 @@ def decode_packet(payload: bytes, model: RobotModel, codec: SipCodec | None = No
     Args:
         payload: At least one byte, as `Frame` has it.
         model: Gives the scales.
-        codec: The model's SIP codec, if one is at hand; keeping one spares its compilation.
+        codec: The model's SIP codec; keep one where SIPs come often, it compiles their layouts once.
     Raises:
         DecodeError: A SIP or an ENCODERpac ends too early.
     """
@@ -292,14 +303,11 @@ def decode_packet(payload: bytes, model: RobotModel, codec: SipCodec | None = No
 def _decode_encoders(body: bytes, model: RobotModel) -> Encoders:
     if len(body) < 8:
         raise DecodeError(f"an ENCODERpac of {len(body)} bytes ends before both encoders are in")
-    return Encoders._make(_ints(unpack(ENCODERS, body, model.scales)))
+    values: list[Any] = unpack(ENCODERS, body, model.scales)
+    return Encoders._make(values)
 
 
 def _decode_inputs_outputs(body: bytes, model: RobotModel) -> InputsOutputs:
     values: list[Any] = unpack(INPUTS_OUTPUTS, body, model.scales)
     digital_in, digital_out, analog = values
     return InputsOutputs(bytes(digital_in), bytes(digital_out), analog)
-
-
-def _ints(values: list[Any]) -> list[int]:
-    return [int(value) for value in values]

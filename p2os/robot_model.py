@@ -229,6 +229,8 @@ class _Table:
 
     def tables(self, key: str) -> list["_Table"]:
         tables = self._get(key, list, "a list of tables") if self.has(key) else []
+        if not all(isinstance(each, Mapping) for each in tables):
+            raise ValueError(f"{self._path}{key} must be a list of tables, not {tables!r}")
         return [_Table(each, f"{self._path}{key}.") for each in tables]
 
     def finish(self) -> None:
@@ -240,7 +242,9 @@ class _Table:
     def _get(self, key: str, kind: Any, expected: str) -> Any:
         self._known.append(key)
         if key not in self._table:
-            raise ValueError(f"key {self._path}{key} is missing; it must be {expected}")
+            written = difflib.get_close_matches(key, [each for each in self._table if each not in self._known], 1, 0.8)
+            hint = f"; did you misspell it as {self._path}{written[0]}?" if written else ""
+            raise ValueError(f"key {self._path}{key} is missing, it must be {expected}{hint}")
         value = self._table[key]
         if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
             raise ValueError(f"{self._path}{key} must be {expected}, not {value!r}")

@@ -1,16 +1,15 @@
 """The standard server information packet (SIP): the robot's state, sent every cycle.
 
 One table, `HEAD` + (`SONAR` for each reading) + `TAIL`, serves encoder, decoder and documentation.
-Source: fact sheet section 5.
+Source: Pioneer 3 operations manual, standard SIP; what follows `fault_flags` as client libraries read it.
 """
 
 from enum import IntFlag
-from operator import mul
 from struct import Struct, error
 from typing import Any, NamedTuple
 
 from p2os.errors import DecodeError, EncodeError
-from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, limits, misfit, to_count
+from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fits, misfit
 from p2os.firmware import FIRMWARES
 from p2os.robot_model import RobotModel
 
@@ -35,7 +34,7 @@ HEAD = (
     Field("flags", "H", meaning="see SipFlag"),
     Field("compass", "B", meaning="2 degrees a count"),
 )
-COUNT = Field("sonar", "B", meaning="number of new readings that follow")
+COUNT = Field("number of sonar readings", "B", meaning="number of new readings that follow")
 SONAR = (Field("number", "B"), Field("range", "H", Quantity.RANGE))
 TAIL = (
     Field("gripper_state", "B"),
@@ -186,31 +185,45 @@ class StandardSip(NamedTuple):
 
 
 class _Layout:
-    """The fields of a SIP with so many sonar readings and tail fields, compiled."""
+    """A SIP with so many sonar readings and tail fields, compiled.
+
+    The counts of a packet are those of `HEAD`, the number of readings, the readings, and those of `TAIL`. All readings
+    scale alike; `rings` and `scales` are of the other fields that are no plain counts: index in `StandardSip`, SI per
+    count and, for counters that roll over, `Ring`. `per_unit` is of both, counts per SI.
+    """
 
     def __init__(self, readings: int, tail: int, scales: Scales) -> None:
-        fields = (*HEAD, COUNT, *SONAR * readings, *TAIL[:tail])
-        self.fields = fields
-        self.struct = Struct("<" + "".join(field.code for field in fields))
-        self.scales = tuple(scales[field.quantity] for field in fields)
-        self.per_unit = tuple(1 / scale for scale in self.scales)
-        self.tail = len(fields) - tail
-        self.absent = ABSENT[tail:]
+        self.fields = (*HEAD, COUNT, *TAIL[:tail])
+        scaled = [
+            (index, scales[field.quantity], field.bound)
+            for index, field in enumerate(self.fields)
+            if field.quantity is not Quantity.COUNT
+        ]
+        self.rings = tuple((index, scale, *bound) for index, scale, bound in scaled if isinstance(bound, Ring))
+        self.scales = tuple((index, scale) for index, scale, bound in scaled if not isinstance(bound, Ring))
+        self.per_unit = tuple((index, 1 / scale) for index, scale, _ in scaled)
+        packet = (*HEAD, COUNT, *SONAR * readings, *TAIL[:tail])
+        self.struct = Struct("<" + "".join(field.code for field in packet))
+        self.tail = len(packet) - tail
+        self.absent = _ABSENT[tail:]
 
 
-ABSENT = StandardSip()[len(HEAD) + 1 :]
-"""What stands for the fields of the tail that a packet ends before."""
-_BOUNDS = tuple((index, field.bound) for index, field in enumerate(HEAD) if field.bound)
-_READINGS = len(HEAD)  # index of the count of readings among the fields
+_SONAR = len(HEAD)  # index of the readings in a StandardSip, and of their number among the counts of a packet
+_FIRST = _SONAR + 1  # index of the first reading among the counts, and of the tail in a StandardSip
+_ABSENT = StandardSip()[_FIRST:]  # what stands for the fields of the tail that a packet ends before
+_CEILINGS = tuple((index, field.bound.high) for index, field in enumerate(HEAD) if isinstance(field.bound, Ceiling))
 _COUNT_OFFSET = Struct("<" + "".join(field.code for field in HEAD)).size
 _SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
 _TAIL_ENDS = [Struct("<" + "".join(field.code for field in TAIL[:n])).size for n in range(len(TAIL) + 1)]
+_round = float.__round__  # half the cost of `round`, which has to look it up
+_new = tuple.__new__  # spares the argument list of a NamedTuple with 25 fields
 
 
 class SipCodec:
     """Standard SIPs of one robot model, both directions.
 
-    Encoding ends after the last field that the model's firmware sends, or before the first field that is None.
+    Encoding ends after the last field that the model's firmware sends, or before the first field that is None. The two
+    methods are the busiest of the whole wire: what `fields.pack` and `fields.unpack` do step by step is compiled here.
     """
 
     def __init__(self, model: RobotModel, last_field: str | None = None) -> None:
@@ -221,10 +234,12 @@ class SipCodec:
             last_field: The last field to send, if it is not the one of the firmware family.
         """
         self._scales = model.scales
+        self._metres = model.scales[Quantity.RANGE]
+        self._per_metre = 1 / self._metres
         last = last_field or FIRMWARES[model.firmware].last_sip_field
         self._sent = [field.name for field in TAIL].index(last) + 1
-        self._layouts: dict[tuple[int, int], _Layout] = {}  # by sonar count and payload size
-        self._shapes: dict[tuple[int, int], _Layout] = {}  # by sonar count and tail fields
+        self._by_size: dict[tuple[int, int], _Layout] = {}  # by sonar readings and payload size
+        self._by_tail: dict[tuple[int, int], _Layout] = {}  # by sonar readings and tail fields
 
     def decode(self, payload: bytes) -> StandardSip:
         """Read a packet of any length that holds at least the announced sonar readings.
@@ -233,19 +248,21 @@ class SipCodec:
             DecodeError: The packet ends before its sonar readings do.
         """
         try:
-            layout = self._layouts[payload[_COUNT_OFFSET], len(payload)]
+            layout = self._by_size[payload[_COUNT_OFFSET], len(payload)]
         except (KeyError, IndexError):
             layout = self._learn(payload)
-        counts = list(layout.struct.unpack_from(payload))
-        for index, bound in _BOUNDS:
-            counts[index] = bound.fit(counts[index])
-        values = tuple(map(mul, counts, layout.scales))
-        sonar = tuple(
-            zip(values[_READINGS + 1 : layout.tail : 2], values[_READINGS + 2 : layout.tail : 2], strict=True)
-        )
-        return StandardSip._make(
-            (counts[0] == MOVING, *values[1:_READINGS], sonar, *values[layout.tail :], *layout.absent)
-        )
+        counts = layout.struct.unpack_from(payload)
+        tail = layout.tail
+        values = [*counts[:_SONAR], (), *counts[tail:], *layout.absent]
+        values[0] = counts[0] == MOVING
+        metres = self._metres
+        reading = iter(counts[_FIRST:tail])
+        values[_SONAR] = tuple([(number, count * metres) for number, count in zip(reading, reading, strict=False)])
+        for index, scale, low, size in layout.rings:
+            values[index] = ((values[index] - low) % size + low) * scale
+        for index, scale in layout.scales:
+            values[index] *= scale
+        return _new(StandardSip, values)
 
     def encode(self, sip: StandardSip) -> bytes:
         """Write a packet.
@@ -253,42 +270,50 @@ class SipCodec:
         Raises:
             EncodeError: A value does not fit its field.
         """
-        tail = sip[_READINGS + 1 : _READINGS + 1 + self._sent]
+        tail = sip[_FIRST : _FIRST + self._sent]
         if None in tail:
             tail = tail[: tail.index(None)]
-        layout = self._shape(len(sip.sonar), len(tail))
-        values: list[Any] = [MOVING if sip.moving else STOPPED, *sip[1:_READINGS], len(sip.sonar)]
-        for reading in sip.sonar:
-            values += reading
-        values += tail
+        readings = len(sip.sonar)
+        layout = self._shape(readings, len(tail))
+        counts: list[Any] = [MOVING if sip.moving else STOPPED, *sip[1:_SONAR], readings, *tail]
+        sonar: list[int] = []
         try:
-            counts = list(map(round, map(mul, values, layout.per_unit)))
-            for index, bound in _BOUNDS:
-                counts[index] = bound.fit(counts[index])
-            return layout.struct.pack(*counts)
+            for index, per_unit in layout.per_unit:
+                counts[index] = _round(counts[index] * per_unit)
+            for index, _, low, size in layout.rings:
+                counts[index] = (counts[index] - low) % size + low
+            for index, high in _CEILINGS:
+                counts[index] = min(counts[index], high)
+            per_metre = self._per_metre
+            for number, metres in sip.sonar:
+                sonar += number, _round(metres * per_metre)
+            return layout.struct.pack(*counts[:_FIRST], *sonar, *counts[_FIRST:])
         except (ValueError, OverflowError, error) as err:
-            raise self._explain(layout, values) from err
+            raise self._explain(layout, sip) from err
 
     def _learn(self, payload: bytes) -> _Layout:
+        """The layout of a payload of a size not met before."""
         size = len(payload)
         readings = payload[_COUNT_OFFSET] if size > _COUNT_OFFSET else 0
         tail_size = size - (_COUNT_OFFSET + 1 + readings * _SONAR_SIZE)
         if tail_size < 0:
             raise DecodeError(f"a SIP of {size} bytes ends before its {readings} sonar readings do")
         tail = max(n for n, end in enumerate(_TAIL_ENDS) if end <= tail_size)
-        layout = self._layouts[readings, size] = self._shape(readings, tail)
+        layout = self._by_size[readings, size] = self._shape(readings, tail)
         return layout
 
     def _shape(self, readings: int, tail: int) -> _Layout:
-        layout = self._shapes.get((readings, tail))
+        layout = self._by_tail.get((readings, tail))
         if layout is None:
-            layout = self._shapes[readings, tail] = _Layout(readings, tail, self._scales)
+            layout = self._by_tail[readings, tail] = _Layout(readings, tail, self._scales)
         return layout
 
-    def _explain(self, layout: _Layout, values: list[float]) -> EncodeError:
+    def _explain(self, layout: _Layout, sip: StandardSip) -> EncodeError:
         """Find the field that a value does not fit."""
-        for field, value in zip(layout.fields, values, strict=True):
-            low, high = limits(field.code)
-            if not low <= to_count(field, value, self._scales) <= high:
-                return misfit(field, value, self._scales)
-        raise AssertionError("every value fits its field, yet the packet could not be written")
+        around: list[tuple[Field, Any]] = list(zip(layout.fields[1:], sip[1:], strict=False))
+        around[_SONAR - 1] = COUNT, len(sip.sonar)
+        readings = [(field, value) for reading in sip.sonar for field, value in zip(SONAR, reading, strict=True)]
+        wrong = next((each for each in around + readings if not fits(*each, self._scales)), None)
+        if wrong is None:
+            raise AssertionError("every value fits its field, yet the packet could not be written")
+        return misfit(*wrong, self._scales)

@@ -1,0 +1,166 @@
+"""The compliance page: what of the protocol is decoded, encoded, emulated and tested, from the packet tables."""
+
+from collections.abc import Collection, Iterable, Sequence
+
+from p2os.command_table import COMMANDS
+from p2os.fields import Field, Quantity
+from p2os.firmware import FIRMWARES
+from p2os.packets import CONFIGURATION, CONFIGURATION_VARIANTS, ENCODERS, INPUTS_OUTPUTS, TABLES, PacketType
+from p2os.sip import COUNT, HEAD, SONAR, TAIL
+
+INTRODUCTION = """\
+# Protocol
+
+What of the ActivMedia wire protocol (P2OS, AROS, ARCOS) this project speaks. This page is printed from the tables that
+encoder and decoder use (`make docs`), and a test compares the two. *Decoded* and *encoded* are what `p2os` reads and
+writes, *emulated* is what the microcontroller of `p2os-emu` sends or acts on; a dash means no.
+
+Sources: P2 manual, Pioneer 2 and PeopleBot operations manual (P2OS); H8 manual, Pioneer 3 and 2 H8-series manual
+(AROS); P3 manual, Pioneer 3 operations manual (ARCOS); accessory manuals; client library, what ARIA and Player read and
+send.
+
+A frame is `FA FB`, a count of the bytes that follow, the payload, and a checksum, most significant byte first. Other
+numbers are little-endian. Quantities are in SI and radians everywhere above the wire.
+"""
+
+SOURCES = {
+    PacketType.SYNC0: "P3 manual",
+    PacketType.SYNC1: "P3 manual",
+    PacketType.SYNC2: "P3 manual",
+    PacketType.INFRARED: "client library",
+    PacketType.CONFIGURATION: "H8 manual, client library",
+    PacketType.SIP_STOPPED: "P3 manual, client library",
+    PacketType.SIP_MOVING: "P3 manual, client library",
+    PacketType.ENCODERS: "P3 manual",
+    PacketType.AUX1: "P2 and P3 manuals",
+    PacketType.AUX2: "P3 manual",
+    PacketType.AUX3: "P3 manual",
+    PacketType.COMPASS: "compass manual",
+    PacketType.ARM: "arm manual",
+    PacketType.ARM_INFO: "arm manual",
+    PacketType.PLAYLIST: "Amigo manual",
+    PacketType.GRIPPER: "gripper manual",
+    PacketType.INPUTS_OUTPUTS: "P3 manual, client library",
+    PacketType.JOYSTICK: "Pioneer LX guide, client library",
+}
+"""Where a packet is described, if not in a client library only."""
+
+TESTS = {
+    PacketType.SYNC0: "tests/p2os/test_handshake.py",
+    PacketType.SYNC1: "tests/p2os/test_handshake.py",
+    PacketType.SYNC2: "tests/p2os/test_handshake.py",
+    PacketType.CONFIGURATION: "tests/p2os/test_packets.py",
+    PacketType.SIP_STOPPED: "tests/p2os/test_sip.py",
+    PacketType.SIP_MOVING: "tests/p2os/test_sip.py",
+    PacketType.ENCODERS: "tests/p2os/test_packets.py",
+    PacketType.INPUTS_OUTPUTS: "tests/p2os/test_packets.py",
+}
+COMMAND_TEST = "tests/p2os/test_commands.py"
+HANDSHAKE = (PacketType.SYNC0, PacketType.SYNC1, PacketType.SYNC2)
+
+_CODES = {
+    "b": "i8",
+    "B": "u8",
+    "h": "i16",
+    "H": "u16",
+    "i": "i32",
+    "I": "u32",
+    "z": "text, NUL",
+    "*B": "count u8, u8 each",
+    "*H": "count u8, u16 each",
+}
+
+
+def render(emulated_commands: Collection[int], emulated_packets: Collection[int]) -> str:
+    """Print the page.
+
+    Args:
+        emulated_commands: Numbers of the commands that the emulator acts on.
+        emulated_packets: Types of the packets that the emulator sends.
+    """
+    sections = [
+        INTRODUCTION,
+        "## Packets from the robot\n",
+        _packets(emulated_packets),
+        "## Standard SIP (0x32, 0x33)\n",
+        _fields((*HEAD, COUNT)),
+        "Then, for each reading:\n",
+        _fields(SONAR),
+        "Then, as far as the packet goes; a decoder accepts an end after any field:\n",
+        _fields(TAIL),
+        "## CONFIGpac (0x20)\n",
+        _fields(CONFIGURATION),
+        "## ENCODERpac (0x90)\n",
+        _fields(ENCODERS),
+        "## IOpac (0xF0)\n",
+        _fields(INPUTS_OUTPUTS),
+        "## Where packets end\n",
+        _ends(),
+        "## Commands to the robot\n",
+        _commands(emulated_commands),
+    ]
+    return "\n".join(sections)
+
+
+def _packets(emulated: Collection[int]) -> str:
+    rows = []
+    for kind in PacketType:
+        known = kind in TABLES or kind in HANDSHAKE
+        rows.append(
+            (
+                f"0x{kind:02X} {kind.name.replace('_', ' ')}",
+                _yes(known),
+                _yes(known),
+                _yes(kind in emulated),
+                SOURCES.get(kind, "client library"),
+                TESTS.get(kind, "-"),
+            )
+        )
+    return _table(("packet", "decoded", "encoded", "emulated", "source", "test"), rows)
+
+
+def _commands(emulated: Collection[int]) -> str:
+    rows = [
+        (
+            f"{spec.number} {spec.name}",
+            spec.argument.value,
+            spec.quantity.unit or "-",
+            spec.meaning,
+            spec.since,
+            "yes",
+            "yes",
+            _yes(spec.number in emulated),
+            spec.source,
+            COMMAND_TEST,
+        )
+        for spec in COMMANDS.values()
+    ]
+    columns = ("command", "argument", "unit", "meaning", "since", "decoded", "encoded", "emulated", "source", "test")
+    return _table(columns, rows)
+
+
+def _fields(fields: Sequence[Field]) -> str:
+    rows = [(field.name, _CODES[field.code], _quantity(field.quantity), field.meaning or "-") for field in fields]
+    return _table(("field", "on the wire", "above the wire", "notes"), rows)
+
+
+def _ends() -> str:
+    families = [
+        (firmware.family.value, firmware.last_sip_field, firmware.last_configuration_field)
+        for firmware in FIRMWARES.values()
+    ]
+    variants = [(firmware, "-", last) for firmware, last in CONFIGURATION_VARIANTS.items()]
+    return _table(("firmware", "last field of a SIP", "last field of a CONFIGpac"), families + variants)
+
+
+def _quantity(quantity: Quantity) -> str:
+    return f"{quantity.label}, {quantity.unit}" if quantity.unit else quantity.label
+
+
+def _yes(claim: bool) -> str:
+    return "yes" if claim else "-"
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [header, ["---"] * len(header), *rows]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
