@@ -31,6 +31,12 @@ class Pose2D:
         c, s = cos(self.heading), sin(self.heading)
         return self.x + c * x - s * y, self.y + s * x + c * y
 
+    def locate(self, x: float, y: float) -> tuple[float, float]:
+        """Take a point from the frame the pose is given in to this pose's own frame; m. Undoes `transform`."""
+        c, s = cos(self.heading), sin(self.heading)
+        dx, dy = x - self.x, y - self.y
+        return c * dx + s * dy, c * dy - s * dx
+
     def compose(self, other: "Pose2D") -> "Pose2D":
         """Take a pose given in this pose's own frame to the frame this pose is given in."""
         x, y = self.transform(other.x, other.y)
@@ -38,9 +44,7 @@ class Pose2D:
 
     def relative_to(self, origin: "Pose2D") -> "Pose2D":
         """Express this pose in the frame of `origin`; both are given in one frame. Undoes `origin.compose`."""
-        dx, dy = self.x - origin.x, self.y - origin.y
-        c, s = cos(origin.heading), sin(origin.heading)
-        return Pose2D(c * dx + s * dy, c * dy - s * dx, wrap_angle(self.heading - origin.heading))
+        return Pose2D(*origin.locate(self.x, self.y), wrap_angle(self.heading - origin.heading))
 
     def bearing_to(self, x: float, y: float) -> float:
         """Direction of a point as seen from this pose, rad in (-pi, pi]; 0 is straight ahead."""

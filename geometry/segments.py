@@ -1,7 +1,11 @@
-"""Straight segments in the plane: how far to a point, how far along a ray. All lengths in m."""
+"""Straight segments and convex polygons in the plane: distances, rays, overlap. All lengths in m."""
 
+from collections.abc import Iterator
 from math import cos, hypot, inf, sin
 from typing import NamedTuple
+
+Point = tuple[float, float]
+Polygon = tuple[Point, ...]
 
 
 class Segment(NamedTuple):
@@ -41,7 +45,26 @@ class Segment(NamedTuple):
         return range_ if range_ >= 0.0 and 0.0 <= along <= 1.0 else inf
 
 
-def polygon_edges(corners: tuple[tuple[float, float], ...]) -> tuple[Segment, ...]:
+def polygon_edges(corners: Polygon) -> tuple[Segment, ...]:
     """Edges of a closed polygon, in the order of its corners."""
     following = corners[1:] + corners[:1]
     return tuple(Segment(*a, *b) for a, b in zip(corners, following, strict=True))
+
+
+def polygons_overlap(first: Polygon, second: Polygon) -> bool:
+    """Tell whether two convex polygons share a point; touching counts.
+
+    Source: the separating axis theorem (two convex shapes are apart if and only if an edge of one of them parts them).
+    """
+    return not any(_parts(edge, first, second) for polygon in (first, second) for edge in polygon_edges(polygon))
+
+
+def _parts(edge: Segment, first: Polygon, second: Polygon) -> bool:
+    """Tell whether the shadows of two polygons on the normal of an edge are apart."""
+    normal = edge.y1 - edge.y2, edge.x2 - edge.x1
+    ours, theirs = list(_shadow(first, normal)), list(_shadow(second, normal))
+    return max(ours) < min(theirs) or max(theirs) < min(ours)
+
+
+def _shadow(polygon: Polygon, axis: Point) -> Iterator[float]:
+    return (x * axis[0] + y * axis[1] for x, y in polygon)

@@ -1,0 +1,145 @@
+"""Bodies of the physics engine: the floor, blocks that do not move, and robots; and who may touch whom."""
+
+from collections.abc import Iterable
+from enum import IntFlag
+
+from geometry import Pose2D
+from p2os_emu.world.chassis import (
+    CASTER_GAP,
+    CASTER_RADIUS,
+    CASTER_REACH,
+    FLOOR_FRICTION,
+    HULL_BOTTOM,
+    HULL_FRICTION,
+    HULL_TOP,
+    MASS_HEIGHT,
+    ROCKING_DAMPING,
+    WALL_FRICTION,
+    WHEEL_FRICTION,
+    Chassis,
+)
+from p2os_emu.world.engine import engine
+from p2os_emu.world.spec import Block
+
+HULL = -1  # link indices of a robot
+WHEELS = (0, 1)  # left, right
+
+
+class Group(IntFlag):
+    """Collision groups. Wheels touch the floor only; hulls touch everything but wheels."""
+
+    RAY = 1  # the group the engine gives its rays
+    FLOOR = 2
+    BLOCK = 4
+    HULL = 8
+    WHEEL = 16
+
+
+SEEN_BY_RAYS = int(Group.BLOCK | Group.HULL)
+_TOUCHES = {
+    Group.FLOOR: Group.HULL | Group.WHEEL,  # of a hull only the casters reach down
+    Group.BLOCK: Group.RAY | Group.HULL,
+    Group.HULL: Group.RAY | Group.FLOOR | Group.BLOCK | Group.HULL,
+    Group.WHEEL: Group.FLOOR,
+}
+
+
+def build_floor(client: int) -> int:
+    """An endless floor at z = 0; returns its body id."""
+    shape = engine.createCollisionShape(engine.GEOM_PLANE, physicsClientId=client)
+    body: int = engine.createMultiBody(0.0, shape, physicsClientId=client)
+    engine.changeDynamics(body, HULL, lateralFriction=FLOOR_FRICTION, physicsClientId=client)
+    _join(client, body, HULL, Group.FLOOR)
+    return body
+
+
+def build_blocks(client: int, blocks: Iterable[Block]) -> None:
+    """Boxes that do not move."""
+    for block in blocks:
+        shape = engine.createCollisionShape(
+            engine.GEOM_BOX,
+            halfExtents=[block.length / 2, block.width / 2, block.height / 2],
+            physicsClientId=client,
+        )
+        body = engine.createMultiBody(
+            0.0,
+            shape,
+            basePosition=[block.x, block.y, block.height / 2],
+            baseOrientation=upright(block.heading),
+            useMaximalCoordinates=True,  # a plain rigid body: nothing of it is looked at in a step
+            physicsClientId=client,
+        )
+        engine.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION, physicsClientId=client)
+        _join(client, body, HULL, Group.BLOCK)
+
+
+def build_robot(client: int, chassis: Chassis, pose: Pose2D) -> int:
+    """A hull on casters with two driven wheels; returns its body id.
+
+    Its base frame lies in the centre of mass, right above or below the middle of the axle. Wheels collide as spheres,
+    whose one point of contact stays under the axle (cylinders shift it by 19 mm).
+    """
+    wheel = engine.createCollisionShape(engine.GEOM_SPHERE, radius=chassis.wheel_radius, physicsClientId=client)
+    sides = (chassis.wheel_track / 2, -chassis.wheel_track / 2)
+    body: int = engine.createMultiBody(
+        chassis.hull_mass,
+        _hull_shape(client, chassis),
+        basePosition=mass_position(pose),
+        baseOrientation=upright(pose.heading),
+        linkMasses=[chassis.wheel_mass] * 2,
+        linkCollisionShapeIndices=[wheel] * 2,
+        linkVisualShapeIndices=[-1] * 2,
+        linkPositions=[_from_mass(0.0, side, chassis.wheel_radius) for side in sides],
+        linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * 2,
+        linkInertialFramePositions=[[0.0, 0.0, 0.0]] * 2,
+        linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * 2,
+        linkParentIndices=[0] * 2,
+        linkJointTypes=[engine.JOINT_REVOLUTE] * 2,
+        linkJointAxis=[[0.0, 1.0, 0.0]] * 2,
+        physicsClientId=client,
+    )
+    links = [(HULL, chassis.hull_inertia, HULL_FRICTION, Group.HULL)]
+    links += [(link, chassis.wheel_inertia, WHEEL_FRICTION, Group.WHEEL) for link in WHEELS]
+    for link, inertia, friction, group in links:
+        engine.changeDynamics(body, link, localInertiaDiagonal=inertia, physicsClientId=client)
+        # In a call of its own: beside others it would land on the base.
+        engine.changeDynamics(body, link, lateralFriction=friction, physicsClientId=client)
+        _join(client, body, link, group)
+    engine.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=ROCKING_DAMPING, physicsClientId=client)
+    return body
+
+
+def mass_position(pose: Pose2D) -> tuple[float, float, float]:
+    """Where the centre of mass of a robot is when the middle of its axle is at a pose, m in the world."""
+    return pose.x, pose.y, MASS_HEIGHT
+
+
+def _from_mass(x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Take a place given from the floor under the axle to the base frame, m."""
+    return x, y, z - MASS_HEIGHT
+
+
+def upright(heading: float) -> tuple[float, float, float, float]:
+    """The engine's orientation of something that stands upright and looks along a heading."""
+    quaternion: tuple[float, float, float, float] = engine.getQuaternionFromEuler([0.0, 0.0, heading])
+    return quaternion
+
+
+def _hull_shape(client: int, chassis: Chassis) -> int:
+    """A box and the two casters under it, as one shape."""
+    half = [(chassis.front + chassis.rear) / 2, chassis.width / 2, (HULL_TOP - HULL_BOTTOM) / 2]
+    middle = ((chassis.front - chassis.rear) / 2, 0.0, (HULL_TOP + HULL_BOTTOM) / 2)
+    ends = (chassis.front, -chassis.rear)
+    casters = [(CASTER_REACH * end, 0.0, CASTER_RADIUS + CASTER_GAP) for end in ends]
+    shape: int = engine.createCollisionShapeArray(
+        shapeTypes=[engine.GEOM_BOX, engine.GEOM_SPHERE, engine.GEOM_SPHERE],
+        halfExtents=[half] * 3,
+        radii=[CASTER_RADIUS] * 3,
+        collisionFramePositions=[_from_mass(*place) for place in (middle, *casters)],
+        physicsClientId=client,
+    )
+    return shape
+
+
+def _join(client: int, body: int, link: int, group: Group) -> None:
+    engine.setCollisionFilterGroupMask(body, link, int(group), int(_TOUCHES[group]), physicsClientId=client)

@@ -1,0 +1,28 @@
+"""The physics engine, imported without the line its library prints about its own build."""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Send what C code writes to standard error nowhere; Python's own redirection does not reach it."""
+    if sys.stderr is None:  # a process without standard error has nothing to keep clean
+        yield
+        return
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
+
+
+with _quiet():
+    import pybullet as engine
+
+__all__ = ["engine"]

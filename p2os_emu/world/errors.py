@@ -1,0 +1,5 @@
+"""What can go wrong in the world."""
+
+
+class WorldError(ValueError):
+    """A world cannot be built, or a robot cannot stand there; one sentence that says what to do."""

@@ -1,0 +1,147 @@
+"""One robot in the world: the `Body` that its microcontroller drives."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from geometry import Point, Pose2D
+from p2os.robot_model import RobotModel
+from p2os_emu.body import BodyState
+from p2os_emu.world.bumpers import Bumper
+from p2os_emu.world.chassis import Chassis
+from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
+from p2os_emu.world.engine import engine
+from p2os_emu.world.rays import cast
+from p2os_emu.world.sonar import Sonar
+
+SONAR_HEIGHT = 0.2  # m above the floor, of every disc
+
+
+class RobotBody:
+    """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`."""
+
+    def __init__(
+        self, client: int, floor_id: int, model: RobotModel, chassis: Chassis, sonar: Sonar, pose: Pose2D
+    ) -> None:
+        self.model = model
+        self.chassis = chassis
+        self.body_id = build_robot(client, chassis, pose)
+        self._client = client
+        self._floor_id = floor_id
+        self._sonar = sonar
+        self._front = Bumper(model.front_bumpers, chassis.front, chassis.width)
+        self._rear = Bumper(model.rear_bumpers, chassis.rear, chassis.width)
+        # m of rim, as the encoders count it, per rad that the wheel truly turns.
+        self._left_rim = chassis.wheel_radius * chassis.imperfections.left_wheel
+        self._right_rim = chassis.wheel_radius * chassis.imperfections.right_wheel
+        self._target: tuple[float, float] | None = (0.0, 0.0)
+        self.release()
+        self._state = BodyState()
+
+    @property
+    def state(self) -> BodyState:
+        """The machine after the last physics step."""
+        return self._state
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the middle of the axle truly is, in the world."""
+        (x, y, _), (qx, qy, qz, qw) = engine.getBasePositionAndOrientation(self.body_id, physicsClientId=self._client)
+        return Pose2D(x, y, math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """True velocity: m/s forward, rad/s counter-clockwise."""
+        (vx, vy, _), (_, _, angular) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
+        heading = self.pose.heading
+        return vx * math.cos(heading) + vy * math.sin(heading), angular
+
+    def drive(self, left: float, right: float) -> None:
+        """Command the wheel rims, m/s; the motors follow as far as their torque allows."""
+        if self._target != (left, right):
+            self._target = left, right
+            self._motors(left / self._left_rim, right / self._right_rim, self.chassis.motor_torque)
+
+    def release(self) -> None:
+        """Take the power off both motors; gears and brushes bring the wheels to rest."""
+        if self._target is not None:
+            self._target = None
+            self._motors(0.0, 0.0, self.chassis.coasting_torque)
+
+    def ping(self, discs: Sequence[int]) -> list[float]:
+        """Fire sonar discs.
+
+        Args:
+            discs: Sonar numbers as the robot model counts them (0-based).
+        Returns:
+            One range per disc, m from the disc's face; `inf` where no echo came back, and for a disc not fitted.
+        """
+        pose = self.pose
+        fans = [self._sonar.rays(disc, pose) for disc in discs]
+        rays = [ray for fan in fans for ray in fan]
+        hits = iter(cast(self._client, rays, SONAR_HEIGHT, self.body_id))
+        alone = len(discs) == 1
+        return [self._sonar.hear([next(hits) for _ in fan], alone=alone) for fan in fans]
+
+    def move_to(self, pose: Pose2D) -> None:
+        """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""
+        client = self._client
+        engine.resetBasePositionAndOrientation(
+            self.body_id, mass_position(pose), upright(pose.heading), physicsClientId=client
+        )
+        engine.resetBaseVelocity(self.body_id, [0.0] * 3, [0.0] * 3, physicsClientId=client)
+        for wheel, (angle, *_) in zip(WHEELS, self._joints(), strict=True):
+            engine.resetJointState(self.body_id, wheel, angle, 0.0, physicsClientId=client)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Read the machine anew; `World.step` does so after every step."""
+        (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = self._joints()
+        powered, strongest = self._target is not None, self.chassis.motor_torque
+        front, rear = self._bumpers()
+        self._state = BodyState(
+            left * self._left_rim,
+            right * self._right_rim,
+            left_speed * self._left_rim,
+            right_speed * self._right_rim,
+            min(1.0, abs(left_torque) / strongest) if powered else 0.0,
+            min(1.0, abs(right_torque) / strongest) if powered else 0.0,
+            front,
+            rear,
+        )
+
+    def _joints(self) -> Sequence[tuple[float, float, Any, float]]:
+        """Angle (rad), speed (rad/s), forces and motor torque (N m) of each wheel, left first."""
+        states: Sequence[tuple[float, float, Any, float]] = engine.getJointStates(
+            self.body_id, WHEELS, physicsClientId=self._client
+        )
+        return states
+
+    def _motors(self, left: float, right: float, torque: float) -> None:
+        """Set the speeds (rad/s) the motors strive for, and the most they may give (N m)."""
+        engine.setJointMotorControlArray(
+            self.body_id,
+            WHEELS,
+            engine.VELOCITY_CONTROL,
+            targetVelocities=[left, right],
+            forces=[torque, torque],
+            physicsClientId=self._client,
+        )
+
+    def _bumpers(self) -> tuple[int, int]:
+        """Pressed segments in front and behind."""
+        if not (self.model.front_bumpers or self.model.rear_bumpers):
+            return 0, 0
+        touched: dict[int, list[Point]] = {}
+        for contact in engine.getContactPoints(bodyA=self.body_id, linkIndexA=HULL, physicsClientId=self._client):
+            other, place, distance = contact[2], contact[5], contact[8]
+            if other != self._floor_id and distance <= 0.0:
+                touched.setdefault(other, []).append(place[:2])
+        front = rear = 0
+        if touched:
+            pose = self.pose
+            for places in touched.values():
+                local = [pose.locate(x, y) for x, y in places]
+                front |= self._front.pressed([(x, y) for x, y in local if x >= 0.0])
+                rear |= self._rear.pressed([(-x, y) for x, y in local if x < 0.0])
+        return front, rear

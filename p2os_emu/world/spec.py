@@ -1,0 +1,189 @@
+"""Worlds as data: what stands where, where robots start, and the routes one may drive.
+
+A world comes from a `configs/worlds` file or from an ARIA `.map` file, and is a value: `World` builds physics from it.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import configs
+from geometry import MapError, MapFile, Point, Polygon, Pose2D, Segment, read_map
+from p2os_emu.world.errors import WorldError
+
+WALL_THICKNESS = 0.1
+WALL_HEIGHT = 2.0
+LINE_THICKNESS = 0.02  # a line of a map is the face of a wall, whichever side one sees it from
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A box on the floor that does not move: centre (m), heading of its length (rad), size (m)."""
+
+    x: float
+    y: float
+    heading: float
+    length: float
+    width: float
+    height: float
+    name: str = ""
+
+    def contains(self, x: float, y: float) -> bool:
+        """Tell whether a point of the floor lies under the block."""
+        along, across = Pose2D(self.x, self.y, self.heading).locate(x, y)
+        return abs(along) <= self.length / 2 and abs(across) <= self.width / 2
+
+    @property
+    def footprint(self) -> Polygon:
+        """The four corners on the floor, counter-clockwise, m."""
+        return rectangle(Pose2D(self.x, self.y, self.heading), self.length / 2, self.length / 2, self.width)
+
+
+@dataclass(frozen=True, slots=True)
+class WorldSpec:
+    """A world to build.
+
+    walls, furniture: boxes that do not move.
+    starts: where robots begin, best place first; never empty.
+    routes: named lists of waypoints, m; a round trip ends where it begins.
+    """
+
+    name: str
+    about: str = ""
+    walls: tuple[Block, ...] = ()
+    furniture: tuple[Block, ...] = ()
+    starts: tuple[Pose2D, ...] = (Pose2D(),)
+    routes: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
+
+
+def rectangle(pose: Pose2D, front: float, rear: float, width: float) -> Polygon:
+    """Corners of a rectangle that reaches `front` ahead of a pose, `rear` behind it and half `width` to each side."""
+    half = width / 2
+    return tuple(pose.transform(x, y) for x, y in ((-rear, -half), (front, -half), (front, half), (-rear, half)))
+
+
+def load_world(name: str | Path) -> WorldSpec:
+    """Load a world.
+
+    Args:
+        name: Of a world in `configs/worlds` ("office"), or the path of a `.toml` or `.map` file.
+    Raises:
+        WorldError: there is no such world, or its file has an error; says which file, where and why.
+    """
+    try:
+        path = configs.find("worlds", str(name))
+        if path.suffix == ".map":
+            return _from_map(read_map(path), path.stem)
+        file = configs.build(WorldFile, configs.read(path), str(path))
+    except (configs.ConfigError, MapError) as err:
+        raise WorldError(str(err)) from err
+    return file.to_spec(path.stem, str(path))
+
+
+@dataclass(frozen=True, slots=True)
+class DoorEntry:
+    """A gap in a wall: from `at_m` along the wall, `width_m` wide."""
+
+    at_m: float
+    width_m: float = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class WallEntry:
+    """A straight wall along its centre line; the doors are left out of it."""
+
+    from_m: tuple[float, float]
+    to_m: tuple[float, float]
+    name: str = ""
+    thickness_m: float = WALL_THICKNESS
+    height_m: float = WALL_HEIGHT
+    doors: tuple[DoorEntry, ...] = ()
+
+    def blocks(self) -> Iterator[Block]:
+        """The wall cut at its doors; it reaches half its thickness beyond its ends, so that corners close."""
+        line = Segment(*self.from_m, *self.to_m)
+        if not min(line.length, self.thickness_m, self.height_m) > 0.0:
+            raise ValueError("length, thickness and height must be above 0 m")
+        begin = -self.thickness_m / 2
+        for door in sorted(self.doors, key=lambda each: each.at_m):
+            if not (door.width_m > 0.0 and max(begin, 0.0) <= door.at_m <= line.length - door.width_m):
+                raise ValueError(f"a door of {door.width_m} m at {door.at_m} m does not fit the wall")
+            yield self._block(line, begin, door.at_m)
+            begin = door.at_m + door.width_m
+        yield self._block(line, begin, line.length + self.thickness_m / 2)
+
+    def _block(self, line: Segment, begin: float, end: float) -> Block:
+        heading = math.atan2(line.y2 - line.y1, line.x2 - line.x1)
+        x, y = Pose2D(line.x1, line.y1, heading).transform((begin + end) / 2, 0.0)
+        return Block(x, y, heading, end - begin, self.thickness_m, self.height_m, self.name)
+
+
+@dataclass(frozen=True, slots=True)
+class FurnitureEntry:
+    """A box: centre, size (length, width, height) and heading of its length."""
+
+    at_m: tuple[float, float]
+    size_m: tuple[float, float, float]
+    name: str = ""
+    heading_deg: float = 0.0
+
+    def block(self) -> Block:
+        """The box in SI."""
+        if not min(self.size_m) > 0.0:
+            raise ValueError("length, width and height must be above 0 m")
+        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, self.name)
+
+
+@dataclass(frozen=True, slots=True)
+class StartEntry:
+    """Where a robot may begin."""
+
+    at_m: tuple[float, float]
+    heading_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class WorldFile:
+    """A file of `configs/worlds`, key by key."""
+
+    about: str = ""
+    walls: tuple[WallEntry, ...] = ()
+    furniture: tuple[FurnitureEntry, ...] = ()
+    starts: tuple[StartEntry, ...] = (StartEntry((0.0, 0.0)),)
+    routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
+
+    def to_spec(self, name: str, source: str) -> WorldSpec:
+        """Turn the entries into a world.
+
+        Raises:
+            WorldError: an entry makes no sense; names file, entry and reason.
+        """
+        walls: list[Block] = []
+        furniture: list[Block] = []
+        entry = ""
+        try:
+            for i, wall in enumerate(self.walls):
+                entry = f"walls[{i}] {wall.name}"
+                walls.extend(wall.blocks())
+            for i, piece in enumerate(self.furniture):
+                entry = f"furniture[{i}] {piece.name}"
+                furniture.append(piece.block())
+        except ValueError as err:
+            raise WorldError(f"{source}: {entry.strip()}: {err}") from err
+        if not self.starts:
+            raise WorldError(f"{source}: starts must hold at least one place for a robot")
+        starts = tuple(Pose2D(*start.at_m, math.radians(start.heading_deg)) for start in self.starts)
+        return WorldSpec(name, self.about, tuple(walls), tuple(furniture), starts, self.routes_m)
+
+
+def _from_map(file: MapFile, name: str) -> WorldSpec:
+    """Lines become thin walls; robots start at RobotHome, else at a dock or a goal, else at the origin."""
+    walls = tuple(
+        block
+        for line in file.lines
+        if line.length > 0.0
+        for block in WallEntry(line[:2], line[2:], thickness_m=LINE_THICKNESS).blocks()
+    )
+    places = [cairn.pose for kind in ("RobotHome", "Dock", "Goal") for cairn in file.places(kind)]
+    return WorldSpec(name, f"ARIA map {name}", walls, starts=tuple(places) or (Pose2D(),))

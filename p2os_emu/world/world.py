@@ -1,0 +1,191 @@
+"""The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
+
+import os
+from random import Random
+from typing import NamedTuple
+
+from geometry import Polygon, Pose2D
+from p2os.robot_model import RobotModel
+from p2os_emu.world.chassis import GRAVITY, Chassis, Imperfections
+from p2os_emu.world.collision import build_blocks, build_floor
+from p2os_emu.world.engine import engine
+from p2os_emu.world.errors import WorldError
+from p2os_emu.world.placement import Obstacles, free_pose, overlapping
+from p2os_emu.world.robot_body import RobotBody
+from p2os_emu.world.sonar import Sonar
+from p2os_emu.world.spec import WorldSpec
+
+STEP = 1 / 120  # s
+SOLVER_ITERATIONS = 20
+# m; below the gap under the casters, so that casters in the air cost nothing and a robot at rest stays exactly at rest.
+CONTACT_DISTANCE = 0.0003
+
+
+class Truth(NamedTuple):
+    """Where a robot truly is: pose in the world; velocity in m/s forward and rad/s counter-clockwise."""
+
+    pose: Pose2D
+    linear: float
+    angular: float
+
+
+class Outline(NamedTuple):
+    """What a picture of the world shows, m."""
+
+    walls: tuple[Polygon, ...]
+    furniture: tuple[Polygon, ...]
+
+
+class World:
+    """Physics for any number of robots.
+
+    The same spec, seed and calls give bit-identical states, and each World is apart from all others in the process.
+    """
+
+    def __init__(self, spec: WorldSpec, *, seed: int = 0, perfect: bool = False, gui: bool = False) -> None:
+        """Build a world.
+
+        Args:
+            spec: What stands where.
+            seed: Of every imperfection; each robot draws its own from seed and name.
+            perfect: No imperfections: exact wheels, exact track, sonar without noise, misses or cross-talk.
+            gui: Show a window.
+        Raises:
+            WorldError: There is no display for the window, or the engine has no room for one more world.
+        """
+        self.spec = spec
+        self.steps = 0
+        self.outline = Outline(
+            tuple(block.footprint for block in spec.walls), tuple(block.footprint for block in spec.furniture)
+        )
+        self._seed = seed
+        self._perfect = perfect
+        self._obstacles = Obstacles((*spec.walls, *spec.furniture))
+        self._robots: dict[str, RobotBody] = {}
+        self._client = _connect(gui)
+        engine.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self._client)
+        engine.setPhysicsEngineParameter(
+            fixedTimeStep=STEP,
+            numSolverIterations=SOLVER_ITERATIONS,
+            contactBreakingThreshold=CONTACT_DISTANCE,
+            deterministicOverlappingPairs=1,
+            physicsClientId=self._client,
+        )
+        self._floor_id = build_floor(self._client)
+        build_blocks(self._client, (*spec.walls, *spec.furniture))
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the world began, s."""
+        return self.steps * STEP
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """Names of the robots in the world, first come first."""
+        return tuple(self._robots)
+
+    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None) -> RobotBody:
+        """Put a robot into the world, at rest and without power.
+
+        Args:
+            name: Unique in this world.
+            model: What it is.
+            pose: Where its axle is; without it, the first free place of the world.
+        Raises:
+            WorldError: The name is taken, the place is not free, or no place is.
+        """
+        if name in self._robots:
+            raise WorldError(f"there is a robot {name!r} already; give this one another name")
+        random = None if self._perfect else Random(f"{self._seed} {name}")
+        chassis = Chassis.of(model, Imperfections() if random is None else Imperfections.drawn(random))
+        if pose is None:
+            pose = self._free_pose(name, chassis)
+        else:
+            self._check_free(name, chassis, pose)
+        robot = RobotBody(self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose)
+        self._robots[name] = robot
+        return robot
+
+    def remove_robot(self, name: str) -> None:
+        """Take a robot out of the world.
+
+        Raises:
+            WorldError: There is no such robot.
+        """
+        engine.removeBody(self._robot(name).body_id, physicsClientId=self._client)
+        del self._robots[name]
+
+    def step(self) -> None:
+        """Let `STEP` seconds pass."""
+        engine.stepSimulation(physicsClientId=self._client)
+        self.steps += 1
+        for robot in self._robots.values():
+            robot.refresh()
+
+    def truth(self, name: str) -> Truth:
+        """Where a robot truly is.
+
+        Raises:
+            WorldError: There is no such robot.
+        """
+        robot = self._robot(name)
+        return Truth(robot.pose, *robot.velocity)
+
+    def place(self, name: str, pose: Pose2D) -> None:
+        """Lift a robot and put it down at rest somewhere else; its encoders do not notice.
+
+        Raises:
+            WorldError: There is no such robot, or the place is not free.
+        """
+        robot = self._robot(name)
+        self._check_free(name, robot.chassis, pose)
+        robot.move_to(pose)
+
+    def close(self) -> None:
+        """End the world; no robot of it can be used any more. Closing twice does nothing."""
+        if self._client >= 0:
+            engine.disconnect(physicsClientId=self._client)
+            self._client = -1
+            self._robots.clear()
+
+    def __enter__(self) -> "World":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _robot(self, name: str) -> RobotBody:
+        try:
+            return self._robots[name]
+        except KeyError:
+            there = ", ".join(self._robots) or "none"
+            raise WorldError(f"there is no robot {name!r} in this world; there are: {there}") from None
+
+    def _free_pose(self, name: str, chassis: Chassis) -> Pose2D:
+        others = [(pose.x, pose.y, robot.chassis.sweep) for robot in self._robots.values() for pose in (robot.pose,)]
+        pose = free_pose(self.spec.starts, self._obstacles, others, chassis.sweep)
+        if pose is None:
+            raise WorldError(f"world {self.spec.name!r} has no free place left for robot {name!r}; give it a pose")
+        return pose
+
+    def _check_free(self, name: str, chassis: Chassis, pose: Pose2D) -> None:
+        footprint = chassis.footprint(pose)
+        others = [
+            (f"robot {other!r}", robot.chassis.footprint(robot.pose))
+            for other, robot in self._robots.items()
+            if other != name
+        ]
+        in_the_way = self._obstacles.overlapping(footprint) or overlapping(footprint, others)
+        if in_the_way:
+            raise WorldError(
+                f"robot {name!r} cannot stand at ({pose.x:.2f}, {pose.y:.2f}) m: {in_the_way} is in the way"
+            )
+
+
+def _connect(gui: bool) -> int:
+    if gui and not os.environ.get("DISPLAY"):
+        raise WorldError("there is no display for a window: leave out --gui, or set DISPLAY to a running X server")
+    client: int = engine.connect(engine.GUI if gui else engine.DIRECT)
+    if client < 0:
+        raise WorldError("the physics engine cannot open one more world: close another first (one window at a time)")
+    return client
