@@ -1,0 +1,110 @@
+"""`p2os-gateway`: a robot on a port becomes a robot on the bus."""
+
+import argparse
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from bus import KeyNotValid
+from bus.keys import robot_name
+from configs import ConfigError
+from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
+from gateway.driver import Driver
+from gateway.errors import GatewayError, NoSuchPort
+from gateway.gateway import Gateway, Options
+from gateway.search import model_finder, rates_to_try
+from gateway.serial_port import Port, open_port
+from gateway.settings import Settings, load_settings
+from p2os import BAUD_CODES
+
+EXIT_OK = 0
+EXIT_USAGE = 2
+
+EXIT_CODES = """\
+exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not a port, 5 no permission, 6 port in use,
+7 no robot answers, 8 something else answers, 9 unknown robot model"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Parse, build and run; returns an exit code."""
+    arguments = _parser().parse_args(argv)
+    try:
+        settings = Settings() if arguments.config is None else load_settings(arguments.config)
+        options = Options(
+            port=arguments.port,
+            name=None if arguments.name is None else robot_name(arguments.name),
+            bus=arguments.bus,
+            waits=arguments.wait,
+            is_quiet=arguments.quiet,
+            is_json=arguments.json,
+        )
+        _serve(options, settings, arguments.baud)
+    except (ConfigError, KeyNotValid) as error:
+        return _fail(error, EXIT_USAGE)
+    except GatewayError as error:
+        return _fail(error, error.exit_code)
+    return EXIT_OK
+
+
+def _serve(options: Options, settings: Settings, baud: int | None) -> None:
+    find_model = model_finder(settings)
+    port = _open_first(options)
+    driver = Driver(find_model, rates_to_try(port, baud), settings)
+    bridge = Bridge(driver, port, lambda: open_port(options.port))
+    gateway = Gateway(options, settings, driver, bridge, steady_clock())
+    try:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: bridge.stop())
+        bridge.run(gateway)
+    finally:
+        bridge.close()  # first of all the robot stops
+        gateway.close()
+
+
+def _open_first(options: Options) -> Port:
+    """Open the port; wait for it only if asked to."""
+    while True:
+        try:
+            return open_port(options.port)
+        except NoSuchPort:
+            if not options.waits:
+                raise
+            time.sleep(REOPEN_PERIOD)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="p2os-gateway",
+        description="Bring a robot on a port to the bus: odometry, sonar and more under NAME/; NAME/cmd_vel drives.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
+    parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
+    parser.add_argument("--baud", type=_baud, metavar="auto|N", help="the only rate to try, bit/s (default: auto)")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")
+    parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
+    parser.add_argument("--wait", action="store_true", help="look for port and robot until they are there")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--json", action="store_true", help="say what happens in JSON, a line each")
+    return parser
+
+
+def _baud(text: str) -> int | None:
+    if text == "auto":
+        return None
+    rates = sorted(BAUD_CODES.values())
+    if not text.isdecimal() or int(text) not in rates:
+        raise argparse.ArgumentTypeError(f"{text!r} is no rate; say auto or one of {', '.join(map(str, rates))}")
+    return int(text)
+
+
+def _fail(error: Exception, code: int) -> int:
+    print(f"p2os-gateway: {error}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

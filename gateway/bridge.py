@@ -1,0 +1,196 @@
+"""Joins one driver and one port, on one thread, and lets other threads command the driver.
+
+The thread waits for bytes, for the driver's next deadline, or to be woken. A lock guards the driver; whoever commands
+it, on a thread of the bus, writes what follows to the port at once, so that a command does not wait for this thread.
+"""
+
+import os
+import select
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from math import inf
+from typing import Protocol, TypeVar
+
+from gateway.driver import Driver
+from gateway.errors import GatewayError, PortLost
+from gateway.events import Event, LinkLost
+from gateway.serial_port import Port, SocketPort
+
+T = TypeVar("T")
+
+REOPEN_PERIOD = 0.15
+"""Seconds between two tries to open a port that is gone."""
+LONGEST_WAIT = 0.4
+"""Seconds; often enough that the driver does not take an idle moment for a freeze."""
+
+
+def steady_clock() -> float:
+    """Seconds that go on while the computer sleeps, where the system has such a clock."""
+    return time.clock_gettime(_CLOCK)
+
+
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+
+
+class Listener(Protocol):
+    """Who is told what happens, on the bridge's thread."""
+
+    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+        """Take the driver's events, maybe none.
+
+        Args:
+            events: In their order.
+            now: Steady time of the bridge, s.
+            stamp_ns: Wall clock when the bytes were read that brought them about.
+        """
+        ...
+
+    @property
+    def deadline(self) -> float:
+        """When to be called again even without events, s."""
+        ...
+
+
+class Bridge:
+    """One driver on one port, which may vanish and return."""
+
+    def __init__(
+        self, driver: Driver, port: Port, reopen: Callable[[], Port], clock: Callable[[], float] = steady_clock
+    ) -> None:
+        """Begin to talk: the first bytes leave before this returns.
+
+        Args:
+            driver: Nobody else may call it from now on, but through `command`.
+            port: Open; the bridge closes it.
+            reopen: Opens it again after it was lost; raises GatewayError while it cannot.
+            clock: Steady, s.
+        """
+        self._driver = driver
+        self._port: Port | None = port
+        self._reopen = reopen
+        self._lost: PortLost | None = None
+        self._reopen_at = inf
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._wake_reader, self._wake_writer = os.pipe()
+        os.set_blocking(self._wake_writer, False)
+        os.set_blocking(self._wake_reader, False)
+        self._waits_until = -inf
+        self._is_stopped = self._is_closed = False
+        with self._lock:
+            driver.port_opened(clock())
+            self._flush()
+
+    def command(self, give: Callable[[Driver, float], T]) -> T:
+        """Give the driver a command from any thread; what follows is written before this returns.
+
+        Args:
+            give: Called with the driver and the steady time, under the lock; what it raises comes through.
+        """
+        with self._lock:
+            try:
+                return give(self._driver, self._clock())
+            finally:
+                self._flush()
+                if self._driver.deadline < self._waits_until:
+                    self.wake()
+
+    def run(self, listener: Listener) -> None:
+        """Work until `stop`."""
+        while not self._is_stopped:
+            has_bytes = self._wait(listener.deadline)
+            with self._lock:
+                now = self._clock()
+                data = self._read() if has_bytes else b""
+                stamp_ns = time.time_ns()
+                events = self._work(data, now)
+            listener.happened(events, now, stamp_ns)
+
+    def stop(self) -> None:
+        """Let `run` return; from any thread or signal handler."""
+        self._is_stopped = True
+        self.wake()
+
+    def close(self) -> None:
+        """Stop the robot, close its servers and let go of the port."""
+        with self._lock:
+            if self._port is not None:
+                with suppress(PortLost):  # nobody may be there to say goodbye to
+                    self._port.write(self._driver.farewell())
+                self._port.close()
+                self._port = None
+            if not self._is_closed:
+                self._is_closed = True
+                os.close(self._wake_reader)
+                os.close(self._wake_writer)
+
+    def _wait(self, listener_deadline: float) -> bool:
+        """Wait for something to do; say whether bytes have come."""
+        with self._lock:
+            port = self._port
+            deadline = min(self._driver.deadline, self._reopen_at, listener_deadline)
+            now = self._clock()
+            self._waits_until = min(deadline, now + LONGEST_WAIT)
+            timeout = max(0.0, self._waits_until - now)
+        watched: list[Port | int] = [self._wake_reader] if port is None else [self._wake_reader, port]
+        ready, _, _ = select.select(watched, (), (), timeout)
+        if self._wake_reader in ready:
+            os.read(self._wake_reader, 64)
+        return port is not None and port in ready
+
+    def _read(self) -> bytes:
+        try:
+            return b"" if self._port is None else self._port.read()
+        except PortLost as lost:
+            self._lost = lost
+            return b""
+
+    def _work(self, data: bytes, now: float) -> list[Event]:
+        if self._lost is not None:
+            self._lose_port(self._lost, now)
+        if self._port is None and now >= self._reopen_at:
+            self._open_again(now)
+        events = self._driver.receive(data, self._clock())
+        if isinstance(self._port, SocketPort) and any(isinstance(event, LinkLost) for event in events):
+            # A dead connection gives no sign, and one that revives would bring old bytes.
+            self._lose_port(PortLost("the connection is dead"), now)
+        self._flush()
+        return events
+
+    def _flush(self) -> None:
+        """Write what is due now. A port that fails is closed by the bridge's own thread, which may be waiting on it."""
+        data = self._driver.bytes_due(self._clock())
+        if not data or self._port is None or self._lost is not None:
+            return
+        try:
+            if self._driver.baud:
+                self._port.set_rate(self._driver.baud)
+            self._port.write(data)
+        except PortLost as lost:
+            self._lost = lost
+            self.wake()
+
+    def _open_again(self, now: float) -> None:
+        try:
+            self._port = self._reopen()
+        except GatewayError:
+            self._reopen_at = now + REOPEN_PERIOD  # it is not back yet
+            return
+        self._reopen_at = inf
+        self._driver.port_opened(self._clock())
+
+    def _lose_port(self, lost: PortLost, now: float) -> None:
+        if self._port is not None:
+            self._port.close()
+        self._port = self._lost = None
+        self._reopen_at = now + REOPEN_PERIOD
+        self._driver.port_lost(str(lost), now)
+
+    def wake(self) -> None:
+        """Let `run` look after everything now; from any thread or signal handler."""
+        if self._is_closed:
+            return
+        with suppress(BlockingIOError):  # it is being woken already
+            os.write(self._wake_writer, b"!")

@@ -1,0 +1,107 @@
+"""The queryables under `<robot>/command/`: what each takes, and what it asks of the driver.
+
+Every one carries a JSON object; a key that a command does not know, a missing one and a wrong type are refused with a
+sentence. `token` is always allowed: the lease's.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import inf, isfinite
+from typing import Any
+
+from bus import keys
+from bus.keys import Topic
+from gateway.driver import Driver
+from gateway.errors import CommandRefused
+
+TOKEN = "token"
+LARGEST_EXACT = 2**53
+
+Arguments = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class CommandRow:
+    """One command.
+
+    topic: its key. takes: argument to type (`bool`, `int`, `float`). give: to the driver; what it returns goes into the
+    answer. moves: only the lease's holder may give it, while there is one.
+    """
+
+    topic: Topic
+    takes: Mapping[str, type]
+    give: Callable[[Driver, Arguments, float], dict[str, Any] | None]
+    moves: bool = True
+
+
+def _stop(driver: Driver, arguments: Arguments, now: float) -> None:
+    driver.stop(now)
+
+
+def _estop(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
+    driver.emergency_stop(arguments["on"], now)
+    return {"estop": driver.is_estopped}
+
+
+def _enable(driver: Driver, arguments: Arguments, now: float) -> None:
+    driver.enable(arguments["on"], now)
+
+
+def _move(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
+    return {"id": driver.move(arguments["distance"], now)}
+
+
+def _turn(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
+    return {"id": driver.turn(arguments["angle"], now)}
+
+
+def _heading(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
+    return {"id": driver.turn_to(arguments["heading"], now)}
+
+
+def _sonar(driver: Driver, arguments: Arguments, now: float) -> None:
+    driver.switch_sonar(arguments["on"], now)
+
+
+def _output(driver: Driver, arguments: Arguments, now: float) -> None:
+    driver.set_outputs(arguments["mask"], arguments["value"], now)
+
+
+COMMANDS = (
+    CommandRow(keys.ENABLE, {"on": bool}, _enable),
+    CommandRow(keys.STOP, {}, _stop, moves=False),  # anyone may stop a robot
+    CommandRow(keys.ESTOP, {"on": bool}, _estop, moves=False),
+    CommandRow(keys.MOVE, {"distance": float}, _move),
+    CommandRow(keys.TURN, {"angle": float}, _turn),
+    CommandRow(keys.HEADING, {"heading": float}, _heading),
+    CommandRow(keys.SONAR_POWER, {"on": bool}, _sonar, moves=False),
+    CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _output, moves=False),
+)
+
+_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+
+
+def check_arguments(name: str, given: Arguments, takes: Mapping[str, type], optional: Mapping[str, type]) -> Arguments:
+    """Give back the arguments with whole numbers made floats where floats are meant.
+
+    Raises:
+        CommandRefused: One is unknown, missing, or of the wrong type.
+    """
+    unknown = [key for key in given if key not in takes and key not in optional]
+    if unknown:
+        known = ", ".join((*takes, *optional)) or "nothing"
+        raise CommandRefused(f"{name} does not take {', '.join(map(repr, unknown))}; it takes {known}")
+    missing = [key for key in takes if key not in given]
+    if missing:
+        raise CommandRefused(f"{name} needs {missing[0]}: {_KINDS[takes[missing[0]]]}")
+    return {key: _as(name, key, value, {**takes, **optional}[key]) for key, value in given.items()}
+
+
+def _as(name: str, key: str, value: Any, kind: type) -> Any:
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value) if abs(value) < LARGEST_EXACT else inf
+    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+        raise CommandRefused(f"{key} of {name} must be {_KINDS[kind]}, not {value!r}")
+    if isinstance(value, float) and not isfinite(value):
+        raise CommandRefused(f"{key} of {name} must be finite, not {value}")
+    return value

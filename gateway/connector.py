@@ -1,0 +1,160 @@
+"""Finds the robot on a line: which rate, which robot. No port and no clock.
+
+A robot may have been left in any state: streaming, moving, waiting, at another rate, half a frame in its receiver. Any
+packet it hears makes it resume what its watchdog stopped, and SYNC0 is a PULSE to a robot that is open. So each round
+on a rate is:
+
+    STOP, CLOSE | silence, longer than a receiver keeps half a frame | STOP, CLOSE, SYNC0 | answers
+
+Whatever state the robot is in, the first command it understands is STOP: if half a frame swallows the first pair, the
+silence ends that frame and the second pair is heard.
+"""
+
+import random
+from collections.abc import Sequence
+from enum import Enum, auto
+from math import inf
+
+from gateway.events import SweepFailed
+from gateway.outbox import BITS_PER_BYTE, PACE, Outbox
+from p2os import PARTIAL_TIMEOUT, Command, HostHandshake, Identity, encode_command
+
+RATES = (9600, 38400, 19200, 115200, 57600)
+"""bit/s, in the order in which existing drivers look for a robot. Source: fact sheet section 2."""
+AS_IT_IS = 0
+"""The rate of a line that has none to set, such as a socket."""
+
+STOP = encode_command(Command.STOP)
+CLOSE = encode_command(Command.CLOSE)
+
+FIRST_WINDOW = 0.08
+"""Seconds for the answer to a SYNC: a robot answers within 50 ms, and 12 bytes take 12.5 ms at 9600 bit/s."""
+LAST_WINDOW = 0.25
+STEP_WINDOW = 0.25
+"""Seconds for each further answer of a robot that has begun to answer."""
+SETTLING = 0.01
+ROUNDS_FOR_A_TALKER = 3
+"""Rounds on a rate at which sound frames come, before the next rate."""
+MAX_BACKOFF = 0.2
+"""Seconds of pause after a sweep, at most."""
+REST = 0.5
+"""Seconds before an unwanted robot is asked again."""
+
+
+class _Phase(Enum):
+    PAUSED = auto()
+    HUSHED = auto()  # the first STOP and CLOSE are out, and now nothing is said
+    SYNCING = auto()
+
+
+class Connector:
+    """Sweeps the rates until a robot has said who it is.
+
+    baud: bit/s that the line must have now; `AS_IT_IS` where there is nothing to set.
+    deadline: when `watch` is due, s.
+    """
+
+    def __init__(self, rates: Sequence[int], outbox: Outbox, rng: random.Random) -> None:
+        self._rates = tuple(rates)
+        self._outbox = outbox
+        self._rng = rng
+        self._known: int | None = None
+        self._plan: list[int] = []
+        self._handshake = HostHandshake()
+        self._phase = _Phase.PAUSED
+        self._window = FIRST_WINDOW
+        self._talks = False
+        self._rounds_left = 0
+        self._bytes_heard = 0
+        self.baud = self._rates[0]
+        self.deadline = inf
+
+    def begin(self, now: float) -> None:
+        """Start a sweep at once, with the rate at which a robot was heard last before each other one."""
+        self._bytes_heard = 0
+        others = [rate for rate in self._rates if rate != self._known]
+        if self._known is None:
+            self._plan = others
+        else:
+            self._plan = [rate for other in others for rate in (self._known, other)] or [self._known]
+        self._next_rate(now)
+
+    def hear(self, size: int) -> None:
+        """Count bytes of any kind, to tell a silent line from a stranger's."""
+        self._bytes_heard += size
+
+    def receive(self, payload: bytes, now: float) -> Identity | None:
+        """Take the payload of a sound frame; return the robot's identity once it has given it."""
+        if not self._talks:
+            self._talks = True
+            self._rounds_left = ROUNDS_FOR_A_TALKER
+        if self._phase is not _Phase.SYNCING:
+            return None
+        before = self._handshake.request()
+        identity = self._handshake.receive(payload)
+        following = self._handshake.request()
+        if identity is not None:
+            self._known = self.baud
+            self._window = FIRST_WINDOW
+            self.deadline = inf
+        elif following != before:
+            self._outbox.put("sync", following)
+            self.deadline = now + STEP_WINDOW
+        return identity
+
+    def watch(self, now: float) -> SweepFailed | None:
+        """Do what is due; say when a sweep has found nothing."""
+        if now < self.deadline:
+            return None
+        match self._phase:
+            case _Phase.PAUSED:
+                self.begin(now)
+            case _Phase.HUSHED:
+                self._start_sync(now)
+            case _Phase.SYNCING if self._rounds_left > 0:
+                self._rounds_left -= 1
+                self._start_round(now)
+            case _Phase.SYNCING if self._plan:
+                self._next_rate(now)
+            case _Phase.SYNCING:
+                return self._pause(now)
+        return None
+
+    def rest(self, now: float) -> None:
+        """A robot answered that is not wanted: look again, after a while."""
+        self._outbox.clear()
+        self._phase = _Phase.PAUSED
+        self.deadline = now + REST
+
+    def _next_rate(self, now: float) -> None:
+        self.baud = self._outbox.baud = self._plan.pop(0)
+        self._talks = False
+        self._rounds_left = 0
+        self._start_round(now)
+
+    def _start_round(self, now: float) -> None:
+        self._handshake = HostHandshake()
+        self._outbox.clear()
+        self._outbox.put("stop", STOP)
+        self._outbox.put("close", CLOSE)
+        self._phase = _Phase.HUSHED
+        self.deadline = now + self._sending(STOP, CLOSE) + PARTIAL_TIMEOUT + SETTLING
+
+    def _start_sync(self, now: float) -> None:
+        sync = self._handshake.request()
+        self._outbox.put("stop", STOP)
+        self._outbox.put("close", CLOSE)
+        self._outbox.put("sync", sync)
+        self._phase = _Phase.SYNCING
+        self.deadline = now + self._sending(STOP, CLOSE, sync) + self._window
+
+    def _pause(self, now: float) -> SweepFailed:
+        self._window = min(2 * self._window, LAST_WINDOW)
+        self._phase = _Phase.PAUSED
+        self.deadline = now + self._rng.uniform(0.0, MAX_BACKOFF)
+        return SweepFailed(self._rates, self._bytes_heard)
+
+    def _sending(self, *frames: bytes) -> float:
+        """Seconds until the last byte of these frames is on its way."""
+        on_the_line = sum(map(len, frames)) * BITS_PER_BYTE / self.baud if self.baud else 0.0
+        return on_the_line + PACE * (len(frames) - 1)

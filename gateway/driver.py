@@ -1,0 +1,431 @@
+"""The driver of one robot: bytes and time in, events and bytes out. No port, no clock, no threads.
+
+Whoever has the port calls `receive` with what came, writes what `bytes_due` gives at the rate `baud`, and comes back at
+`deadline` at the latest. Commands may be given between those calls; their bytes are due at once.
+
+A call later than `LONGEST_SILENCE` after the one before means that this process was frozen, or the computer asleep: the
+robot's watchdog has stopped it, and any packet would set it going again. So the driver begins anew with STOP and CLOSE,
+and takes nothing for a command that may have waited meanwhile.
+"""
+
+import itertools
+import random
+from collections import Counter
+from collections.abc import Callable, Sequence
+from math import inf, isfinite
+
+from gateway.configurator import Configurator
+from gateway.connector import CLOSE, STOP, Connector
+from gateway.errors import CommandRefused, GatewayError, WrongRobot
+from gateway.events import (
+    ConfigurationReceived,
+    EncodersReceived,
+    Event,
+    HandshakeCompleted,
+    InputsOutputsReceived,
+    LinkLost,
+    RobotRejected,
+    SipReceived,
+)
+from gateway.journey import Journey, Move, Turn
+from gateway.motion import Motion
+from gateway.odometry import Odometry
+from gateway.outbox import Outbox
+from gateway.plausibility import Plausibility
+from gateway.settings import Settings
+from geometry import wrap_angle
+from p2os import (
+    Command,
+    Configuration,
+    Damaged,
+    DecodeError,
+    Encoders,
+    FrameDecoder,
+    Identity,
+    InputsOutputs,
+    PacketType,
+    RobotModel,
+    SipCodec,
+    StandardSip,
+    decode_packet,
+    encode_command,
+)
+
+LONGEST_SILENCE = 0.5
+"""Seconds between two calls, beyond which the driver distrusts itself and everything it is told at once afterwards."""
+SIP_TIMEOUT = 1.0
+"""Seconds without a SIP after which the robot is lost; and after OPEN, before the first."""
+LONGEST_MOVE = 30.0
+"""m; the int argument of MOVE carries 65 m, and nobody means that."""
+LONGEST_TURN = 100.0
+"""rad."""
+
+ModelFinder = Callable[[Identity], RobotModel]
+"""Says which model a robot is; raises UnknownModel."""
+
+
+class Driver:
+    """One robot.
+
+    identity, model, configuration: of the robot, once known; they stay after it is lost. is_connected: SIPs come.
+    damaged: bytes that were no frame, counted by reason. implausible: SIPs not believed, likewise. lost: how often the
+    link was lost, by reason. odometry: the pose.
+    """
+
+    def __init__(
+        self,
+        find_model: ModelFinder,
+        rates: Sequence[int],
+        settings: Settings | None = None,
+        rng: random.Random | None = None,
+    ) -> None:
+        self._settings = settings or Settings()
+        self._find_model = find_model
+        self._outbox = Outbox()
+        self._connector = Connector(rates, self._outbox, rng or random.Random())
+        self._decoder = FrameDecoder()
+        self._events: list[Event] = []
+        self._codec: SipCodec | None = None
+        self._plausibility: Plausibility | None = None
+        self._configurator = Configurator(self._settings, self._outbox)
+        self._motion = Motion(self._outbox, self._events.append, self._settings.enable_motors)
+        self._motion_ids = itertools.count(1)
+        self.has_port = False
+        self._is_open = False  # the handshake is over: OPEN is sent
+        self._sip_at = -inf  # or when OPEN was queued
+        self._last_run: float | None = None
+        self._deaf_until = -inf
+        self.identity: Identity | None = None
+        self.model: RobotModel | None = None
+        self.configuration: Configuration | None = None
+        self.odometry = Odometry(self._settings.calibration, self._settings.odometry_errors)
+        self.is_connected = False
+        self.damaged: Counter[str] = Counter()
+        self.implausible: Counter[str] = Counter()
+        self.lost: Counter[str] = Counter()
+
+    # The port's side.
+
+    @property
+    def baud(self) -> int:
+        """The rate at which to write what is due and to read from now on, bit/s; 0 for a line without a rate."""
+        return self._connector.baud
+
+    @property
+    def deadline(self) -> float:
+        """When to call `receive` and `bytes_due` again even if nothing has come, s."""
+        if not self.has_port:
+            return inf
+        if not self._is_open:
+            return min(self._outbox.deadline, self._connector.deadline)
+        return min(
+            self._outbox.deadline, self._motion.deadline, self._configurator.deadline, self._sip_at + SIP_TIMEOUT
+        )
+
+    def port_opened(self, now: float) -> None:
+        """There is a line to talk on; begin."""
+        self._last_run = now
+        self.has_port = True
+        self._begin(now)
+
+    def port_lost(self, reason: str, now: float) -> None:
+        """The line is gone: cable, adapter or emulator. `receive` still reports what follows from it."""
+        self._last_run = now
+        self.has_port = False
+        self._lose(reason, now)
+
+    def receive(self, data: bytes, now: float) -> list[Event]:
+        """Take bytes as read; none lets time pass.
+
+        Args:
+            data: Bytes from the line.
+            now: Steady time, s.
+        Returns:
+            What happened, commands given since the last call included.
+        """
+        if self._wake(now):
+            data = b""  # it was on the line before the freeze, or has been there for who knows how long
+        if not self._is_open:
+            self._connector.hear(len(data))
+        for found in self._decoder.receive(data, now):
+            if not isinstance(found, Damaged):
+                self._take(found.payload, now)
+            elif self._is_open:
+                self.damaged[found.reason.value] += 1
+        self._watch(now)
+        events = self._events[:]
+        self._events.clear()
+        return events
+
+    def bytes_due(self, now: float) -> bytes:
+        """Take what must be written now; one frame, or nothing."""
+        self._wake(now)
+        return self._outbox.due(now) if self.has_port else b""
+
+    def farewell(self) -> bytes:
+        """What to write before leaving: the robot stops, and its servers and motors go off."""
+        return STOP + CLOSE
+
+    # The commander's side.
+
+    @property
+    def is_estopped(self) -> bool:
+        """The e-stop is latched."""
+        return self._motion.is_estopped
+
+    @property
+    def max_linear(self) -> float:
+        """Velocities are clipped to this, m/s."""
+        return self._motion.max_linear
+
+    @property
+    def max_angular(self) -> float:
+        """Velocities are clipped to this, rad/s."""
+        return self._motion.max_angular
+
+    @property
+    def is_asked_to_move(self) -> bool:
+        """A velocity or a long motion is in force."""
+        return self._motion.is_asked_to_move
+
+    def set_velocity(self, linear: float, angular: float, now: float) -> None:
+        """Drive at m/s forward and rad/s counter-clockwise, until 0.5 s pass without a new velocity.
+
+        Raises:
+            CommandRefused: Not connected, held by a stop or an e-stop, motors off, or not finite.
+        """
+        self._check_link(now)
+        self._motion.drive(linear, angular, now)
+
+    def move(self, distance: float, now: float) -> str:
+        """Drive a distance, m, backward if negative; return the id under which its end is reported.
+
+        Raises:
+            CommandRefused: As `set_velocity`, or too far.
+        """
+        self._check_link(now)
+        if not abs(distance) <= LONGEST_MOVE:
+            raise CommandRefused(f"distance {distance} m is not within ±{LONGEST_MOVE:g} m")
+        command = distance / self._settings.calibration.distance
+        return self._travel(Move(self._next_id("move"), distance, command, self.odometry, now), now)
+
+    def turn(self, angle: float, now: float) -> str:
+        """Turn by an angle, rad counter-clockwise, more than a turn if so asked; to the nearest degree.
+
+        Raises:
+            CommandRefused: As `set_velocity`, or too far.
+        """
+        self._check_link(now)
+        return self._turn("turn", angle, now)
+
+    def turn_to(self, heading: float, now: float) -> str:
+        """Turn the shorter way to a heading in `odom`, rad; to the nearest degree.
+
+        Raises:
+            CommandRefused: As `set_velocity`, or not finite.
+        """
+        self._check_link(now)
+        if not isfinite(heading):
+            raise CommandRefused(f"heading {heading} rad is not finite; send a number")
+        return self._turn("heading", wrap_angle(heading - self.odometry.pose.heading), now)
+
+    def stop(self, now: float) -> None:
+        """Stop, and hold until the velocities have paused for 0.5 s. Never refused."""
+        self._wake(now)
+        self._motion.stop(now)
+
+    def halt(self, now: float) -> None:
+        """Stop whatever is in force, without holding: whoever commands next drives."""
+        self._wake(now)
+        if self._motion.is_asked_to_move:
+            self._motion.halt(now)
+
+    def emergency_stop(self, on: bool, now: float) -> None:
+        """Stop as fast as the robot can and latch; or unlatch, which leaves the motors off. Never refused."""
+        self._wake(now)
+        if on:
+            self._motion.emergency_stop(now)
+        else:
+            self._motion.release()
+
+    def enable(self, on: bool, now: float) -> None:
+        """Switch the motors.
+
+        Raises:
+            CommandRefused: Not connected, or the e-stop is latched.
+        """
+        self._check_link(now)
+        self._motion.enable(on, now)
+
+    def switch_sonar(self, on: bool, now: float) -> None:
+        """Switch all sonar arrays.
+
+        Raises:
+            CommandRefused: Not connected.
+        """
+        self._check_link(now)
+        self._configurator.switch_sonar(on)
+
+    def set_outputs(self, mask: int, value: int, now: float) -> None:
+        """Set the digital outputs whose bits are set in `mask` to the bits of `value`.
+
+        Raises:
+            CommandRefused: Not connected, or not bytes.
+        """
+        self._check_link(now)
+        if not (0 <= mask <= 255 and 0 <= value <= 255):
+            raise CommandRefused(f"mask {mask} and value {value} must be 0 to 255")
+        self._configurator.set_outputs(mask, value)
+
+    # Inside.
+
+    def _travel(self, journey: Journey, now: float) -> str:
+        self._motion.travel(journey, now)
+        return journey.motion_id
+
+    def _turn(self, kind: str, angle: float, now: float) -> str:
+        if not abs(angle) <= LONGEST_TURN:
+            raise CommandRefused(f"angle {angle} rad is not within ±{LONGEST_TURN:g} rad")
+        command = angle / self._settings.calibration.heading
+        return self._travel(Turn(self._next_id(kind), kind, angle, command, self.odometry, now), now)
+
+    def _next_id(self, kind: str) -> str:
+        return f"{kind}-{next(self._motion_ids)}"
+
+    def _check_link(self, now: float) -> None:
+        self._wake(now)
+        if not self.is_connected:
+            raise CommandRefused("the robot is not connected; the gateway goes on looking for it")
+        if now < self._deaf_until:
+            raise CommandRefused("the gateway has just been frozen and does not know how old this command is")
+
+    def _wake(self, now: float) -> bool:
+        """Notice that nobody has called for too long; say whether everything begins anew."""
+        silence = 0.0 if self._last_run is None else now - self._last_run
+        self._last_run = now
+        if silence <= LONGEST_SILENCE or not self.has_port:
+            return False
+        self._deaf_until = now + LONGEST_SILENCE
+        self._lose("the gateway itself was frozen", now)
+        self._begin(now)
+        return True
+
+    def _begin(self, now: float) -> None:
+        self._decoder = FrameDecoder()
+        self._connector.begin(now)
+
+    def _lose(self, reason: str, now: float) -> None:
+        """Give up the robot, not the port."""
+        if self._is_open:
+            self.lost[reason] += 1
+            self._motion.lose_link()
+            self._configurator.lose_link()
+            if self.is_connected:
+                self._events.append(LinkLost(reason))
+        self._is_open = self.is_connected = False
+        self._outbox.clear()
+
+    def _restart(self, reason: str, now: float) -> None:
+        self._lose(reason, now)
+        self._begin(now)
+
+    def _watch(self, now: float) -> None:
+        if not self.has_port:
+            return
+        if not self._is_open:
+            failed = self._connector.watch(now)
+            if failed is not None:
+                self._events.append(failed)
+        elif now - self._sip_at >= SIP_TIMEOUT:
+            self._restart("the robot fell silent", now)
+        else:
+            self._motion.watch(now)
+            self._configurator.watch(now)
+
+    def _take(self, payload: bytes, now: float) -> None:
+        if not self._is_open:
+            identity = self._connector.receive(payload, now)
+            if identity is not None:
+                self._meet(identity, now)
+        elif payload[0] in (PacketType.RESET, PacketType.RESET_WITH_DATA):
+            self._restart("the controller was reset", now)
+        elif self.is_connected and payload == bytes([PacketType.SYNC0]):
+            self._restart("the robot fell back into the handshake", now)
+        else:
+            self._read(payload, now)
+
+    def _meet(self, identity: Identity, now: float) -> None:
+        """A robot has said who it is: open and configure it, if it is one that this gateway serves."""
+        try:
+            if self.identity is not None and identity != self.identity:
+                raise WrongRobot(
+                    f"another robot answers, {identity.name} ({identity.subtype}) in place of {self.identity.name} "
+                    f"({self.identity.subtype}); plug the first one in again, or start a new gateway"
+                )
+            model = self.model or self._find_model(identity)
+        except GatewayError as error:
+            self._events.append(RobotRejected(error))
+            self._connector.rest(now)
+            self._outbox.put("close", CLOSE)
+            return
+        if self._plausibility is None:
+            self.identity, self.model = identity, model
+            self._codec = SipCodec(model)
+            self._plausibility = Plausibility(model)
+            self._limit_speeds()
+        self._plausibility.begin_link()
+        self._is_open = True
+        self._sip_at = now
+        self._events.append(HandshakeCompleted(identity, model, self.baud))
+        self._outbox.put("open", encode_command(Command.OPEN))
+        self._motion.begin_link(now)
+        self._configurator.begin_link(model, now)
+
+    def _read(self, payload: bytes, now: float) -> None:
+        """Take a packet of an open robot."""
+        assert self.model is not None  # set before the robot is opened
+        try:
+            packet = decode_packet(payload, self.model, self._codec)
+        except DecodeError:
+            self.damaged["content"] += 1
+            return
+        match packet:
+            case StandardSip():
+                self._take_sip(packet, now)
+            case Configuration():
+                self.configuration = packet
+                self._configurator.confirm()
+                self._limit_speeds()
+                self._events.append(ConfigurationReceived(packet))
+            case Encoders():
+                self._events.append(EncodersReceived(packet, self.model))
+            case InputsOutputs():
+                self._events.append(InputsOutputsReceived(packet))
+
+    def _take_sip(self, sip: StandardSip, now: float) -> None:
+        assert self.model is not None
+        assert self._plausibility is not None  # both set before the robot is opened
+        verdict = self._plausibility.judge(sip, now)
+        if verdict.doubt is not None:
+            self.implausible[verdict.doubt] += 1
+            return
+        if not verdict.continues:
+            self.odometry.forget_counters()
+        self._sip_at = now
+        self.odometry.update(sip, self.model)
+        odometry = self.odometry
+        is_first, self.is_connected = not self.is_connected, True
+        self._events.append(
+            SipReceived(sip, odometry.pose, odometry.covariance, odometry.linear, odometry.angular, is_first)
+        )
+        self._motion.take(sip, now)
+
+    def _limit_speeds(self) -> None:
+        """The least of what model, robot and user allow; zero in a CONFIGpac means that it does not say."""
+        assert self.model is not None
+        said = self.configuration or Configuration()
+        limits = self._settings.limits
+        linear = self.model.max_velocity, said.velocity_max, said.velocity_top, limits.linear_m_s
+        angular = self.model.max_rotation, said.rotation_max, said.rotation_top, limits.angular_rad_s
+        self._motion.max_linear = min(limit for limit in linear if limit)
+        self._motion.max_angular = min(limit for limit in angular if limit)

@@ -1,0 +1,80 @@
+"""What can go wrong in a gateway, and the exit code that says so.
+
+    GatewayError                       1
+     +-- NoSuchPort                    3   nothing there
+     +-- NotAPort                      4   a directory, a file
+     +-- PortForbidden                 5   no permission; the message names the group
+     +-- PortBusy                      6   another program has it
+     +-- RobotSilent (TimeoutError)    7   no byte at any rate
+     +-- NotARobot                     8   something answers, but not in P2OS packets
+     +-- UnknownModel                  9   a robot, but none that configs/robots knows
+     +-- WrongRobot                    10  another robot than the one before
+     +-- PortLost (ConnectionError)        the port was there and is gone; the bridge waits for it
+     +-- CommandRefused                    a command that the robot must not be given now, or ever
+
+Exit code 2 is a usage or configuration error, 11 a bus that cannot be opened, 0 an end by signal.
+"""
+
+from typing import ClassVar
+
+
+class GatewayError(Exception):
+    """The root: whatever can go wrong in a gateway. The message is one sentence that says what to do."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class NoSuchPort(GatewayError):
+    """There is nothing at that path or address."""
+
+    exit_code = 3
+
+
+class NotAPort(GatewayError):
+    """There is something, but no serial port."""
+
+    exit_code = 4
+
+
+class PortForbidden(GatewayError):
+    """This user may not open the port."""
+
+    exit_code = 5
+
+
+class PortBusy(GatewayError):
+    """Another program holds the port."""
+
+    exit_code = 6
+
+
+class RobotSilent(GatewayError, TimeoutError):
+    """Nothing answered at any rate."""
+
+    exit_code = 7
+
+
+class NotARobot(GatewayError):
+    """Bytes came, but no P2OS packet among them."""
+
+    exit_code = 8
+
+
+class UnknownModel(GatewayError):
+    """A robot answered whose model is not known."""
+
+    exit_code = 9
+
+
+class WrongRobot(GatewayError):
+    """Another robot answers than the one that this gateway has published so far."""
+
+    exit_code = 10
+
+
+class PortLost(GatewayError, ConnectionError):
+    """The port was open and is gone."""
+
+
+class CommandRefused(GatewayError):
+    """The robot must not be given this command; the message says why."""

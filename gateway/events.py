@@ -1,0 +1,114 @@
+"""What the driver reports: events, in the order in which they happened."""
+
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+from gateway.errors import GatewayError
+from geometry import Pose2D
+from p2os import Configuration, Encoders, Identity, InputsOutputs, RobotModel, StandardSip
+
+
+class HandshakeCompleted(NamedTuple):
+    """A robot has said who it is; it is opened and configured next. baud: bit/s at which it answered."""
+
+    identity: Identity
+    model: RobotModel
+    baud: int
+
+
+class SipReceived(NamedTuple):
+    """A plausible SIP.
+
+    pose: in `odom`, continuous over roll-overs and reconnects. covariance: of x, y, heading, row by row, 3 by 3.
+    linear, angular: velocity in `base_link`, m/s and rad/s.
+    is_first: the first since a handshake: from here on the robot is connected.
+    """
+
+    sip: StandardSip
+    pose: Pose2D
+    covariance: tuple[float, ...]
+    linear: float
+    angular: float
+    is_first: bool
+
+
+class ConfigurationReceived(NamedTuple):
+    """The robot has sent its CONFIGpac."""
+
+    configuration: Configuration
+
+
+class EncodersReceived(NamedTuple):
+    """Encoder counts, with the model that says what a tick is."""
+
+    encoders: Encoders
+    model: RobotModel
+
+
+class InputsOutputsReceived(NamedTuple):
+    """User inputs and outputs."""
+
+    ports: InputsOutputs
+
+
+class LinkLost(NamedTuple):
+    """The robot was connected and is no more; the driver begins anew."""
+
+    reason: str
+
+
+class SweepFailed(NamedTuple):
+    """No rate brought an answer, once round.
+
+    rates: bit/s tried. bytes_heard: how many bytes came all the same.
+    """
+
+    rates: tuple[int, ...]
+    bytes_heard: int
+
+
+class RobotRejected(NamedTuple):
+    """A robot answered that this gateway cannot serve."""
+
+    error: GatewayError
+
+
+class End(StrEnum):
+    """How a long motion ended."""
+
+    REACHED = "reached"
+    REPLACED = "replaced"
+    STOPPED = "stopped"
+    STALLED = "stalled"
+    LOST = "lost"
+    TIMEOUT = "timeout"
+
+
+class MotionEnded(NamedTuple):
+    """A move or a turn is over.
+
+    motion_id: as its answer gave it. done: m or rad covered, in the direction asked for.
+    """
+
+    motion_id: str
+    kind: str
+    end: End
+    done: float
+
+    def as_json(self) -> Mapping[str, Any]:
+        """As it is published on `<robot>/command/result/<id>`."""
+        return {"id": self.motion_id, "command": self.kind, "result": self.end.value, "done": round(self.done, 4)}
+
+
+Event = (
+    HandshakeCompleted
+    | SipReceived
+    | ConfigurationReceived
+    | EncodersReceived
+    | InputsOutputsReceived
+    | LinkLost
+    | SweepFailed
+    | RobotRejected
+    | MotionEnded
+)

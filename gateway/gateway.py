@@ -1,0 +1,145 @@
+"""A gateway at work: looks for the robot, opens the bus meanwhile, joins the two, and says how it goes."""
+
+import json
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from bus import BusUnavailable
+from gateway.bridge import Bridge
+from gateway.driver import Driver
+from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
+from gateway.search import Search, bus_name
+from gateway.settings import Settings
+
+if TYPE_CHECKING:
+    from bus import Bus
+    from gateway.robot_on_bus import RobotOnBus
+
+BUS_PERIOD = 1.0
+"""Seconds between two tries to open the bus."""
+MOST_KEPT = 256
+"""Events kept while the bus is being opened."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What the command line says beyond the settings.
+
+    name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
+    forever. is_quiet: say nothing but errors. is_json: say it in JSON, a line each.
+    """
+
+    port: str
+    name: str | None = None
+    bus: str = "local"
+    waits: bool = False
+    is_quiet: bool = False
+    is_json: bool = False
+
+
+class Gateway:
+    """Hears the bridge, and brings the robot to the bus as soon as both are there.
+
+    The bus is opened on a thread of its own: loading Zenoh and the message types takes longer than the handshake.
+    """
+
+    def __init__(self, options: Options, settings: Settings, driver: Driver, bridge: Bridge, now: float) -> None:
+        self._options = options
+        self._settings = settings
+        self._driver = driver
+        self._bridge = bridge
+        self._search = Search(options.port, now)
+        self._kept: list[Event] = []
+        self._bus: Bus | None = None
+        self._bus_error: Exception | None = None
+        self._join: Callable[[], RobotOnBus] | None = None
+        self._robot: RobotOnBus | None = None
+        self._is_closed = threading.Event()
+        self._opener = threading.Thread(target=self._open_bus, name="bus opener", daemon=True)
+        self._opener.start()
+
+    @property
+    def deadline(self) -> float:
+        """When `happened` is due even without events, s."""
+        return inf if self._robot is None else self._robot.deadline
+
+    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+        """Take the driver's events.
+
+        Raises:
+            GatewayError: There is no robot that could be served, and there was none before.
+            ConfigError: The bus profile is of no use.
+            KeyNotValid: The robot's name does not serve as a key.
+        """
+        if self._bus_error is not None:
+            raise self._bus_error
+        if self._search.found is None and not self._options.waits:
+            self._search.take(events, now)
+        for event in events:
+            self._say(event)
+        if self._robot is None:
+            self._kept = [*self._kept, *events][-MOST_KEPT:]
+            if self._join is None or self._driver.identity is None:
+                return
+            events, self._kept = self._kept, []
+            self._robot = self._join()
+        self._robot.happened(events, now, stamp_ns)
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._is_closed.set()
+        self._opener.join()
+        if self._robot is not None:
+            self._robot.close()
+        if self._bus is not None:
+            self._bus.close()
+
+    def _open_bus(self) -> None:
+        try:
+            # Here and not at the top: loading them takes longer than the whole handshake.
+            from bus.session import ZenohBus
+            from gateway.robot_on_bus import RobotOnBus
+
+            while self._bus is None and not self._is_closed.is_set():
+                try:
+                    self._bus = ZenohBus.open(self._options.bus)
+                except BusUnavailable as error:
+                    self._complain(f"{error}; trying again")
+                    self._is_closed.wait(BUS_PERIOD)
+            bus = self._bus
+            if bus is not None:
+                self._join = lambda: RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings)
+        except Exception as error:  # of any kind: the bridge's thread raises it, and the program ends
+            self._bus_error = error
+        self._bridge.wake()
+
+    @property
+    def _name(self) -> str:
+        assert self._driver.identity is not None  # asked for only once the robot is known
+        return self._options.name or bus_name(self._driver.identity)
+
+    def _say(self, event: Event) -> None:
+        match event:
+            case HandshakeCompleted(identity, model, baud):
+                at = f" at {baud} bit/s" if baud else ""
+                self._tell(
+                    f"connected to {identity.name} ({model.name}){at}; keys under {self._name}/",
+                    {"event": "connected", "robot": self._name, "model": model.name, "baud": baud or None},
+                )
+            case LinkLost(reason):
+                self._tell(f"lost: {reason}; looking for the robot", {"event": "lost", "reason": reason})
+            case RobotRejected(error):
+                self._complain(str(error))
+
+    def _tell(self, sentence: str, facts: dict[str, Any]) -> None:
+        if self._options.is_json:
+            print(json.dumps({**facts, "port": self._options.port}), flush=True)
+        elif not self._options.is_quiet:
+            print(sentence, flush=True)
+
+    def _complain(self, sentence: str) -> None:
+        print(f"p2os-gateway: {sentence}", file=sys.stderr, flush=True)

@@ -1,0 +1,88 @@
+"""How the robot, its cable and its commands are doing: state, faults, diagnostics."""
+
+from collections.abc import Mapping, Sequence
+
+from bus.keys import frame
+from bus.messages import DiagnosticArray, DiagnosticStatus, KeyValue, RobotState, header
+from gateway.driver import Driver
+from p2os import StandardSip
+
+
+def faults(driver: Driver, sip: StandardSip | None, refusal: str | None) -> list[str]:
+    """What is wrong, a sentence each.
+
+    Args:
+        driver: Of the robot.
+        sip: The last one, None while the robot is not connected.
+        refusal: Why a command was just refused.
+    """
+    found = [] if driver.is_connected else ["the robot is not connected"]
+    if driver.is_estopped:
+        found.append("the e-stop is latched")
+    if sip is not None:
+        low = driver.configuration.low_battery if driver.configuration else 0.0
+        claims = {
+            "the STOP button is pressed": sip.stop_button,
+            "the robot's emergency stop is engaged": sip.e_stalled,
+            "the left wheel is stalled": sip.left_stalled,
+            "the right wheel is stalled": sip.right_stalled,
+            "the gyro has failed": sip.gyro_failed,
+            f"the battery is low, below {low:.1f} V": sip.best_battery < low,
+        }
+        found += [claim for claim, is_so in claims.items() if is_so]
+    if refusal is not None:
+        found.append(refusal)
+    return found
+
+
+def robot_state(name: str, driver: Driver, sip: StandardSip | None, found: Sequence[str], stamp: int) -> RobotState:
+    """The robot's state, with its faults."""
+    flags = sip or StandardSip()
+    return RobotState(
+        header(stamp, frame(name, "base_link")),
+        "connected" if driver.is_connected else "connecting" if driver.has_port else "disconnected",
+        motors=flags.motors_enabled,
+        estop=driver.is_estopped or flags.stop_button or flags.e_stalled,
+        sonar=flags.sonar_arrays != 0,
+        flags=flags.flags,
+        faults=list(found),
+    )
+
+
+def diagnostics(
+    name: str, driver: Driver, found: Sequence[str], refused: Mapping[str, int], stamp: int
+) -> DiagnosticArray:
+    """Counters since the gateway's start: damaged frames, SIPs not believed, lost links, refused commands."""
+    robot = name if driver.identity is None else driver.identity.subtype
+    level = DiagnosticStatus.OK if not found else DiagnosticStatus.WARN
+    status = {
+        "robot": (level if driver.is_connected else DiagnosticStatus.ERROR, "; ".join(found) or "all is well", {}),
+        "cable": (
+            DiagnosticStatus.OK,
+            f"{sum(driver.damaged.values())} damaged frames, {sum(driver.lost.values())} links lost",
+            {
+                "baud": driver.baud,
+                **_labelled("damaged", driver.damaged),
+                **_labelled("implausible", driver.implausible),
+                **_labelled("lost", driver.lost),
+            },
+        ),
+        "commands": (DiagnosticStatus.OK, f"{sum(refused.values())} refused", _labelled("refused", refused)),
+    }
+    return DiagnosticArray(
+        header=header(stamp, ""),
+        status=[
+            DiagnosticStatus(
+                level=severity,
+                name=f"{name}: {part}",
+                message=message,
+                hardware_id=robot,
+                values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+            )
+            for part, (severity, message, values) in status.items()
+        ],
+    )
+
+
+def _labelled(label: str, counts: Mapping[str, int]) -> dict[str, int]:
+    return {f"{label}: {reason}": count for reason, count in sorted(counts.items())}

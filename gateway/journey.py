@@ -1,0 +1,133 @@
+"""Long motions: the robot is told once, and its SIPs tell how it ends."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from math import cos, degrees, radians, sin
+
+from gateway.events import End
+from gateway.odometry import Odometry
+from p2os import Command, StandardSip, encode_command
+
+AT_REST = 0.01
+"""m/s below which a wheel stands."""
+REST_TO_ARRIVE = 0.2
+REST_TO_GIVE_UP = 1.0
+STALL_TO_GIVE_UP = 1.0
+"""Seconds."""
+TIME_TO_START = 0.5
+TIME_TO_SPARE = 10.0
+SLOWEST = 0.05
+"""m/s or rad/s at the least, on the whole way; slower is a timeout."""
+
+
+def is_at_rest(sip: StandardSip) -> bool:
+    """Both wheels stand."""
+    return max(abs(sip.left_velocity), abs(sip.right_velocity)) < AT_REST
+
+
+class Journey(ABC):
+    """A move or a turn on its way.
+
+    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, signed. done: how much of it is
+    done.
+    """
+
+    tolerance: float
+
+    def __init__(self, motion_id: str, kind: str, goal: float, odometry: Odometry, now: float) -> None:
+        self.motion_id = motion_id
+        self.kind = kind
+        self.goal = goal
+        self.done = 0.0
+        self._odometry = odometry
+        self._started = now
+        self._resting_since = self._unstalled_at = now
+
+    @abstractmethod
+    def frames(self) -> Iterator[bytes]:
+        """The frames that are due now, given what is done."""
+
+    @abstractmethod
+    def _progress(self) -> float:
+        """How much is done, m or rad in the direction of the goal's axis."""
+
+    @property
+    def times_out_at(self) -> float:
+        """When to give up, s."""
+        return self._started + TIME_TO_SPARE + abs(self.goal) / SLOWEST
+
+    def update(self, sip: StandardSip, now: float) -> End | None:
+        """Take a SIP that the odometry has already taken; say when and how the motion is over."""
+        self.done = self._progress()
+        if not is_at_rest(sip):
+            self._resting_since = now
+        if not (sip.left_stalled or sip.right_stalled):
+            self._unstalled_at = now
+        resting = now - self._resting_since
+        started = now - self._started >= TIME_TO_START or abs(self.done) > self.tolerance
+        if started and resting >= REST_TO_ARRIVE and abs(self.goal - self.done) <= self.tolerance:
+            return End.REACHED
+        if resting >= REST_TO_GIVE_UP or now - self._unstalled_at >= STALL_TO_GIVE_UP:
+            return End.STALLED
+        if now >= self.times_out_at:
+            return End.TIMEOUT
+        return None
+
+
+class Move(Journey):
+    """Along the heading at the start."""
+
+    tolerance = 0.03
+
+    def __init__(self, motion_id: str, distance: float, command: float, odometry: Odometry, now: float) -> None:
+        super().__init__(motion_id, "move", distance, odometry, now)
+        self._start = odometry.pose
+        self._frames = [encode_command(Command.RVEL, 0.0), encode_command(Command.MOVE, command)]
+
+    def frames(self) -> Iterator[bytes]:
+        """Rotation ends, translation begins; once."""
+        while self._frames:
+            yield self._frames.pop(0)
+
+    def _progress(self) -> float:
+        pose, start = self._odometry.pose, self._start
+        return (pose.x - start.x) * cos(start.heading) + (pose.y - start.y) * sin(start.heading)
+
+
+class Turn(Journey):
+    """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is told in steps.
+
+    Headings on the wire are whole degrees; the steps of one turn add up to the whole degree nearest to its angle.
+    """
+
+    tolerance = radians(3.0)
+    LARGEST_AT_ONCE = 170
+    STEP = 120
+    AHEAD = 45
+    """Degrees; a step is added when less than AHEAD is left, and STEP + AHEAD stays below half a turn."""
+
+    def __init__(self, motion_id: str, kind: str, angle: float, command: float, odometry: Odometry, now: float) -> None:
+        super().__init__(motion_id, kind, angle, odometry, now)
+        self._start = odometry.turned
+        self._scale = command / angle if angle else 1.0
+        self._total = round(degrees(command))
+        self._told: int | None = None
+
+    def frames(self) -> Iterator[bytes]:
+        """Translation ends, rotation begins; further steps as the turn goes on."""
+        if self._told is None:
+            self._told = self._total if abs(self._total) <= self.LARGEST_AT_ONCE else self._step()
+            yield encode_command(Command.VEL, 0.0)
+            yield encode_command(Command.DHEAD, radians(self._told))
+        elif self._told != self._total and abs(self._told - degrees(self.done * self._scale)) < self.AHEAD:
+            step = self._total - self._told
+            if abs(step) > self.STEP:
+                step = self._step()
+            self._told += step
+            yield encode_command(Command.DCHEAD, radians(step))
+
+    def _step(self) -> int:
+        return self.STEP if self._total > 0 else -self.STEP
+
+    def _progress(self) -> float:
+        return self._odometry.turned - self._start

@@ -1,0 +1,238 @@
+"""What the robot has been asked to do, and the frames that say so.
+
+A keep-alive repeats what the robot should be doing, so that the first packet it hears after a cut is never a bare
+PULSE, which would wake setpoints that its watchdog had stopped: a standing robot is told STOP again, a driving one its
+speeds. PULSE serves where there are no setpoints (nothing was asked since the handshake) or where they are to go on (a
+long motion).
+"""
+
+from collections.abc import Callable
+from enum import Enum, auto
+from math import inf, isfinite
+
+from gateway.connector import STOP
+from gateway.errors import CommandRefused
+from gateway.events import End, MotionEnded
+from gateway.journey import Journey, is_at_rest
+from gateway.outbox import Outbox
+from p2os import Command, StandardSip, encode_command
+
+CMD_VEL_SILENCE = 0.5
+"""Seconds without a velocity after which the robot stops, and after which a stop no longer holds."""
+KEEP_ALIVE = 0.4
+"""Seconds; well below the watchdog of 2 s, and below the gap after which the gateway distrusts itself."""
+REPEAT_STOP = 0.15
+"""Seconds after which a robot that still rolls is told to stop again."""
+TIME_TO_BRAKE = 1.0
+"""Seconds after an e-stop at which the motors lose their power, even if the robot still rolls."""
+TIME_TO_ENABLE = 0.5
+"""Seconds within which SIPs may not yet show that the motors were switched on."""
+
+ESTOP = encode_command(Command.ESTOP)
+PULSE = encode_command(Command.PULSE)
+MOTORS_ON = encode_command(Command.ENABLE, 1)
+MOTORS_OFF = encode_command(Command.ENABLE, 0)
+
+
+class _Mode(Enum):
+    UNASKED = auto()
+    DRIVING = auto()
+    STANDING = auto()
+    TRAVELLING = auto()
+
+
+class Motion:
+    """Commands in, frames into the outbox; SIPs in, ends of long motions out.
+
+    is_estopped: latched. wants_motors: the motors are to be on. max_linear, max_angular: m/s and rad/s, clip
+    velocities.
+    """
+
+    def __init__(self, outbox: Outbox, report: Callable[[MotionEnded], None], wants_motors: bool) -> None:
+        self._outbox = outbox
+        self._report = report
+        self._is_open = False
+        self._mode = _Mode.UNASKED
+        self._speeds: dict[Command, tuple[bytes, float]] = {}  # last frame of each kind, and when it was queued
+        self._journey: Journey | None = None
+        self._cmd_vel_at = -inf
+        self._holds = False
+        self._estopped_at = -inf
+        self._stopped_at = -inf
+        self._enabled_at = -inf
+        self._motors_on = False
+        self.is_estopped = False
+        self.wants_motors = wants_motors
+        self.max_linear = inf
+        self.max_angular = inf
+
+    @property
+    def is_asked_to_move(self) -> bool:
+        """A velocity or a long motion is in force."""
+        return self._mode in (_Mode.DRIVING, _Mode.TRAVELLING)
+
+    def begin_link(self, now: float) -> None:
+        """The robot is open and its motors are off: zero its setpoints, and switch the motors on if they are wanted."""
+        self._is_open = True
+        self._mode = _Mode.UNASKED
+        self._speeds.clear()
+        self._motors_on = False
+        self._outbox.put("stop", STOP)
+        if self.wants_motors and not self.is_estopped:
+            self._outbox.put(Command.ENABLE, MOTORS_ON)
+            self._enabled_at = now
+
+    def lose_link(self) -> None:
+        """The robot is out of touch: nothing is in force any more."""
+        self._finish(End.LOST)
+        self._is_open = False
+        self._mode = _Mode.UNASKED
+        self._enabled_at = -inf
+
+    def drive(self, linear: float, angular: float, now: float) -> None:
+        """Set the velocity, m/s and rad/s, clipped to the limits; in force until `CMD_VEL_SILENCE` has passed.
+
+        Raises:
+            CommandRefused: Not finite, held by a stop or an e-stop, or the motors are off.
+        """
+        if not (isfinite(linear) and isfinite(angular)):
+            raise CommandRefused(f"velocity {linear} m/s, {angular} rad/s is not finite; send numbers")
+        is_first = now - self._cmd_vel_at >= CMD_VEL_SILENCE
+        self._cmd_vel_at = now
+        self._check_free(now)
+        if self._holds and not is_first:
+            raise CommandRefused(f"a stop holds the robot until cmd_vel has been silent for {CMD_VEL_SILENCE} s")
+        self._holds = False
+        self._finish(End.REPLACED)
+        if self._mode is not _Mode.DRIVING:
+            self._speeds.clear()
+            self._mode = _Mode.DRIVING
+        self._set_speed(Command.VEL, _clip(linear, self.max_linear), now)
+        self._set_speed(Command.RVEL, _clip(angular, self.max_angular), now)
+
+    def travel(self, journey: Journey, now: float) -> None:
+        """Begin a long motion in place of whatever is in force.
+
+        Raises:
+            CommandRefused: Held by an e-stop, or the motors are off.
+        """
+        self._check_free(now)
+        self._finish(End.REPLACED)
+        self._outbox.drop(Command.VEL, Command.RVEL)
+        self._mode = _Mode.TRAVELLING
+        self._journey = journey
+        self._queue_journey()
+
+    def stop(self, now: float) -> None:
+        """Stop, and let no stream of velocities go on until it has paused for `CMD_VEL_SILENCE`."""
+        self._holds = True
+        self._cmd_vel_at = now
+        self.halt(now)
+
+    def halt(self, now: float, end: End = End.STOPPED) -> None:
+        """Stop; the next velocity drives again."""
+        self._finish(end)
+        if not self._is_open:
+            return  # the first thing that the robot will hear is STOP
+        self._mode = _Mode.STANDING
+        self._outbox.drop(Command.VEL, Command.RVEL, ("journey", 0), ("journey", 1))
+        self._outbox.put_first("stop", ESTOP if self.is_estopped else STOP)
+        self._stopped_at = now
+
+    def emergency_stop(self, now: float) -> None:
+        """Stop at once, latch, and switch the motors off when the robot stands."""
+        self.is_estopped = True
+        self.wants_motors = False
+        self._estopped_at = now
+        self._outbox.drop(Command.ENABLE)
+        self.halt(now)
+
+    def release(self) -> None:
+        """Unlatch the e-stop; the motors stay off until `enable`."""
+        self.is_estopped = False
+
+    def enable(self, on: bool, now: float) -> None:
+        """Switch the motors; setpoints are zeroed before they are switched on.
+
+        Raises:
+            CommandRefused: The e-stop is latched.
+        """
+        if on and self.is_estopped:
+            raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
+        self.halt(now)
+        self.wants_motors = on
+        self._enabled_at = now if on else -inf
+        self._outbox.put(Command.ENABLE, MOTORS_ON if on else MOTORS_OFF)
+
+    def take(self, sip: StandardSip, now: float) -> None:
+        """Take a plausible SIP that the odometry has already taken."""
+        self._follow_motors(sip, now)
+        if self._journey is not None:
+            end = self._journey.update(sip, now)
+            if end is None:
+                self._queue_journey()
+            else:
+                self.halt(now, end)
+        elif self._mode is _Mode.STANDING and not is_at_rest(sip) and now - self._stopped_at >= REPEAT_STOP:
+            self.halt(now)
+
+    def watch(self, now: float) -> None:
+        """Do what time asks for."""
+        if self._mode is _Mode.DRIVING:
+            if now - self._cmd_vel_at >= CMD_VEL_SILENCE:
+                self.halt(now)
+                return
+            for command, (frame, queued_at) in self._speeds.items():
+                if now - queued_at >= KEEP_ALIVE:
+                    self._outbox.put(command, frame)
+                    self._speeds[command] = frame, now
+        elif self._outbox.last_sent is not None and now - self._outbox.last_sent >= KEEP_ALIVE:
+            if self._mode is _Mode.STANDING:
+                self._outbox.put("stop", ESTOP if self.is_estopped else STOP)
+            else:
+                self._outbox.put(Command.PULSE, PULSE)
+
+    @property
+    def deadline(self) -> float:
+        """When `watch` is due, s."""
+        if self._mode is _Mode.DRIVING:
+            repeated = min(queued_at for _, queued_at in self._speeds.values()) + KEEP_ALIVE
+            return min(repeated, self._cmd_vel_at + CMD_VEL_SILENCE)
+        return inf if self._outbox.last_sent is None else self._outbox.last_sent + KEEP_ALIVE
+
+    def _check_free(self, now: float) -> None:
+        if self.is_estopped:
+            raise CommandRefused('the e-stop is latched; send estop {"on": false} and then enable {"on": true}')
+        if not self._motors_on and now - self._enabled_at > TIME_TO_ENABLE:
+            raise CommandRefused('the motors are off; send enable {"on": true}')
+
+    def _set_speed(self, command: Command, value: float, now: float) -> None:
+        frame = encode_command(command, value)
+        if command not in self._speeds or self._speeds[command][0] != frame:
+            self._outbox.put(command, frame)
+            self._speeds[command] = frame, now
+
+    def _queue_journey(self) -> None:
+        if self._journey is not None:
+            for index, frame in enumerate(self._journey.frames()):
+                self._outbox.put(("journey", index), frame)
+
+    def _finish(self, end: End) -> None:
+        journey, self._journey = self._journey, None
+        if journey is not None:
+            self._report(MotionEnded(journey.motion_id, journey.kind, end, journey.done))
+
+    def _follow_motors(self, sip: StandardSip, now: float) -> None:
+        went_off = self._motors_on and not sip.motors_enabled
+        self._motors_on = sip.motors_enabled
+        if self.is_estopped and sip.motors_enabled:
+            if is_at_rest(sip) or now - self._estopped_at >= TIME_TO_BRAKE:
+                self._outbox.put(Command.ENABLE, MOTORS_OFF)
+        elif went_off and now - self._enabled_at > TIME_TO_ENABLE:
+            # The robot did it by itself (STOP button, e-stall, low battery): it takes a person to switch them on again.
+            self.wants_motors = False
+            self.halt(now)
+
+
+def _clip(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))

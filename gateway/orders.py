@@ -1,0 +1,177 @@
+"""What a robot is told over the bus: velocities, commands, and who holds its lease.
+
+Handlers run on threads of the bus and reach the driver through a `Commander`; everything here happens under its lock.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
+from bus import Bus, MessageError, Refused, Sample, Subscription, keys
+from bus.keys import Topic
+from bus.messages import Twist, decode, stamp_ns
+from gateway.commands import COMMANDS, TOKEN, CommandRow, check_arguments
+from gateway.driver import Driver
+from gateway.errors import CommandRefused
+from gateway.lease import DEFAULT_SECONDS, Lease
+from gateway.motion import CMD_VEL_SILENCE
+
+T = TypeVar("T")
+
+REFUSAL_SHOWN = 2.0
+"""Seconds for which a refused command counts among the faults."""
+NS_PER_S = 1_000_000_000
+
+LEASE_ARGUMENTS: dict[str, tuple[dict[str, type], dict[str, type]]] = {
+    "take": ({"holder": str}, {"priority": int, "seconds": float}),
+    "renew": ({TOKEN: str}, {"seconds": float}),
+    "release": ({TOKEN: str}, {}),
+}
+"""What each lease operation takes, and may take."""
+
+Handler = Callable[[dict[str, Any], Driver, float], dict[str, Any]]
+
+
+class Commander(Protocol):
+    """The way to the driver from a thread of the bus."""
+
+    def command(self, give: Callable[[Driver, float], T]) -> T:
+        """Call `give` with the driver and the steady time, nobody else meanwhile, and write what follows."""
+        ...
+
+
+class Orders(Subscription):
+    """One robot's subscribers and queryables.
+
+    refused: commands not obeyed, counted by the key's suffix. lease_has_changed: since someone last set it to false.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        bus: Bus,
+        commander: Commander,
+        new_token: Callable[[], str],
+        wall_clock: Callable[[], int],
+    ) -> None:
+        self._commander = commander
+        self._wall_clock = wall_clock
+        self._last_refusal: tuple[float, str] | None = None
+        self.lease = Lease(new_token)
+        self.lease_has_changed = True
+        self.refused: Counter[str] = Counter()
+        self._declared = [
+            bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel),
+            bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped),
+            bus.serve(keys.LEASE.key(name), self._answerer(keys.LEASE, self._lease)),
+            *(bus.serve(row.topic.key(name), self._answerer(row.topic, _handler(row, self._pass))) for row in COMMANDS),
+        ]
+
+    def recent_refusal(self, now: float) -> str | None:
+        """The latest refusal, while it is news."""
+        at, why = self._last_refusal or (now - REFUSAL_SHOWN, "")
+        return why if now - at < REFUSAL_SHOWN else None
+
+    def settle(self) -> None:
+        """End a lease whose time is over."""
+        self._commander.command(self._settle)
+
+    def close(self) -> None:
+        """Listen no more."""
+        for declared in self._declared:
+            declared.close()
+
+    def _on_cmd_vel(self, sample: Sample) -> None:
+        self._drive(keys.CMD_VEL, sample, lambda: decode(keys.CMD_VEL.type_name, sample.payload))
+
+    def _on_cmd_vel_stamped(self, sample: Sample) -> None:
+        self._drive(keys.CMD_VEL_STAMPED, sample, lambda: self._fresh(sample.payload))
+
+    def _fresh(self, payload: bytes) -> Twist:
+        """The twist of a stamped command, unless its stamp says that it is old; a stamp of zero says nothing."""
+        message = decode(keys.CMD_VEL_STAMPED.type_name, payload)
+        stamp = stamp_ns(message.header)
+        if stamp and self._wall_clock() - stamp > CMD_VEL_SILENCE * NS_PER_S:
+            raise CommandRefused(f"the command is older than {CMD_VEL_SILENCE} s by its stamp")
+        twist: Twist = message.twist
+        return twist
+
+    def _drive(self, topic: Topic, sample: Sample, read: Callable[[], Twist]) -> None:
+        """Take a velocity from a stream; a stream has nobody to answer, so what is wrong is counted and shown."""
+
+        def give(driver: Driver, now: float) -> None:
+            try:
+                twist = read()
+                self._pass(sample.attachment.decode("utf-8", "replace"), driver, now)
+                driver.set_velocity(twist.linear.x, twist.angular.z, now)
+            except (MessageError, CommandRefused) as refusal:
+                self._count(topic, refusal, now)
+
+        self._commander.command(give)
+
+    def _answerer(self, topic: Topic, handle: Handler) -> Callable[[dict[str, Any]], dict[str, Any]]:
+        """Turn a handler into what the bus serves: under the lock, refusals counted and answered."""
+
+        def answer(given: dict[str, Any]) -> dict[str, Any]:
+            def give(driver: Driver, now: float) -> dict[str, Any]:
+                try:
+                    return handle(given, driver, now)
+                except CommandRefused as refusal:
+                    self._count(topic, refusal, now)
+                    raise Refused(str(refusal)) from refusal
+
+            return self._commander.command(give)
+
+        return answer
+
+    def _count(self, topic: Topic, refusal: Exception, now: float) -> None:
+        self.refused[topic.suffix] += 1
+        self._last_refusal = now, f"{topic.suffix} was refused: {refusal}"
+
+    def _pass(self, token: str, driver: Driver, now: float) -> None:
+        """Let the lease's holder pass, and everyone while nobody holds it."""
+        self._settle(driver, now)
+        self.lease.check(token)
+
+    def _settle(self, driver: Driver, now: float) -> None:
+        if self.lease.expire(now):
+            self._change_holder(driver, now)
+
+    def _change_holder(self, driver: Driver, now: float) -> None:
+        driver.halt(now)  # what the one before set going ends here
+        self.lease_has_changed = True
+
+    def _lease(self, given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
+        """Answer `{"do": "take" | "renew" | "release" | "show", ...}`; an empty object shows."""
+        self._settle(driver, now)
+        what, lease = given.get("do", "show"), self.lease
+        takes, optional = LEASE_ARGUMENTS.get(what, ({}, {})) if isinstance(what, str) else ({}, {})
+        arguments = check_arguments(f"lease {what}", {k: v for k, v in given.items() if k != "do"}, takes, optional)
+        match what:
+            case "take":
+                seconds = arguments.get("seconds", DEFAULT_SECONDS)
+                token = lease.take(arguments["holder"], arguments.get("priority", 0), seconds, now)
+                self._change_holder(driver, now)
+                return {"token": token, **lease.state(now)}
+            case "renew":
+                lease.renew(arguments[TOKEN], arguments.get("seconds"), now)
+            case "release":
+                lease.release(arguments[TOKEN])
+                self._change_holder(driver, now)
+            case "show":
+                pass
+            case _:
+                raise CommandRefused(f"a lease cannot {what!r}; say take, renew, release or show")
+        return lease.state(now)
+
+
+def _handler(row: CommandRow, let_pass: Callable[[str, Driver, float], None]) -> Handler:
+    name = row.topic.suffix.rpartition("/")[2]
+
+    def handle(given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
+        arguments = check_arguments(name, given, row.takes, {TOKEN: str})
+        if row.moves:
+            let_pass(arguments.get(TOKEN, ""), driver, now)
+        return {"accepted": True, **(row.give(driver, arguments, now) or {})}
+
+    return handle

@@ -1,0 +1,60 @@
+"""Frames on their way to the robot: one at a time, and only the latest of each kind.
+
+A robot's command processor wants a pause between commands (source: fact sheet section 3, command pacing).
+"""
+
+from collections.abc import Hashable
+from math import inf
+
+PACE = 0.005
+"""Least seconds between two frames."""
+BITS_PER_BYTE = 10
+
+
+class Outbox:
+    """A queue of frames.
+
+    baud: bit/s of the line, so that a slow line is not given more than it carries; 0 where it does not matter.
+    last_sent: when the latest frame left, s; None before the first.
+    """
+
+    def __init__(self) -> None:
+        self.baud = 0
+        self.last_sent: float | None = None
+        self._waiting: dict[Hashable, bytes] = {}
+        self._free_at = -inf
+
+    def put(self, kind: Hashable, frame: bytes) -> None:
+        """Queue a frame; one of the same kind that still waits is replaced, at its place in the queue."""
+        self._waiting[kind] = frame
+
+    def put_first(self, kind: Hashable, frame: bytes) -> None:
+        """Queue a frame before all others, without a pause before it."""
+        self._waiting.pop(kind, None)
+        self._waiting = {kind: frame, **self._waiting}
+        self._free_at = -inf
+
+    def drop(self, *kinds: Hashable) -> None:
+        """Take back what has not left yet."""
+        for kind in kinds:
+            self._waiting.pop(kind, None)
+
+    def clear(self) -> None:
+        """Take everything back."""
+        self._waiting.clear()
+        self._free_at = -inf
+
+    @property
+    def deadline(self) -> float:
+        """When the next frame may leave, s; infinite while none waits."""
+        return self._free_at if self._waiting else inf
+
+    def due(self, now: float) -> bytes:
+        """Take the frame that leaves now: empty while there is none, or the pause after the last is not over."""
+        if not self._waiting or now < self._free_at:
+            return b""
+        frame = self._waiting.pop(next(iter(self._waiting)))
+        on_the_line = len(frame) * BITS_PER_BYTE / self.baud if self.baud else 0.0
+        self._free_at = now + max(PACE, on_the_line)
+        self.last_sent = now
+        return frame

@@ -1,0 +1,96 @@
+"""One robot as the bus sees it: its streams, its commands, its lease, its description.
+
+It has no thread and no clock of its own: whoever has the driver calls `happened`.
+"""
+
+import secrets
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
+
+from bus import Bus, BusUnavailable, Subscription, keys
+from gateway.description import describe
+from gateway.driver import Driver
+from gateway.events import Event
+from gateway.orders import Commander, Orders
+from gateway.settings import Settings
+from gateway.streams import Streams
+
+
+class RobotOnBus(Subscription):
+    """Publishes one robot under `<name>/` and obeys what comes there.
+
+    name: the robot's, on the bus.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        bus: Bus,
+        driver: Driver,
+        commander: Commander,
+        settings: Settings,
+        *,
+        new_token: Callable[[], str] = lambda: secrets.token_hex(16),
+        wall_clock: Callable[[], int] = time.time_ns,
+    ) -> None:
+        """Declare everything.
+
+        Args:
+            name: The robot's name on the bus.
+            bus: Outlives this.
+            driver: Of a robot that has said who it is.
+            commander: The way to the driver from the bus's threads.
+            settings: What the robot's description says besides.
+            new_token: Makes a lease's token.
+            wall_clock: ns since the epoch; judges the age of stamped commands.
+        Raises:
+            BusError: The name does not serve as a key, or the bus is closed.
+        """
+        if driver.model is None:
+            raise ValueError("the robot has not said who it is yet")
+        self.name = name
+        self._driver = driver
+        self._settings = settings
+        self._orders = Orders(name, bus, commander, new_token, wall_clock)
+        self._streams = Streams(name, bus, driver, driver.model)
+        self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
+        self._declared: list[Subscription] = [
+            self._orders,
+            self._streams,
+            self._lease_state,
+            bus.serve(keys.DESCRIPTION.key(name), self._on_description),
+            bus.declare_alive(keys.ALIVE.key(name)),
+        ]
+
+    @property
+    def deadline(self) -> float:
+        """When `happened` is due even without events, s."""
+        return min(self._streams.due_at, self._orders.lease.deadline)
+
+    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+        """Publish what follows from the driver's events, and from time.
+
+        Args:
+            events: In their order, maybe none.
+            now: Steady time, s.
+            stamp_ns: Wall clock when the bytes came that brought the events about.
+        """
+        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+            for event in events:
+                self._streams.publish(event, stamp_ns)
+            if now >= self._orders.lease.deadline:
+                self._orders.settle()
+            if self._orders.lease_has_changed:
+                self._orders.lease_has_changed = False
+                self._lease_state.put(self._orders.lease.state(now))
+            self._streams.publish_status(self._orders.refused, self._orders.recent_refusal(now), now, stamp_ns)
+
+    def close(self) -> None:
+        """Withdraw everything."""
+        while self._declared:
+            self._declared.pop().close()
+
+    def _on_description(self, given: dict[str, Any]) -> dict[str, Any]:
+        return describe(self.name, self._driver, self._settings)

@@ -1,0 +1,276 @@
+"""Serial ports: the only file that opens a device. A path, `socket://host:port`, or any URL that pyserial knows.
+
+Reading never blocks: wait with `select` on `fileno()`, then `read` takes what is there. Modem lines that a port does
+not have (a pseudo-terminal has none) do not matter.
+"""
+
+import errno
+import grp
+import os
+import socket
+import stat
+import termios
+import threading
+from abc import ABC, abstractmethod
+from contextlib import suppress
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import serial
+
+from gateway.errors import GatewayError, NoSuchPort, NotAPort, PortBusy, PortForbidden, PortLost
+
+READ_SIZE = 4096
+CONNECT_TIMEOUT = 2.0
+"""Seconds for a TCP connection to come about."""
+PUMP_TIMEOUT = 0.1
+"""Seconds after which the reader of a port without a descriptor looks whether it is to end."""
+
+_RATES = {getattr(termios, name): int(name[1:]) for name in dir(termios) if name[:1] == "B" and name[1:].isdigit()}
+
+
+class Port(ABC):
+    """An open port.
+
+    name: for people. rate: bit/s that it had when it was opened, None where it has none to set.
+    """
+
+    name: str
+    rate: int | None
+
+    @abstractmethod
+    def fileno(self) -> int:
+        """The descriptor to wait on."""
+
+    @abstractmethod
+    def set_rate(self, rate: int) -> None:
+        """Send and receive at so many bit/s from now on.
+
+        Raises:
+            PortLost: The port is gone.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of the port. Closing twice does no harm."""
+
+    def read(self) -> bytes:
+        """Take what has come; empty if there is nothing after all.
+
+        Raises:
+            PortLost: The port is gone.
+        """
+        try:
+            data = os.read(self.fileno(), READ_SIZE)
+        except BlockingIOError:
+            return b""
+        except OSError as err:
+            raise PortLost(f"{self.name} is gone: {err.strerror}") from err
+        if not data:
+            raise PortLost(f"{self.name} is gone: the other end was closed")
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send bytes; they are few, and a line that does not take them at once is dead.
+
+        Raises:
+            PortLost: The port is gone, or takes no more.
+        """
+        try:
+            written = os.write(self.fileno(), data)
+        except OSError as err:
+            raise PortLost(f"{self.name} is gone: {err.strerror}") from err
+        if written < len(data):
+            raise PortLost(f"{self.name} takes no more bytes")
+
+
+def open_port(name: str) -> Port:
+    """Open a port by its path or URL.
+
+    Raises:
+        GatewayError: One of NoSuchPort, NotAPort, PortForbidden, PortBusy; the message says what to do.
+    """
+    scheme = urlsplit(name).scheme if "://" in name else ""
+    if not scheme:
+        return DevicePort(name)
+    if scheme == "socket":
+        return SocketPort(name)
+    return PumpedPort(name)
+
+
+class DevicePort(Port):
+    """A device: a UART, an adapter, a pseudo-terminal."""
+
+    def __init__(self, path: str) -> None:
+        self.name = path
+        # Opened twice, so that the rate which the last client left is seen before pyserial sets its own.
+        probe = _open_device(path)
+        try:
+            self.rate = _RATES.get(termios.tcgetattr(probe)[5], 0)
+            self._serial = serial.Serial(path, timeout=0, exclusive=True)
+        except termios.error as err:
+            raise NotAPort(f"{path} is no serial port; give the device that the robot is plugged into") from err
+        except serial.SerialException as err:
+            raise _explain(path, err.errno) from err
+        finally:
+            os.close(probe)
+        with suppress(OSError, ValueError, NotImplementedError):  # only some adapters can hand on bytes at once
+            self._serial.set_low_latency_mode(True)
+        self._rate_set = int(self._serial.baudrate)
+
+    def fileno(self) -> int:
+        """The descriptor to wait on."""
+        return int(self._serial.fileno())
+
+    def set_rate(self, rate: int) -> None:
+        """Send and receive at so many bit/s from now on."""
+        if rate == self._rate_set:
+            return
+        try:
+            self._serial.baudrate = rate
+        except (OSError, ValueError, termios.error) as err:
+            raise PortLost(f"{self.name} cannot be set to {rate} bit/s: {err}") from err
+        self._rate_set = rate
+
+    def close(self) -> None:
+        """Let go of the port."""
+        self._serial.close()
+
+
+class SocketPort(Port):
+    """A TCP connection, as serial servers, wireless bridges and simulators offer it."""
+
+    rate = None
+
+    def __init__(self, url: str) -> None:
+        self.name = url
+        host, port = _address(url)
+        try:
+            self._socket = socket.create_connection((host, port), CONNECT_TIMEOUT)
+        except OSError as err:
+            reason = err.strerror or str(err)
+            raise NoSuchPort(
+                f"nothing answers at {url} ({reason}); start what listens there, or mend the address"
+            ) from err
+        self._socket.setblocking(False)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def fileno(self) -> int:
+        """The descriptor to wait on."""
+        return self._socket.fileno()
+
+    def set_rate(self, rate: int) -> None:
+        """A socket has no rate; the serial server at the other end has it."""
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+
+class PumpedPort(Port):
+    """Any other URL of pyserial's (`rfc2217://`): it has no descriptor, so a thread pumps what it reads into a pipe."""
+
+    def __init__(self, url: str) -> None:
+        self.name = url
+        try:
+            self._serial = serial.serial_for_url(url, timeout=PUMP_TIMEOUT)
+        except ValueError as err:
+            raise NoSuchPort(
+                f"{url} is no port: {err}; give a path, socket://HOST:PORT or rfc2217://HOST:PORT"
+            ) from err
+        except (OSError, serial.SerialException) as err:
+            raise NoSuchPort(
+                f"nothing answers at {url} ({err}); start what listens there, or mend the address"
+            ) from err
+        self.rate = int(self._serial.baudrate)
+        self._reader, self._writer = os.pipe()
+        self._is_closed = threading.Event()
+        self._pump = threading.Thread(target=self._run, name=f"pump {url}", daemon=True)
+        self._pump.start()
+
+    def fileno(self) -> int:
+        """The descriptor to wait on."""
+        return self._reader
+
+    def set_rate(self, rate: int) -> None:
+        """Tell the other end the rate."""
+        if rate != self._serial.baudrate:
+            try:
+                self._serial.baudrate = rate
+            except (OSError, ValueError, serial.SerialException) as err:
+                raise PortLost(f"{self.name} cannot be set to {rate} bit/s: {err}") from err
+
+    def write(self, data: bytes) -> None:
+        """Send bytes."""
+        try:
+            self._serial.write(data)
+        except (OSError, serial.SerialException) as err:
+            raise PortLost(f"{self.name} is gone: {err}") from err
+
+    def close(self) -> None:
+        """End the thread and let go of the port."""
+        if not self._is_closed.is_set():
+            self._is_closed.set()
+            self._pump.join()
+            self._serial.close()
+            os.close(self._reader)
+
+    def _run(self) -> None:
+        """Pump until the port fails or is closed; the end of the pipe says so to whoever reads."""
+        try:
+            while not self._is_closed.is_set():
+                data = self._serial.read(1)
+                if data:
+                    os.write(self._writer, data + self._serial.read(self._serial.in_waiting))
+        except (OSError, serial.SerialException):
+            pass  # the reader of the pipe is told by its end
+        finally:
+            os.close(self._writer)
+
+
+def _open_device(path: str) -> int:
+    try:
+        if stat.S_ISDIR(Path(path).stat().st_mode):
+            raise NotAPort(f"{path} is a directory; give the device that the robot is plugged into")
+        return os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as err:
+        raise _explain(path, err.errno) from err
+
+
+def _explain(path: str, code: int | None) -> GatewayError:
+    match code:
+        case errno.ENOENT | errno.ENODEV | errno.ENXIO | errno.EIO | errno.ENOTDIR:
+            return NoSuchPort(
+                f"there is no port {path}; plug the robot in, or start p2os-emu, and look at its name again"
+            )
+        case errno.EACCES | errno.EPERM:
+            return PortForbidden(f"you may not open {path}; {_permission_hint(path)}")
+        case errno.EBUSY | errno.EWOULDBLOCK:
+            return PortBusy(f"{path} is in use by another program; end that one first")
+    reason = os.strerror(code) if code else "pyserial gives no reason"
+    return NotAPort(
+        f"{path} cannot be opened as a serial port: {reason}; give the device that the robot is plugged into"
+    )
+
+
+def _permission_hint(path: str) -> str:
+    try:
+        number = Path(path).stat().st_gid
+    except OSError:
+        return "a folder on the way to it is closed to you"
+    try:
+        group = grp.getgrgid(number).gr_name
+    except KeyError:
+        group = str(number)
+    return f"it belongs to group {group}: sudo usermod -aG {group} $USER, then log in again"
+
+
+def _address(url: str) -> tuple[str, int]:
+    try:
+        parts = urlsplit(url)
+        host, port = parts.hostname, parts.port
+    except ValueError as err:
+        raise NoSuchPort(f"{url} is no address: {err}; write socket://HOST:PORT") from err
+    if not host or port is None:
+        raise NoSuchPort(f"{url} lacks a host or a port; write socket://HOST:PORT")
+    return host, port

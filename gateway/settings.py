@@ -1,0 +1,68 @@
+"""What a person can set for one gateway, in a TOML file given with `--config`."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from configs import build, read
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """Corrections of this robot's odometry, as measured on the floor.
+
+    distance: true distance over reported distance. heading: true turn over reported turn.
+    """
+
+    distance: float = 1.0
+    heading: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryErrors:
+    """How fast the odometry's uncertainty grows; standard deviations.
+
+    distance_per_m: m along the way, after each metre. heading_rad_per_m, heading_rad_per_rad: after each metre rolled
+    and each radian turned.
+    """
+
+    distance_per_m: float = 0.02
+    heading_rad_per_m: float = 0.02
+    heading_rad_per_rad: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Speeds that no command exceeds, below those of the model and of the robot's own configuration."""
+
+    linear_m_s: float | None = None
+    angular_rad_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The file.
+
+    model: take the robot for this one, whatever it says. enable_motors: switch the motors on after connecting. sonar:
+    switch the sonar on or off after connecting; None, which no file can say, leaves it. encoders: ask for encoder
+    packets. inputs_outputs: ask for I/O packets; as the model has it when left out. emulated: the robot is not real;
+    unknown when left out, which all treat as real.
+    """
+
+    model: str | None = None
+    enable_motors: bool = True
+    sonar: bool | None = True
+    encoders: bool = False
+    inputs_outputs: bool | None = None
+    emulated: bool | None = None
+    calibration: Calibration = field(default_factory=Calibration)
+    odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
+    limits: Limits = field(default_factory=Limits)
+
+
+def load_settings(path: Path) -> Settings:
+    """Read the file.
+
+    Raises:
+        ConfigError: It cannot be read, is not TOML, or holds an unknown key or a wrong type.
+    """
+    return build(Settings, read(path), str(path))

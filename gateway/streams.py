@@ -1,0 +1,117 @@
+"""What a robot publishes: from the driver's events and from time to messages on its keys."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from bus import Bus, Publisher, Subscription, keys
+from bus.keys import Topic
+from gateway.driver import Driver
+from gateway.events import EncodersReceived, Event, InputsOutputsReceived, LinkLost, MotionEnded, SipReceived
+from gateway.health import diagnostics, faults, robot_state
+from gateway.telemetry import Telemetry
+from p2os import RobotModel, StandardSip
+
+PERIOD = 1.0
+"""Seconds between two of what is published at 1 Hz."""
+STREAMS = (
+    keys.ODOM,
+    keys.TF,
+    keys.SONAR,
+    keys.SONAR_POINTS,
+    keys.BUMPERS,
+    keys.BATTERY,
+    keys.STATE,
+    keys.IO,
+    keys.JOINT_STATES,
+    keys.TF_STATIC,
+    keys.DIAGNOSTICS,
+)
+
+
+class Streams(Subscription):
+    """One robot's publishers.
+
+    due_at: when something is to be published even if nothing happens, s.
+    """
+
+    def __init__(self, name: str, bus: Bus, driver: Driver, model: RobotModel) -> None:
+        self._name = name
+        self._bus = bus
+        self._driver = driver
+        self._telemetry = Telemetry(name, model)
+        self._sip: StandardSip | None = None
+        self._has_io_packets = False
+        self._battery_shown: tuple[float, int | None, bool] | None = None
+        self._ports_shown: tuple[int, int] | None = None
+        self._state_shown: tuple[Any, ...] | None = None
+        self._streams: Mapping[Topic, Publisher] = {
+            topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
+        }
+        self.due_at = 0.0
+
+    def publish(self, event: Event, stamp: int) -> None:
+        """Publish what follows from an event. stamp: wall clock, ns, when its last byte came."""
+        streams, telemetry = self._streams, self._telemetry
+        match event:
+            case SipReceived(sip):
+                streams[keys.ODOM].put(telemetry.odometry(event, stamp))
+                streams[keys.TF].put(telemetry.transform(event, stamp))
+                streams[keys.SONAR].put(telemetry.sonar(sip, stamp))
+                streams[keys.SONAR_POINTS].put(telemetry.sonar_points(sip, stamp))
+                streams[keys.BUMPERS].put(telemetry.bumpers(sip, stamp))
+                self._publish_changes(sip, stamp)
+            case EncodersReceived():
+                streams[keys.JOINT_STATES].put(telemetry.joints(event, stamp))
+            case InputsOutputsReceived():
+                self._has_io_packets = True
+                streams[keys.IO].put(telemetry.inputs_outputs(event, stamp))
+            case MotionEnded(motion_id):
+                self._bus.put(keys.result_key(self._name, motion_id), dict(event.as_json()))
+            case LinkLost():
+                self._sip = None
+                self._has_io_packets = False
+
+    def _publish_changes(self, sip: StandardSip, stamp: int) -> None:
+        self._sip = sip
+        self._telemetry.note_wheels(sip)
+        if (sip.best_battery, sip.charge_state, sip.charger_good) != self._battery_shown:
+            self._publish_battery(sip, stamp)
+        if (sip.digital_in, sip.digital_out) != self._ports_shown:
+            self._publish_user_ports(sip, stamp)
+
+    def _publish_battery(self, sip: StandardSip, stamp: int) -> None:
+        self._battery_shown = sip.best_battery, sip.charge_state, sip.charger_good
+        self._streams[keys.BATTERY].put(self._telemetry.battery(sip, stamp))
+
+    def _publish_user_ports(self, sip: StandardSip, stamp: int) -> None:
+        if not self._has_io_packets:
+            self._ports_shown = sip.digital_in, sip.digital_out
+            self._streams[keys.IO].put(self._telemetry.user_ports(sip, stamp))
+
+    def publish_status(self, refused: Mapping[str, int], refusal: str | None, now: float, stamp: int) -> None:
+        """Publish the state if it has changed, and everything that is due at 1 Hz.
+
+        Args:
+            refused: Commands not obeyed, counted by what they were.
+            refusal: The latest of them, if it was just now.
+            now: Steady time, s.
+            stamp: Wall clock, ns.
+        """
+        is_due = now >= self.due_at
+        found = faults(self._driver, self._sip, refusal)
+        shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
+        if is_due or shown != self._state_shown:
+            self._state_shown = shown
+            self._streams[keys.STATE].put(robot_state(self._name, self._driver, self._sip, found, stamp))
+        if is_due:
+            self.due_at = now + PERIOD
+            self._streams[keys.TF_STATIC].put(self._telemetry.static_transforms(stamp))
+            self._streams[keys.DIAGNOSTICS].put(diagnostics(self._name, self._driver, found, refused, stamp))
+            if self._sip is not None:
+                self._publish_battery(self._sip, stamp)
+                self._publish_user_ports(self._sip, stamp)
+
+    def close(self) -> None:
+        """Withdraw the publishers."""
+        for publisher in self._streams.values():
+            publisher.close()

@@ -1,0 +1,226 @@
+"""From the driver's events to messages. Everything that does not change is built once.
+
+Stamps are the wall clock of this computer when the last byte of the packet came.
+"""
+
+from collections.abc import Iterable
+from math import cos, inf, nan, pi, sin
+
+import numpy as np
+
+from bus.keys import frame
+from bus.messages import (
+    BatteryState,
+    Bumpers,
+    Header,
+    InputsOutputs,
+    JointState,
+    Odometry,
+    Point,
+    PointCloud2,
+    PointField,
+    Pose,
+    PoseWithCovariance,
+    Range,
+    RangeArray,
+    TFMessage,
+    Transform,
+    TransformStamped,
+    TwistWithCovariance,
+    Vector3,
+    header,
+    quaternion,
+    twist,
+)
+from gateway.events import EncodersReceived, InputsOutputsReceived, SipReceived
+from p2os import RobotModel, StandardSip
+
+SONAR_RANGE = 0.1, 5.0
+"""m; what the discs of these robots measure at the usual firing period of 40 ms. Source: fact sheet section 8."""
+SONAR_CONE = pi / 12
+"""rad; opening of the cone, assumed."""
+FIXED_VARIANCE = 1e-9
+"""Of what a robot in the plane cannot do."""
+LINEAR_VARIANCE = 1e-4
+ANGULAR_VARIANCE = 1e-3
+"""(m/s)² and (rad/s)²: about the resolution of wheel speeds, assumed."""
+CHARGING, DISCHARGING, FULL = (
+    BatteryState.POWER_SUPPLY_STATUS_CHARGING,
+    BatteryState.POWER_SUPPLY_STATUS_DISCHARGING,
+    BatteryState.POWER_SUPPLY_STATUS_FULL,
+)
+CHARGE_STATES = {0: DISCHARGING, 1: CHARGING, 2: CHARGING, 3: FULL, 4: CHARGING}
+"""The SIP's charge state: 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance. Source: fact sheet section 5."""
+TICK_RING = 1 << 32
+
+
+class Telemetry:
+    """Builds one robot's messages."""
+
+    def __init__(self, robot: str, model: RobotModel) -> None:
+        self._model = model
+        self._odom, self._base = frame(robot, "odom"), frame(robot, "base_link")
+        self._discs = {disc.number: (disc, frame(robot, f"sonar_{disc.number}")) for disc in model.sonar}
+        self._pose_covariance = np.diag([0.0, 0.0, *[FIXED_VARIANCE] * 3, 0.0]).reshape(36)
+        self._twist_covariance = np.diag(
+            [LINEAR_VARIANCE, *[FIXED_VARIANCE] * 4, ANGULAR_VARIANCE],
+        ).reshape(36)
+        self._point_fields = [
+            PointField(name=axis, offset=4 * index, datatype=PointField.FLOAT32, count=1)
+            for index, axis in enumerate("xyz")
+        ]
+        self._wheels = [frame(robot, "left_wheel"), frame(robot, "right_wheel")]
+        self._ticks: tuple[int, int] | None = None
+        self._rolled = [0, 0]
+        self._wheel_speeds = 0.0, 0.0
+
+    def odometry(self, event: SipReceived, stamp: int) -> Odometry:
+        """Pose in `<robot>/odom`, twist in `<robot>/base_link`."""
+        xx, xy, xh, _, yy, yh, _, _, hh = event.covariance
+        covariance = self._pose_covariance
+        covariance[[0, 1, 5, 6, 7, 11, 30, 31, 35]] = xx, xy, xh, xy, yy, yh, xh, yh, hh
+        pose = event.pose
+        return Odometry(
+            header=header(stamp, self._odom),
+            child_frame_id=self._base,
+            pose=PoseWithCovariance(
+                pose=Pose(position=Point(x=pose.x, y=pose.y, z=0.0), orientation=quaternion(pose.heading)),
+                covariance=covariance,
+            ),
+            twist=TwistWithCovariance(twist=twist(event.linear, event.angular), covariance=self._twist_covariance),
+        )
+
+    def transform(self, event: SipReceived, stamp: int) -> TFMessage:
+        """`<robot>/base_link` in `<robot>/odom`."""
+        pose = event.pose
+        return TFMessage(transforms=[_placed(header(stamp, self._odom), self._base, pose.x, pose.y, pose.heading)])
+
+    def static_transforms(self, stamp: int) -> TFMessage:
+        """The sonar discs in `<robot>/base_link`."""
+        base = header(stamp, self._base)
+        return TFMessage(
+            transforms=[_placed(base, name, disc.x, disc.y, disc.heading) for disc, name in self._discs.values()]
+        )
+
+    def sonar(self, sip: StandardSip, stamp: int) -> RangeArray:
+        """The fresh readings; infinite where no echo came back (REP 117)."""
+        return RangeArray(
+            header(stamp, self._base),
+            [
+                Range(
+                    header=header(stamp, self._discs[number][1]),
+                    radiation_type=Range.ULTRASOUND,
+                    field_of_view=SONAR_CONE,
+                    min_range=SONAR_RANGE[0],
+                    max_range=SONAR_RANGE[1],
+                    range=distance if distance < SONAR_RANGE[1] else inf,
+                    variance=0.0,
+                )
+                for number, distance in sip.sonar
+                if number in self._discs
+            ],
+        )
+
+    def sonar_points(self, sip: StandardSip, stamp: int) -> PointCloud2:
+        """The echoes among the fresh readings, on the axes of their discs."""
+        points = []
+        for number, distance in sip.sonar:
+            if number in self._discs and distance < SONAR_RANGE[1]:
+                disc, _ = self._discs[number]
+                points += [disc.x + distance * cos(disc.heading), disc.y + distance * sin(disc.heading), 0.0]
+        data = np.array(points, "<f4").view(np.uint8)
+        count = len(points) // 3
+        return PointCloud2(
+            header=header(stamp, self._base),
+            height=1,
+            width=count,
+            fields=self._point_fields,
+            is_bigendian=False,
+            point_step=12,
+            row_step=12 * count,
+            data=data,
+            is_dense=True,
+        )
+
+    def bumpers(self, sip: StandardSip, stamp: int) -> Bumpers:
+        """Segments that the robot has, and the wheels' stalls."""
+        model = self._model
+        return Bumpers(
+            header(stamp, self._base),
+            front=_bits(sip.front_bumpers, model.front_bumpers),
+            rear=_bits(sip.rear_bumpers, model.rear_bumpers),
+            stall_left=sip.left_stalled,
+            stall_right=sip.right_stalled,
+        )
+
+    def battery(self, sip: StandardSip, stamp: int) -> BatteryState:
+        """Voltage and charging; NaN where the robot does not say."""
+        status = CHARGE_STATES.get(255 if sip.charge_state is None else sip.charge_state)
+        if status is None:
+            status = CHARGING if sip.charger_good else BatteryState.POWER_SUPPLY_STATUS_UNKNOWN
+        return BatteryState(
+            header=header(stamp, self._base),
+            voltage=sip.best_battery,
+            temperature=nan,
+            current=nan,
+            charge=nan,
+            capacity=nan,
+            design_capacity=nan,
+            percentage=nan if sip.state_of_charge is None else sip.state_of_charge,
+            power_supply_status=status,
+            power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN,
+            power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN,  # ROS knows no lead-acid
+            present=True,
+            cell_voltage=np.array([], np.float32),
+            cell_temperature=np.array([], np.float32),
+            location="",
+            serial_number="",
+        )
+
+    def user_ports(self, sip: StandardSip, stamp: int) -> InputsOutputs:
+        """The eight digital inputs and outputs that every SIP carries."""
+        return InputsOutputs(header(stamp, self._base), _bits(sip.digital_in, 8), _bits(sip.digital_out, 8))
+
+    def inputs_outputs(self, event: InputsOutputsReceived, stamp: int) -> InputsOutputs:
+        """All ports of an I/O packet."""
+        ports = event.ports
+        return InputsOutputs(
+            header(stamp, self._base), _all_bits(ports.digital_in), _all_bits(ports.digital_out), ports.analog
+        )
+
+    def joints(self, event: EncodersReceived, stamp: int) -> JointState:
+        """Angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
+        ticks = event.encoders.left, event.encoders.right
+        last = self._ticks or ticks
+        self._ticks = ticks
+        for wheel, (now, before) in enumerate(zip(ticks, last, strict=True)):
+            self._rolled[wheel] += (now - before + TICK_RING // 2) % TICK_RING - TICK_RING // 2
+        radius = self._model.wheel_diameter / 2.0
+        per_tick = 1.0 / (self._model.ticks_per_metre * radius)
+        return JointState(
+            header=header(stamp, self._base),
+            name=self._wheels,
+            position=np.array([rolled * per_tick for rolled in self._rolled]),
+            velocity=np.array([speed / radius for speed in self._wheel_speeds]),
+            effort=np.array([]),
+        )
+
+    def note_wheels(self, sip: StandardSip) -> None:
+        """Keep the wheel speeds for the encoder packet that follows the SIP."""
+        self._wheel_speeds = sip.left_velocity, sip.right_velocity
+
+
+def _placed(parent: Header, child: str, x: float, y: float, heading: float) -> TransformStamped:
+    return TransformStamped(
+        header=parent,
+        child_frame_id=child,
+        transform=Transform(translation=Vector3(x=x, y=y, z=0.0), rotation=quaternion(heading)),
+    )
+
+
+def _bits(word: int, count: int) -> list[bool]:
+    return [bool(word >> bit & 1) for bit in range(count)]
+
+
+def _all_bits(data: Iterable[int]) -> list[bool]:
+    return [bit for byte in data for bit in _bits(byte, 8)]

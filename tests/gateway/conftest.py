@@ -1,0 +1,163 @@
+"""A robot, a driver and the cable between them, under one virtual clock."""
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from typing import TypeVar
+
+import pytest
+
+from configs import load
+from gateway.driver import Driver
+from gateway.events import Event, SipReceived
+from gateway.settings import Settings
+from p2os import Command, Frame, FrameDecoder, Identity, ReceivedCommand, RobotModel, decode_command
+from p2os_emu.body import BodyState
+from p2os_emu.microcontroller import Microcontroller
+
+T = TypeVar("T")
+STEP = 1 / 120
+
+
+class WheelsOnBlocks:
+    """A body whose wheels follow at once, and turn until they are blocked."""
+
+    def __init__(self) -> None:
+        self.state = BodyState()
+        self.is_blocked = False
+        self._speeds = 0.0, 0.0
+
+    def drive(self, left: float, right: float) -> None:
+        self._speeds = left, right
+
+    def release(self) -> None:
+        self._speeds = 0.0, 0.0
+
+    def ping(self, discs: Sequence[int]) -> Sequence[float]:
+        return [inf if disc % 2 else 1.0 + disc / 10 for disc in discs]
+
+    def advance(self, dt: float) -> None:
+        left, right = (0.0, 0.0) if self.is_blocked else self._speeds
+        load = 1.0 if self.is_blocked and any(self._speeds) else 0.1
+        state = self.state
+        self.state = BodyState(state.left_travel + left * dt, state.right_travel + right * dt, left, right, load, load)
+
+    @property
+    def is_turning(self) -> bool:
+        return abs(self.state.left_velocity) + abs(self.state.right_velocity) > 1e-6
+
+
+def find_model(identity: Identity) -> RobotModel:
+    return load(RobotModel, "robots", identity.subtype)
+
+
+@dataclass
+class Bench:
+    """Driver and firmware on one cable. `now` is the driver's steady time; the robot steps with it.
+
+    sent: every sound frame from the driver, (time, command). events: what the driver reported, likewise with time.
+    cut: the cable is pulled. deaf: only the robot's ear of it. is_frozen: the driver is not called.
+    """
+
+    robot: Microcontroller
+    driver: Driver
+    body: WheelsOnBlocks = field(default_factory=WheelsOnBlocks)
+    now: float = 100.0
+    robot_baud: int | None = None
+    cut: bool = False
+    deaf: bool = False
+    is_frozen: bool = False
+    sent: list[tuple[float, ReceivedCommand]] = field(default_factory=list)
+    raw: bytearray = field(default_factory=bytearray)
+    events: list[tuple[float, Event]] = field(default_factory=list)
+    moments_in_motion: list[float] = field(default_factory=list)
+    _ear: FrameDecoder = field(default_factory=FrameDecoder)
+    _unread: bytearray = field(default_factory=bytearray)
+
+    def start(self) -> None:
+        self.driver.port_opened(self.now)
+
+    def run(self, seconds: float, each: Callable[[], None] | None = None) -> None:
+        """Let time pass; `each` is called after every step."""
+        end = self.now + seconds
+        while self.now < end - 1e-9:
+            self.step()
+            if each is not None:
+                each()
+
+    def run_until(self, condition: Callable[[], bool], limit: float = 10.0) -> float:
+        """Let time pass until something is so; return how long it took, s."""
+        start = self.now
+        while not condition():
+            assert self.now - start < limit, "it did not happen"
+            self.step()
+        return self.now - start
+
+    def step(self) -> None:
+        self.now += STEP
+        self.body.advance(STEP)
+        out = self.robot.step(STEP, self.body)
+        if self.body.is_turning:
+            self.moments_in_motion.append(self.now)
+        if not self.cut:
+            self._unread += out if self._same_rate else bytes(each ^ 0x5A for each in out)
+        if not self.is_frozen:
+            data = bytes(self._unread)
+            self._unread.clear()
+            self.events += [(self.now, event) for event in self.driver.receive(data, self.now)]
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what the driver has to say now, in steps of its own pace."""
+        while data := self.driver.bytes_due(self.now):
+            self.raw += data
+            for found in self._ear.receive(data, self.now):
+                assert isinstance(found, Frame)
+                self.sent.append((self.now, decode_command(found.payload)))
+            if not (self.cut or self.deaf):
+                self.robot.receive(data if self._same_rate else bytes(each ^ 0x5A for each in data))
+
+    @property
+    def _same_rate(self) -> bool:
+        return self.robot_baud is None or self.driver.baud == self.robot_baud
+
+    def commands(self, since: float = 0.0) -> list[Command | None]:
+        return [command.command for at, command in self.sent if at > since]
+
+    def of(self, kind: type[T], since: float = 0.0) -> list[T]:
+        return [event for at, event in self.events if isinstance(event, kind) and at > since]
+
+    @property
+    def sips(self) -> list[SipReceived]:
+        return self.of(SipReceived)
+
+    def connect(self) -> float:
+        """Start, and run until the motors are on; return the seconds to the first pose."""
+        self.start()
+        seconds = self.run_until(lambda: self.driver.is_connected)
+        self.run_until(lambda: self.robot.motors_enabled)
+        return seconds
+
+
+MakeBench = Callable[..., Bench]
+
+
+@pytest.fixture
+def make_bench() -> MakeBench:
+    def make(
+        model: str = "powerbot-sh",
+        rates: Sequence[int] = (9600, 38400, 19200, 115200, 57600),
+        settings: Settings | None = None,
+        robot_baud: int | None = None,
+    ) -> Bench:
+        robot = Microcontroller(load(RobotModel, "robots", model), "happy")
+        driver = Driver(find_model, rates, settings, random.Random(7))
+        return Bench(robot, driver, robot_baud=robot_baud)
+
+    return make
+
+
+@pytest.fixture
+def bench(make_bench: MakeBench) -> Bench:
+    return make_bench()
