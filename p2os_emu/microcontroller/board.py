@@ -63,6 +63,7 @@ class Board:
     def open(self) -> None:
         """A client has come: motors off, sonar as FLASH says."""
         self.motors.disable()
+        self.e_stalled = False
         self.sonar.enable(self.flash.sonar_enabled)
         self.watchdog.feed()
 

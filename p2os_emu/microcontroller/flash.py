@@ -6,7 +6,7 @@ from math import radians
 from typing import Any
 from zlib import crc32
 
-from p2os.firmware import FlashDefaults
+from p2os.firmware import BAUD_CODES, FlashDefaults
 from p2os.robot_model import RobotModel
 
 Entry = float | str
@@ -16,16 +16,36 @@ BOTH_BUMPERS = 3
 """The BUMPSTALL command counts 0 none, 1 front, 2 rear, 3 both; FLASH counts 0 both, 1 rear, 2 front, 3 none."""
 
 
+ABOVE_ZERO = (
+    "sip_cycle",
+    "acceleration",
+    "deceleration",
+    "rotational_acceleration",
+    "rotational_deceleration",
+    "emergency_deceleration",
+    "emergency_rotational_deceleration",
+    "pwm_max",
+    "stall_integration",
+    "ticks_mm",
+    "rev_count",
+)
+"""Parameters that the firmware divides by, or without which the robot could not come to a stand."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flash(FlashDefaults):
     """One robot's FLASH; SI. What the factory defaults say, and what belongs to this one robot.
 
     serial: as CONFIGpac says; never "SIM", which makes one well-known client look for a simulator.
     velocity_top, rotation_top: what no command exceeds. max_velocity, max_rotation: SETV and SETRV at power-on.
-    emergency_deceleration, emergency_rotational_deceleration: of ESTOP and the STOP button (assumed).
+    emergency_deceleration, emergency_rotational_deceleration: of ESTOP and the STOP button
+        (assumed: the most that the motors can follow).
     sonar_enabled: the sonar fires from OPEN on. charger: as CONFIGpac counts: 0 none, 1 Pioneer 3, 2 PowerBot.
     ticks_mm, rev_count, drift_factor: the calibration that odometry starts from. Manuals disagree on what REVCOUNT
     counts, so only its changes matter and its value is assumed.
+
+    Raises:
+        ValueError: A parameter has a value that no controller could run with.
     """
 
     serial: str
@@ -33,13 +53,21 @@ class Flash(FlashDefaults):
     rotation_top: float
     max_velocity: float
     max_rotation: float
-    emergency_deceleration: float = 4.0
-    emergency_rotational_deceleration: float = radians(400)
+    emergency_deceleration: float = 2.0
+    emergency_rotational_deceleration: float = radians(300)
     sonar_enabled: bool = True
     charger: int = 0
     ticks_mm: int
     rev_count: int = 32550
     drift_factor: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ABOVE_ZERO:
+            if not getattr(self, name) > 0:
+                raise ValueError(f"FLASH parameter {name} must be above zero, not {getattr(self, name)}")
+        for baud in (self.host_baud, self.aux_baud):
+            if baud not in BAUD_CODES.values():
+                raise ValueError(f"FLASH knows the baud rates {sorted(BAUD_CODES.values())}, not {baud}")
 
     @classmethod
     def of(cls, model: RobotModel, name: str) -> "Flash":
@@ -62,7 +90,7 @@ class Flash(FlashDefaults):
         """This FLASH with some parameters replaced, as `to_table` names and counts them.
 
         Raises:
-            ValueError: A name is unknown, or a value is of another type than the parameter.
+            ValueError: A name is unknown, or a value is none that the parameter can have.
         """
         present = self.to_table()
         for name, value in table.items():

@@ -6,6 +6,10 @@ from p2os_emu.microcontroller.profile import approach, braking_speed
 
 REACTION = 0.1
 """s that a servo allows for between asking for a speed and having it: the last stretch to a target decays with it."""
+TRIM = 0.4
+"""1/s with which an error within the tolerance is trimmed away: at the rims too slow for a SIP to show."""
+QUIET = 0.2
+"""Of the tolerance: what is not even trimmed."""
 
 
 class Limits:
@@ -156,7 +160,7 @@ class Servo:
     def _stand(self, place: float, speed: float) -> float:
         """The speed that brings the axis to rest, and back to where it came to rest."""
         if self._anchor is not None:
-            return self._seek(self._anchor - place, self.limits.top)
+            return self._seek(self._anchor - place, self.limits.forward)
         if self.speed == 0.0 and -self._settled < speed < self._settled:
             self._anchor = place
         return 0.0
@@ -164,5 +168,5 @@ class Servo:
     def _seek(self, remaining: float, cruise: float) -> float:
         distance = abs(remaining)
         if distance <= self._tolerance:
-            return 0.0
+            return remaining * TRIM if distance > self._tolerance * QUIET else 0.0
         return copysign(min(cruise, braking_speed(distance, self.limits.deceleration, REACTION)), remaining)

@@ -41,6 +41,12 @@ def test_unknown_parameters_and_wrong_types_are_refused(flash: Flash, table: dic
         flash.changed(table)
 
 
+@pytest.mark.parametrize("table", [{"sip_cycle": 0.0}, {"deceleration": -0.3}, {"rev_count": 0}, {"host_baud": 1200}])
+def test_values_that_no_controller_could_run_with_are_refused(flash: Flash, table: dict[str, float | str]) -> None:
+    with pytest.raises(ValueError, match="FLASH"):
+        flash.changed(table)
+
+
 def test_a_parameter_that_no_packet_could_carry_is_refused_at_once(bench_of: BenchOf, flash: Flash) -> None:
     with pytest.raises(EncodeError, match="sip_cycle"):
         bench_of("powerbot-sh", flash=replace(flash, sip_cycle=1.0))

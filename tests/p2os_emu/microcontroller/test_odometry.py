@@ -46,7 +46,7 @@ def test_a_long_drive_unwraps_to_the_true_distance(robot: Bench) -> None:
 def test_encoders_count_the_models_ticks(bench_of: BenchOf, subtype: str) -> None:
     robot = bench_of(subtype).connect(motors=True)
     robot.send(Command.MOVE, 1.0)
-    robot.run(6.0)
+    robot.run(10.0)
     robot.send(Command.ENCODER, 1)
     (encoders,) = robot.packets(Encoders, 0.5)
     assert encoders.left == pytest.approx(robot.body.left.travel * robot.model.ticks_per_metre, abs=1)

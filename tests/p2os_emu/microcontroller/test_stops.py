@@ -19,7 +19,7 @@ class TestStopButton:
         start = robot.body.travel
         robot.controller.panel.stop_button = True
         robot.run(1.0)
-        assert robot.body.travel - start == pytest.approx(0.5**2 / (2 * 4.0), abs=2 * 0.5 * STEP)
+        assert robot.body.travel - start == pytest.approx(0.5**2 / (2 * 2.0), abs=2 * 0.5 * STEP)
         sip = robot.sip()
         assert (sip.stop_button, sip.e_stalled, sip.motors_enabled) == (True, True, False)
         assert not robot.body.powered
@@ -37,6 +37,13 @@ class TestStopButton:
         robot.send(Command.ENABLE, 1)
         sip = robot.sip()
         assert (sip.stop_button, sip.e_stalled, sip.motors_enabled) == (False, False, True)
+
+    def test_the_next_client_sees_a_stall_only_while_it_is_pressed(self, robot: Bench) -> None:
+        robot.send(Command.CLOSE)
+        robot.controller.panel.stop_button = True
+        robot.run(0.5)
+        robot.controller.panel.stop_button = False
+        assert not robot.connect().sip().e_stalled
 
     def test_without_estall_it_only_shows(self, robot: Bench) -> None:
         robot.send(Command.ESTALL, 0)
