@@ -1,1 +1,1 @@
-"""TODO."""
+"""The `acromovi` command, which ties the rooms together."""

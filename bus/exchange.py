@@ -1,6 +1,7 @@
 """What the two kinds of bus do alike: check keys, encode, answer queries, sort replies, guard handlers."""
 
 import logging
+import re
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple, ParamSpec
 
@@ -49,8 +50,10 @@ def plain_key(text: str) -> str:
 
 
 def reason(error: zenoh.ZError) -> str:
-    """Zenoh's sentence without the source line that follows it."""
-    return str(error).partition(" at /")[0]
+    """Zenoh's sentence, out of what it wraps around it and without the source line that follows."""
+    text = str(error)
+    quoted = re.search(r'msg: "([^"]*)', text)
+    return (quoted[1] if quoted else text).partition(" at /")[0].strip()
 
 
 def encoding_of(type_name: str) -> str:

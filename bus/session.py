@@ -43,19 +43,24 @@ HANDLER_GRACE = 1.0  # s for handlers to end when the bus is closed
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
 
 
-def configuration(profile: str) -> zenoh.Config:
+def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zenoh.Config:
     """Zenoh's configuration from a profile.
 
     Args:
         profile: A name in `configs/bus`, or a file: TOML, or Zenoh's own JSON5 when it ends in `.json5` or `.json`.
+        changes: What the command line sets beyond it: `{"listen/endpoints": ["tcp/127.0.0.1:7447"]}`.
     Raises:
         ConfigError: There is no such profile, or Zenoh does not take it.
     """
     path = find("bus", profile)
     try:
         if path.suffix in (".json5", ".json"):
-            return zenoh.Config.from_file(path)
-        return zenoh.Config.from_json5(json.dumps(read(path)))
+            config = zenoh.Config.from_file(path)
+        else:
+            config = zenoh.Config.from_json5(json.dumps(read(path)))
+        for key, value in (changes or {}).items():
+            config.insert_json5(key, json.dumps(value))
+        return config
     except zenoh.ZError as err:
         raise ConfigError(f"{path} is not a configuration of Zenoh: {reason(err)}") from err
 

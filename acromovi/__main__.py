@@ -1,0 +1,102 @@
+"""The `acromovi` command."""
+
+import argparse
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from types import FrameType
+
+# Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
+COMMANDS = {
+    "echo": ("acromovi.echo", "Print what flows on a key"),
+    "topics": ("acromovi.topics", "List the robots, and what flows now and how often"),
+    "teleop": ("acromovi.teleop", "Drive a robot with the keys of this terminal"),
+    "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
+    "router": ("acromovi.router", "Run a Zenoh router, to join robots of several sites"),
+}
+DESCRIPTION = "Robots on the bus: look, drive, find out what is wrong."
+EPILOG = """\
+examples:
+  acromovi topics                  which robots are there, and what do they say?
+  acromovi echo happy/odom         print a robot's odometry
+  acromovi teleop happy            drive it
+  acromovi COMMAND --help          more about one command
+
+exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM
+"""
+
+
+class Terminated(BaseException):
+    """SIGTERM came: unwind, so that terminals are restored and sessions closed."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        argv: The arguments; the program's own when None.
+    Returns:
+        The exit code.
+    """
+    given = list(sys.argv[1:] if argv is None else argv)
+    arguments = _parser(given).parse_args(given)
+    module = import_module(COMMANDS[arguments.command][0])
+    try:
+        with _terminable():
+            return int(module.run(arguments))
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+    except Terminated:
+        return 128 + signal.SIGTERM
+    except BrokenPipeError:  # the reader, `head` for example, has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except _user_errors() as err:
+        print(f"acromovi {arguments.command}: {err}", file=sys.stderr)
+        return 1
+
+
+def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser, with the arguments of the command asked for."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(
+        prog="acromovi", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw, allow_abbrev=False
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    asked_for = next((word for word in given if not word.startswith("-")), None)
+    for name, (module, summary) in COMMANDS.items():
+        command = commands.add_parser(
+            name, help=summary, description=summary + ".", formatter_class=raw, allow_abbrev=False
+        )
+        if name == asked_for:
+            import_module(module).add_arguments(command)
+    return parser
+
+
+def _user_errors() -> tuple[type[Exception], ...]:
+    """What is reported in one sentence; imported late, since it brings Zenoh."""
+    from bus.errors import BusError
+    from configs.loader import ConfigError
+
+    return (BusError, ConfigError)
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM unwind the stack as Ctrl-C does."""
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        raise Terminated
+
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

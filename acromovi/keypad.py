@@ -1,0 +1,122 @@
+"""What teleoperation does with keys and time; no terminal, no bus and no clock.
+
+A terminal tells when a key goes down, and repeats it while it is held, but never that it was let go. So a key counts as
+held for `HOLD` after each time it is heard of, which also bridges the pause before the first repetition.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, StrEnum
+
+HOLD = 0.6  # s; longer than the usual 0.5 s before a held key repeats
+PERIOD = 0.1  # s between commands
+
+ARROWS = {b"A": "up", b"B": "down", b"C": "right", b"D": "left"}
+ESCAPE = b"\x1b"
+
+
+class Action(StrEnum):
+    """What a key asks for besides driving."""
+
+    STOP = "stop"
+    ENABLE = "enable"
+    ESTOP = "estop"
+    CLEAR = "clear"
+    QUIT = "quit"
+
+
+class Axis(Enum):
+    """What a key moves: forward or round."""
+
+    LINEAR = "linear"
+    ANGULAR = "angular"
+
+
+MOVES = {
+    "up": (Axis.LINEAR, 1),
+    "w": (Axis.LINEAR, 1),
+    "down": (Axis.LINEAR, -1),
+    "s": (Axis.LINEAR, -1),
+    "left": (Axis.ANGULAR, 1),
+    "a": (Axis.ANGULAR, 1),
+    "right": (Axis.ANGULAR, -1),
+    "d": (Axis.ANGULAR, -1),
+}
+ACTIONS = {" ": Action.STOP, "e": Action.ENABLE, "x": Action.ESTOP, "c": Action.CLEAR, "q": Action.QUIT}
+HELP = "arrows or w a s d drive · space stops · e motors on or off · x e-stop · c clears it · q quits"
+
+
+class KeyReader:
+    """Turns what a terminal sends into names of keys; an arrow is three bytes, which may come apart."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def receive(self, data: bytes) -> list[str]:
+        """The keys that are complete now: `up`, `down`, `left`, `right`, or a character in lower case."""
+        data = self._rest + data
+        keys = []
+        while data:
+            if data[:1] != ESCAPE:
+                keys.append(chr(data[0]).lower())
+                data = data[1:]
+            elif len(data) < 3 and data[1:2] in (b"", b"[", b"O"):
+                break
+            elif data[1:2] in (b"[", b"O"):
+                keys += [ARROWS[data[2:3]]] if data[2:3] in ARROWS else []
+                data = data[3:]
+            else:
+                data = data[1:]
+        self._rest = data
+        return keys
+
+
+@dataclass
+class Held:
+    """One axis: which way, and until when its key counts as held (s)."""
+
+    direction: int = 0
+    until: float = 0.0
+
+
+class Keypad:
+    """Keys in, twists out; time in s on any steady clock."""
+
+    def __init__(self, linear_speed: float, angular_speed: float) -> None:
+        """Drive with these speeds, m/s and rad/s."""
+        self._speeds = {Axis.LINEAR: linear_speed, Axis.ANGULAR: angular_speed}
+        self._held = {axis: Held() for axis in Axis}
+        self._next = 0.0
+        self._is_driving = False
+
+    def press(self, key: str, now: float) -> Action | None:
+        """Take one key; the result is what it asks for besides driving."""
+        if key in MOVES:
+            axis, direction = MOVES[key]
+            if self._held[axis].direction != direction:
+                self._next = now  # a change is not kept waiting
+            self._held[axis] = Held(direction, now + HOLD)
+            return None
+        action = ACTIONS.get(key)
+        if action is not None:
+            self._held = {axis: Held() for axis in Axis}
+        return action
+
+    def twist(self, now: float) -> tuple[float, float]:
+        """What the keys held ask for: m/s forward, rad/s counter-clockwise."""
+        linear, angular = (
+            self._speeds[axis] * held.direction if now < held.until else 0.0 for axis, held in self._held.items()
+        )
+        return linear, angular
+
+    def due(self, now: float) -> tuple[float, float] | None:
+        """The twist to publish now, or None: every `PERIOD` while a key is held, then once a zero, then nothing."""
+        twist = self.twist(now)
+        is_held = twist != (0.0, 0.0)
+        if not is_held:
+            was_driving, self._is_driving = self._is_driving, False
+            return twist if was_driving else None
+        if now < self._next:
+            return None
+        self._is_driving = True
+        self._next = now + PERIOD
+        return twist

@@ -1,0 +1,57 @@
+"""`acromovi router`: Zenoh's own router mode, so that robots of several sites meet."""
+
+import argparse
+import json
+import threading
+
+EPILOG = """\
+examples:
+  acromovi router
+      join programs of this machine that are started with --bus router
+  acromovi router --listen tcp/[::]:7447
+      the same for other machines; whoever reaches the port can drive the robots
+  acromovi router --connect tcp/lab.example.org:7447
+      join this site with another whose router listens there
+
+It runs until stopped. Exit codes: 1 the address is taken or not understood, 130 stopped by Ctrl-C.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument(
+        "--listen",
+        action="append",
+        metavar="ENDPOINT",
+        help="where to listen; repeatable (default: tcp/127.0.0.1:7447)",
+    )
+    parser.add_argument(
+        "--connect",
+        action="append",
+        metavar="ENDPOINT",
+        help="another router to dial, now or when it comes; repeatable",
+    )
+    parser.add_argument(
+        "--config", metavar="FILE", default="site", help="Zenoh's configuration of the router, TOML or JSON5"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Route until stopped."""
+    from bus.session import ZenohBus, configuration
+
+    given = {"listen/endpoints": arguments.listen, "connect/endpoints": arguments.connect}
+    config = configuration(arguments.config, {key: value for key, value in given.items() if value})
+    with ZenohBus(config):
+        print(f"routing on {_addresses(config.get_json('listen/endpoints'))}; stop with Ctrl-C", flush=True)
+        threading.Event().wait()
+    return 0
+
+
+def _addresses(endpoints_json: str) -> str:
+    """The endpoints for people; Zenoh allows one list, or one for each mode."""
+    endpoints = json.loads(endpoints_json)
+    if isinstance(endpoints, dict):
+        endpoints = endpoints.get("router", [])
+    return ", ".join(endpoints)
