@@ -39,7 +39,7 @@ def find(kind: str, name: str) -> Path:
     elsewhere = Path(name)
     if elsewhere.is_file():
         return elsewhere
-    if elsewhere.is_dir():
+    if name and elsewhere.is_dir():
         raise ConfigError(f"{name} is a folder; give the file or one of the {kind} {_listed(names(kind))}")
     near = difflib.get_close_matches(name.lower(), names(kind), 3, 0.4)
     hint = f"did you mean {_listed(near)}?" if near else f"choose one of {_listed(names(kind))}"
@@ -143,6 +143,9 @@ def _convert_plain(kind: type, value: Any) -> Any:
 
 
 def _convert_union(kind: Any, value: Any, source: str, path: str) -> Any:
+    tables = [option for option in get_args(kind) if is_dataclass(option)]
+    if isinstance(value, dict) and len(tables) == 1:
+        return _convert(tables[0], value, source, path)
     for option in get_args(kind):
         try:
             return _convert(option, value, source, path)

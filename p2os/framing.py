@@ -100,11 +100,12 @@ class FrameDecoder:
             What was found, in the order of the line.
         """
         events: list[Frame | Damaged] = []
-        if self._buffer and now - self._last_byte_at >= PARTIAL_TIMEOUT:
+        buffer = self._buffer
+        if buffer and now - self._last_byte_at >= PARTIAL_TIMEOUT:
             self._give_up(events)
         if data:
             self._last_byte_at = now
-            self._buffer += data
+            buffer += data
             self._scan(events)
         return events
 
@@ -125,7 +126,10 @@ class FrameDecoder:
                 self._damage(_HEADER_SIZE, Damage.LENGTH, events)
             elif checksum(payload) == buffer[end - 2] << 8 | buffer[end - 1]:
                 events.append(Frame(payload))
-                self._drop(end)
+                if self._reported:
+                    self._drop(end)
+                else:  # nothing to account for: the way of every frame on a sound line
+                    del buffer[:end]
             else:
                 self._damage(end, Damage.CHECKSUM, events)
         while len(buffer) - self._reported > NOISE_BLOCK:

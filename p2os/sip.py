@@ -5,6 +5,7 @@ Source: Pioneer 3 operations manual, standard SIP; what follows `fault_flags` as
 """
 
 from enum import IntFlag
+from operator import mul
 from struct import Struct, error
 from typing import Any, NamedTuple
 
@@ -187,9 +188,9 @@ class StandardSip(NamedTuple):
 class _Layout:
     """A SIP with so many sonar readings and tail fields, compiled.
 
-    The counts of a packet are those of `HEAD`, the number of readings, the readings, and those of `TAIL`. All readings
-    scale alike; `rings` and `scales` are of the other fields that are no plain counts: index in `StandardSip`, SI per
-    count and, for counters that roll over, `Ring`. `per_unit` is of both, counts per SI.
+    The counts of a packet are those of `HEAD`, the number of readings, the readings, and those of `TAIL`. Readings
+    scale by `metres` and `per_metre`. `rings` and `scales` are of the other fields that are no plain counts: index in
+    `StandardSip`, SI per count and, for counters that roll over, `Ring`. `per_unit` is of both, counts per SI.
     """
 
     def __init__(self, readings: int, tail: int, scales: Scales) -> None:
@@ -205,6 +206,8 @@ class _Layout:
         packet = (*HEAD, COUNT, *SONAR * readings, *TAIL[:tail])
         self.struct = Struct("<" + "".join(field.code for field in packet))
         self.tail = len(packet) - tail
+        self.metres = (scales[Quantity.RANGE],) * readings
+        self.per_metre = 1 / scales[Quantity.RANGE]
         self.absent = _ABSENT[tail:]
 
 
@@ -234,8 +237,6 @@ class SipCodec:
             last_field: The last field to send, if it is not the one of the firmware family.
         """
         self._scales = model.scales
-        self._metres = model.scales[Quantity.RANGE]
-        self._per_metre = 1 / self._metres
         last = last_field or FIRMWARES[model.firmware].last_sip_field
         self._sent = [field.name for field in TAIL].index(last) + 1
         self._by_size: dict[tuple[int, int], _Layout] = {}  # by sonar readings and payload size
@@ -253,11 +254,10 @@ class SipCodec:
             layout = self._learn(payload)
         counts = layout.struct.unpack_from(payload)
         tail = layout.tail
-        values = [*counts[:_SONAR], (), *counts[tail:], *layout.absent]
+        ranges = map(mul, counts[_FIRST + 1 : tail : 2], layout.metres)
+        sonar = tuple(zip(counts[_FIRST:tail:2], ranges, strict=False))
+        values = [*counts[:_SONAR], sonar, *counts[tail:], *layout.absent]
         values[0] = counts[0] == MOVING
-        metres = self._metres
-        reading = iter(counts[_FIRST:tail])
-        values[_SONAR] = tuple([(number, count * metres) for number, count in zip(reading, reading, strict=False)])
         for index, scale, low, size in layout.rings:
             values[index] = ((values[index] - low) % size + low) * scale
         for index, scale in layout.scales:
@@ -284,7 +284,7 @@ class SipCodec:
                 counts[index] = (counts[index] - low) % size + low
             for index, high in _CEILINGS:
                 counts[index] = min(counts[index], high)
-            per_metre = self._per_metre
+            per_metre = layout.per_metre
             for number, metres in sip.sonar:
                 sonar += number, _round(metres * per_metre)
             return layout.struct.pack(*counts[:_FIRST], *sonar, *counts[_FIRST:])

@@ -1,0 +1,198 @@
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import configs
+from configs import ConfigError
+from p2os import RobotModel
+
+
+class Colour(Enum):
+    RED = "red"
+    BLUE = "blue"
+
+
+@dataclass(frozen=True)
+class Wheel:
+    diameter_m: float
+    ticks: int = 500
+
+
+@dataclass(frozen=True)
+class Cart:
+    name: str
+    speed_m_s: float
+    colour: Colour = Colour.RED
+    wheels: tuple[Wheel, ...] = ()
+    corner: tuple[float, float] = (0.0, 0.0)
+    spare: Wheel | None = None
+    is_electric: bool = False
+    prices: Mapping[str, float] = field(default_factory=dict)
+    manual: Path | None = None
+    extra: Any = None
+
+
+@pytest.fixture
+def cart() -> dict[str, Any]:
+    return {"name": "red one", "speed_m_s": 2}
+
+
+@pytest.fixture
+def file_of(tmp_path: Path) -> Callable[[str | bytes], Path]:
+    """A file of this text."""
+
+    def write(text: str | bytes) -> Path:
+        path = tmp_path / "cart.toml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+def test_a_file_is_found_by_its_name() -> None:
+    assert configs.find("robots", "p2d8+").name == "p2d8+.toml"
+    assert configs.find("robots", "p2d8+.toml") == configs.find("robots", "p2d8+")
+
+
+def test_every_name_is_found() -> None:
+    for kind in ("robots", "worlds", "links", "bus"):
+        assert all(configs.find(kind, name).is_file() for name in configs.names(kind))
+    assert len(configs.names("robots")) == 26
+
+
+def test_a_path_elsewhere_is_taken_as_it_is(file_of: Callable[[str | bytes], Path]) -> None:
+    path = file_of("")
+    assert configs.find("robots", str(path)) == path
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("powerbotsh", "there is no 'powerbotsh' among the robots; did you mean powerbot-sh, "),
+        ("P3DX-SH", "there is no 'P3DX-SH' among the robots; did you mean p3dx-sh"),
+        ("zzz", "there is no 'zzz' among the robots; choose one of amigo, "),
+        ("", "there is no '' among the robots; choose one of amigo, "),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_nearest(name: str, message: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        configs.find("robots", name)
+    assert str(caught.value).startswith(message)
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="is a folder; give the file or one of the robots amigo, "):
+        configs.find("robots", str(tmp_path))
+
+
+def test_an_unknown_kind_is_refused() -> None:
+    with pytest.raises(
+        ConfigError, match="no kind of configuration 'robot'; choose one of robots, worlds, links or bus"
+    ):
+        configs.names("robot")
+
+
+def test_bad_toml_is_reported_with_file_line_and_reason(file_of: Callable[[str | bytes], Path]) -> None:
+    path = file_of('name = "x"\nspeed_m_s = \n')
+    with pytest.raises(ConfigError) as caught:
+        configs.read(path)
+    assert str(caught.value) == f"{path} is not TOML: Invalid value (at line 2, column 13)"
+
+
+def test_bytes_that_are_no_text_are_refused(file_of: Callable[[str | bytes], Path]) -> None:
+    with pytest.raises(ConfigError, match="is not TOML"):
+        configs.read(file_of(b"name = \xff"))
+
+
+def test_a_file_that_is_gone_is_reported(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be read: No such file or directory"):
+        configs.read(tmp_path / "gone.toml")
+
+
+def test_a_table_fills_a_dataclass(cart: dict[str, Any]) -> None:
+    cart |= {
+        "colour": "blue",
+        "wheels": [{"diameter_m": 0.2}, {"diameter_m": 1, "ticks": 2}],
+        "corner": [1, 2.5],
+        "spare": {"diameter_m": 0.3},
+        "is_electric": True,
+        "prices": {"new": 100},
+        "manual": "cart.pdf",
+        "extra": [1, "two"],
+    }
+    assert configs.build(Cart, cart, "cart.toml") == Cart(
+        "red one",
+        2.0,
+        Colour.BLUE,
+        (Wheel(0.2), Wheel(1.0, 2)),
+        (1.0, 2.5),
+        Wheel(0.3),
+        True,
+        {"new": 100.0},
+        Path("cart.pdf"),
+        [1, "two"],
+    )
+
+
+def test_what_a_table_lacks_is_the_default(cart: dict[str, Any]) -> None:
+    built = configs.build(Cart, cart, "cart.toml")
+    assert built == Cart("red one", 2.0)
+    assert isinstance(built.speed_m_s, float)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sped_m_s": 1}, "cart.toml: unknown key sped_m_s; did you mean speed_m_s?"),
+        ({"spare": {"diametre_m": 1}}, "cart.toml: unknown key spare.diametre_m; did you mean spare.diameter_m?"),
+        ({"wheels": [{"ticks": 1}]}, "cart.toml: key wheels[0].diameter_m is missing"),
+        ({"speed_m_s": "fast"}, "cart.toml: speed_m_s must be a number, not 'fast'"),
+        ({"speed_m_s": True}, "cart.toml: speed_m_s must be a number, not True"),
+        ({"name": 5}, "cart.toml: name must be text, not 5"),
+        ({"is_electric": 1}, "cart.toml: is_electric must be true or false, not 1"),
+        ({"colour": "green"}, "cart.toml: colour must be one of red, blue, not 'green'"),
+        ({"wheels": 3}, "cart.toml: wheels must be a list, not 3"),
+        ({"corner": [1]}, "cart.toml: corner must hold 2 values, not [1]"),
+        ({"corner": [1, "x"]}, "cart.toml: corner[1] must be a number, not 'x'"),
+        ({"prices": 3}, "cart.toml: prices must be a table, not 3"),
+        ({"prices": {"new": "x"}}, "cart.toml: prices.new must be a number, not 'x'"),
+        ({"spare": {"diameter_m": 1, "ticks": 2.5}}, "cart.toml: spare.ticks must be a whole number, not 2.5"),
+        ({"spare": 5}, "cart.toml: spare must be a table or nothing, not 5"),
+    ],
+)
+def test_an_error_in_a_table_is_one_sentence(cart: dict[str, Any], changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        configs.build(Cart, cart | changes, "cart.toml")
+    assert str(caught.value) == message
+
+
+def test_a_missing_key_is_named() -> None:
+    with pytest.raises(ConfigError) as caught:
+        configs.build(Cart, {"name": "x"}, "cart.toml")
+    assert str(caught.value) == "cart.toml: key speed_m_s is missing"
+
+
+def test_only_dataclasses_are_built() -> None:
+    with pytest.raises(TypeError, match="int is no dataclass"):
+        configs.build(int, {}, "cart.toml")
+
+
+def test_a_class_may_read_its_table_itself() -> None:
+    assert configs.load(RobotModel, "robots", "p3dx-sh").name == "p3dx-sh"
+
+
+def test_an_unknown_key_of_a_robot_is_reported_with_file_and_nearest_key(
+    file_of: Callable[[str | bytes], Path],
+) -> None:
+    path = file_of(configs.find("robots", "amigo").read_text() + "[flash]\nwatchdogs_s = 3\n")
+    with pytest.raises(ConfigError) as caught:
+        configs.load(RobotModel, "robots", str(path))
+    assert str(caught.value) == f"{path}: unknown key flash.watchdogs_s; did you mean flash.watchdog_s?"
+
+
+def test_all_lists_the_public_names() -> None:
+    assert sorted(configs.__all__) == ["ConfigError", "build", "find", "load", "names", "read"]
