@@ -15,7 +15,7 @@ GRAVITY = 9.81  # m/s2
 
 HULL_BOTTOM = 0.05  # m above the floor; what rolls stays below, what bumps lies above
 HULL_TOP = 0.30
-CASTER_RADIUS = 0.04
+CASTER_RADIUS = 0.02
 CASTER_REACH = 0.8  # of the way from the axle to the ends of the hull
 
 # The wheels carry the robot: its mass hangs on the axle, a little below its middle, and casters touch only when it

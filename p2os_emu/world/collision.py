@@ -106,6 +106,8 @@ def build_robot(client: int, chassis: Chassis, pose: Pose2D) -> int:
         engine.changeDynamics(body, link, lateralFriction=friction, physicsClientId=client)
         _join(client, body, link, group)
     engine.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=ROCKING_DAMPING, physicsClientId=client)
+    # Casters in the air are none of the solver's business.
+    engine.changeDynamics(body, HULL, contactProcessingThreshold=0.0, physicsClientId=client)
     return body
 
 

@@ -14,8 +14,6 @@ from p2os_emu.world.engine import engine
 from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import Sonar
 
-SONAR_HEIGHT = 0.2  # m above the floor, of every disc
-
 
 class RobotBody:
     """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`."""
@@ -76,12 +74,8 @@ class RobotBody:
         Returns:
             One range per disc, m from the disc's face; `inf` where no echo came back, and for a disc not fitted.
         """
-        pose = self.pose
-        fans = [self._sonar.rays(disc, pose) for disc in discs]
-        rays = [ray for fan in fans for ray in fan]
-        hits = iter(cast(self._client, rays, SONAR_HEIGHT, self.body_id))
-        alone = len(discs) == 1
-        return [self._sonar.hear([next(hits) for _ in fan], alone=alone) for fan in fans]
+        starts, ends = self._sonar.rays(discs, self.pose)
+        return self._sonar.hear(discs, ends, cast(self._client, starts, ends, self.body_id))
 
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""

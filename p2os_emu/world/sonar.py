@@ -4,19 +4,19 @@ A disc hears the nearest surface in its cone that throws the sound back: one met
 A true disc is also a little noisy, and now and then hears a neighbour that fires at the same moment (cross-talk).
 """
 
-import math
-from collections.abc import Sequence
-from math import cos, inf, radians
+from collections.abc import Iterator, Sequence
+from math import cos, inf, radians, sin
 from random import Random
 
 from geometry import Pose2D
 from p2os.robot_model import SonarDisc
-from p2os_emu.world.rays import Hit, Ray
+from p2os_emu.world.rays import Hit, Place
 
+HEIGHT = 0.2  # m above the floor, of every disc
 MAX_RANGE = 5.0  # what the sound can travel there and back within the usual 40 ms of a firing
 MIN_RANGE = 0.1  # nearer surfaces read this much: the disc is still ringing
 HALF_BEAM = radians(15)
-RAYS = 9  # of a disc
+RAYS = 7  # of a disc, 5 degrees apart
 MAX_INCIDENCE = radians(55)  # between sound and surface normal; beyond, a smooth surface throws the sound away
 NOISE = 0.01  # standard deviation, of the range
 LEAST_NOISE = 0.005  # m
@@ -24,6 +24,8 @@ CROSS_TALK = 0.002  # chance that a ping hears a disc that fires with it
 
 # Rays start this far behind the disc, within the hull, so that a wall the robot touches is still in front of the ray.
 SETBACK = 0.06
+_LENGTH = SETBACK + MAX_RANGE
+_LEAST_COSINE = cos(MAX_INCIDENCE)
 
 
 class Sonar:
@@ -32,45 +34,63 @@ class Sonar:
     def __init__(self, discs: Sequence[SonarDisc], random: Random | None) -> None:
         """`random` draws noise and cross-talk; without it the sonar is perfect: the nearest surface in the cone."""
         self._random = random
-        self._fans = {disc.number: _fan(disc) for disc in discs}
+        self._fans = {disc.number: tuple(_fan(disc)) for disc in discs}
 
-    def rays(self, number: int, pose: Pose2D) -> list[Ray]:
-        """Starts and ends of a disc's rays for a robot at a pose, m; none for a disc that the robot does not have."""
-        origin, turn = complex(pose.x, pose.y), complex(cos(pose.heading), math.sin(pose.heading))
-        return [
-            Ray(_point(origin + turn * start), _point(origin + turn * end)) for start, end in self._fans.get(number, ())
-        ]
+    def rays(self, numbers: Sequence[int], pose: Pose2D) -> tuple[list[Place], list[Place]]:
+        """Starts and ends of the rays of discs, disc by disc, for a robot at a pose; m in the world."""
+        x, y, c, s = pose.x, pose.y, cos(pose.heading), sin(pose.heading)
+        starts, ends = [], []
+        for number in numbers:
+            for start_x, start_y, end_x, end_y in self._fans.get(number, ()):
+                starts.append((x + c * start_x - s * start_y, y + s * start_x + c * start_y, HEIGHT))
+                ends.append((x + c * end_x - s * end_y, y + s * end_x + c * end_y, HEIGHT))
+        return starts, ends
 
-    def hear(self, hits: Sequence[Hit], *, alone: bool) -> float:
-        """Turn what a disc's rays met into a range.
+    def hear(self, numbers: Sequence[int], ends: Sequence[Place], hits: Sequence[Hit]) -> list[float]:
+        """Turn what rays met into ranges.
 
         Args:
-            hits: One per ray.
-            alone: No other disc fired at the same moment.
+            numbers: The discs that fired together.
+            ends: Of their rays.
+            hits: What their rays met.
         Returns:
-            m from the disc's face; `inf` where no echo came back.
+            m from the face of each disc; `inf` where no echo came back, and for a disc that the robot does not have.
         """
-        if self._random is None:
-            return max(0.0, min((hit.distance for hit in hits), default=inf) - SETBACK)
-        echoes = [hit.distance for hit in hits if hit.cosine >= _LEAST_COSINE]
-        range_ = min(echoes, default=inf) - SETBACK
+        heard = []
+        first = 0
+        for number in numbers:
+            last = first + len(self._fans.get(number, ()))
+            range_ = self._echo(ends[first:last], hits[first:last])
+            if self._random and last > first:
+                range_ = self._disturbed(range_, self._random, alone=len(numbers) == 1)
+            heard.append(max(0.0, range_) if range_ <= MAX_RANGE else inf)
+            first = last
+        return heard
+
+    def _echo(self, ends: Sequence[Place], hits: Sequence[Hit]) -> float:
+        """Range of the nearest surface that throws sound back; a perfect disc hears any surface."""
+        nearest = inf
+        for end, (body, _, fraction, place, normal) in zip(ends, hits, strict=True):
+            if body >= 0 and fraction < nearest:
+                left = _LENGTH * (1 - fraction)
+                facing = normal[0] * (place[0] - end[0]) + normal[1] * (place[1] - end[1])
+                if self._random is None or facing >= _LEAST_COSINE * left:
+                    nearest = fraction
+        return nearest * _LENGTH - SETBACK
+
+    @staticmethod
+    def _disturbed(range_: float, random: Random, *, alone: bool) -> float:
+        """Add noise and cross-talk; a disc that fires alone hears no other."""
         if range_ < inf:
-            range_ += self._random.gauss(0.0, max(LEAST_NOISE, NOISE * range_))
-        if hits and not alone and self._random.random() < CROSS_TALK:
-            range_ = min(range_, self._random.uniform(MIN_RANGE, MAX_RANGE))
-        return max(MIN_RANGE, range_) if range_ <= MAX_RANGE else inf
+            range_ += random.gauss(0.0, max(LEAST_NOISE, NOISE * range_))
+        if not alone and random.random() < CROSS_TALK:
+            range_ = min(range_, random.uniform(MIN_RANGE, MAX_RANGE))
+        return max(MIN_RANGE, range_)
 
 
-_LEAST_COSINE = cos(MAX_INCIDENCE)
-
-
-def _fan(disc: SonarDisc) -> tuple[tuple[complex, complex], ...]:
-    """Starts and ends of a disc's rays in `base_link`, x + i y."""
-    face = complex(disc.x, disc.y)
-    steps = (2 * HALF_BEAM * i / (RAYS - 1) - HALF_BEAM for i in range(RAYS))
-    ways = [complex(cos(disc.heading + step), math.sin(disc.heading + step)) for step in steps]
-    return tuple((face - SETBACK * way, face + MAX_RANGE * way) for way in ways)
-
-
-def _point(z: complex) -> tuple[float, float]:
-    return z.real, z.imag
+def _fan(disc: SonarDisc) -> Iterator[tuple[float, float, float, float]]:
+    """Starts and ends of a disc's rays in `base_link`: x, y, x, y."""
+    for i in range(RAYS):
+        direction = disc.heading - HALF_BEAM + 2 * HALF_BEAM * i / (RAYS - 1)
+        c, s = cos(direction), sin(direction)
+        yield disc.x - SETBACK * c, disc.y - SETBACK * s, disc.x + MAX_RANGE * c, disc.y + MAX_RANGE * s

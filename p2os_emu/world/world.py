@@ -17,8 +17,6 @@ from p2os_emu.world.spec import WorldSpec
 
 STEP = 1 / 120  # s
 SOLVER_ITERATIONS = 20
-# m; below the gap under the casters, so that casters in the air cost nothing and a robot at rest stays exactly at rest.
-CONTACT_DISTANCE = 0.0003
 
 
 class Truth(NamedTuple):
@@ -67,7 +65,7 @@ class World:
         engine.setPhysicsEngineParameter(
             fixedTimeStep=STEP,
             numSolverIterations=SOLVER_ITERATIONS,
-            contactBreakingThreshold=CONTACT_DISTANCE,
+            enableConeFriction=0,
             deterministicOverlappingPairs=1,
             physicsClientId=self._client,
         )
