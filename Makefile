@@ -18,7 +18,7 @@ $(READY): pyproject.toml constraints.txt
 	@touch $@
 
 demo: $(READY)  ## Emulator, gateway and a drive round the office; ends by itself in about a minute
-	@$(BIN)/python -m apps.demo
+	@$(BIN)/python -m acromovi demo
 
 test: $(READY)  ## Format check, lint, strict types and all tests
 	$(BIN)/ruff format --check .
@@ -31,7 +31,7 @@ format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff check --fix .
 
 docs: $(READY)  ## Print PROTOCOL.md anew from the packet tables
-	$(BIN)/python -m p2os.compliance > PROTOCOL.md
+	$(BIN)/python -m acromovi.compliance > PROTOCOL.md
 
 bench: $(READY)  ## Measure the figures of the project into bench/ (JSON and a picture)
 	$(BIN)/python -m benchmarks

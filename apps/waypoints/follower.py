@@ -4,34 +4,40 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geometry import Pose2D, Twist2D, wrap_angle
+from geometry import Pose2D, Twist2D
 
 HALT = Twist2D(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How fast a follower may drive, and how near is near enough.
+    """How a follower drives.
 
-    linear: m/s. angular: rad/s. reach: m from a waypoint at which it counts as passed.
-    turn_first: rad of heading error beyond which the robot turns on the spot.
+    linear: m/s along a leg. angular: rad/s. braking: m/s² with which it slows down towards a waypoint.
+    reach: m from a waypoint at which it counts as passed. look_ahead: m along the leg of the point it steers for.
+    turn_from, turn_until: rad of heading error beyond which it stops to turn on the spot, and at which it drives on.
     gain: rad/s of turn per rad of heading error.
     """
 
-    linear: float = 0.7
-    angular: float = 1.0
-    reach: float = 0.25
-    turn_first: float = 0.5
-    gain: float = 1.8
+    linear: float = 0.5
+    angular: float = 0.8
+    braking: float = 0.2
+    reach: float = 0.06
+    look_ahead: float = 0.5
+    turn_from: float = 0.6
+    turn_until: float = 0.05
+    gain: float = 1.6
 
 
 class Follower:
-    """Leads a robot through waypoints in order; done after the last."""
+    """Leads a robot from waypoint to waypoint along straight legs, turning on the spot at the corners."""
 
     def __init__(self, waypoints: Sequence[tuple[float, float]], limits: Limits | None = None) -> None:
         """Waypoints are (x, y) in m, in the frame of the poses that `steer` is given."""
         self._waypoints = list(waypoints)
         self._limits = limits or Limits()
+        self._leg_start: tuple[float, float] | None = None
+        self._is_turning = True
         self.passed = 0
 
     @property
@@ -40,34 +46,50 @@ class Follower:
         return self.passed == len(self._waypoints)
 
     def steer(self, pose: Pose2D) -> Twist2D:
-        """Choose the twist for this moment: turn towards the next waypoint, slow down near the last.
+        """Choose the twist for this moment.
 
         Args:
             pose: Where the robot is: m, m, rad.
         Returns:
             Body velocity; zero once done.
         """
-        while not self.is_done and self._distance(pose) < self._limits.reach:
+        if self._leg_start is None:
+            self._leg_start = (pose.x, pose.y)
+        while not self.is_done and self._remaining(pose) < self._limits.reach:
+            self._leg_start = self._waypoints[self.passed]
             self.passed += 1
+            self._is_turning = True
         if self.is_done:
             return HALT
-        x, y = self._waypoints[self.passed]
-        error = wrap_angle(math.atan2(y - pose.y, x - pose.x) - pose.heading)
-        angular = _clip(self._limits.gain * error, self._limits.angular)
-        if abs(error) > self._limits.turn_first:
+        limits = self._limits
+        error = pose.bearing_to(*self._aim(pose))
+        self._is_turning = abs(error) > (limits.turn_until if self._is_turning else limits.turn_from)
+        angular = max(-limits.angular, min(limits.angular, limits.gain * error))
+        if self._is_turning:
             return Twist2D(0.0, angular)
-        return Twist2D(self._speed(pose) * math.cos(error), angular)
+        speed = min(limits.linear, math.sqrt(2 * limits.braking * self._remaining(pose)))
+        return Twist2D(speed * math.cos(error), angular)
 
-    def _distance(self, pose: Pose2D) -> float:
-        x, y = self._waypoints[self.passed]
-        return math.hypot(x - pose.x, y - pose.y)
+    def _leg(self) -> tuple[float, float, float]:
+        """Length (m) and unit vector of the present leg; a leg of no length points nowhere."""
+        assert self._leg_start is not None
+        (x1, y1), (x2, y2) = self._leg_start, self._waypoints[self.passed]
+        length = math.hypot(x2 - x1, y2 - y1)
+        return (length, (x2 - x1) / length, (y2 - y1) / length) if length else (0.0, 0.0, 0.0)
 
-    def _speed(self, pose: Pose2D) -> float:
-        """Full speed on the way, and as fast as the remaining metres to the last waypoint allow."""
-        if self.passed < len(self._waypoints) - 1:
-            return self._limits.linear
-        return min(self._limits.linear, max(0.1, self._distance(pose)))
+    def _along(self, pose: Pose2D) -> float:
+        """How far along the present leg the robot is, m."""
+        assert self._leg_start is not None
+        _, ux, uy = self._leg()
+        return (pose.x - self._leg_start[0]) * ux + (pose.y - self._leg_start[1]) * uy
 
+    def _remaining(self, pose: Pose2D) -> float:
+        """What is left of the present leg, m; zero behind its end."""
+        return max(0.0, self._leg()[0] - self._along(pose))
 
-def _clip(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
+    def _aim(self, pose: Pose2D) -> tuple[float, float]:
+        """The point to steer for: a little ahead on the line of the leg, beyond its end too."""
+        assert self._leg_start is not None
+        _, ux, uy = self._leg()
+        ahead = self._along(pose) + self._limits.look_ahead
+        return self._leg_start[0] + ahead * ux, self._leg_start[1] + ahead * uy

@@ -1,0 +1,190 @@
+"""The main job in a minute: an emulated robot, its gateway, a drive round the office, and a picture of it.
+
+The drive knows only the bus. The control socket of the emulator is asked where the robot really is, for the picture.
+"""
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bus as bus_room
+from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
+from acromovi.picture import draw_drive
+from apps.waypoints import Follower
+from bus import Bus, Sample, ZenohBus, keys, messages
+from geometry import Pose2D
+from p2os_emu.world import load_world
+
+ROBOT = "powerbot"
+WORLD = "office"
+ROUTE = "round"
+PERIOD_S = 0.1
+CONNECT_TIMEOUT_S = 10.0
+DRIVE_TIMEOUT_S = 90.0
+
+
+@dataclass
+class Heard:
+    """What the robot has said on the bus, and how often."""
+
+    pose: Pose2D | None = None
+    speed: float = 0.0
+    voltage: float = math.nan
+    nearest: float = math.inf
+    ranges: dict[str, float] = field(default_factory=dict)
+    odometry_count: int = 0
+    sonar_count: int = 0
+
+    def on_odometry(self, sample: Sample) -> None:
+        """Take a pose."""
+        message = messages.decode(keys.ODOM.type_name, sample.payload)
+        position = message.pose.pose.position
+        self.pose = Pose2D(position.x, position.y, messages.heading(message.pose.pose.orientation))
+        self.speed = message.twist.twist.linear.x
+        self.odometry_count += 1
+
+    def on_sonar(self, sample: Sample) -> None:
+        """Take fresh ranges."""
+        for reading in messages.decode(keys.SONAR.type_name, sample.payload).ranges:
+            self.ranges[reading.header.frame_id] = reading.range
+            self.sonar_count += 1
+        self.nearest = min(self.ranges.values(), default=math.inf)
+
+    def on_battery(self, sample: Sample) -> None:
+        """Take the voltage."""
+        self.voltage = messages.decode(keys.BATTERY.type_name, sample.payload).voltage
+
+
+@dataclass
+class Drive:
+    """What a drive leaves behind: both paths in the world's frame, and how long it took."""
+
+    true_path: list[Pose2D] = field(default_factory=list)
+    odometry_path: list[Pose2D] = field(default_factory=list)
+    seconds: float = 0.0
+
+    @property
+    def length(self) -> float:
+        """The way really driven, m."""
+        steps = zip(self.true_path, self.true_path[1:], strict=False)
+        return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in steps)
+
+    @property
+    def drift(self) -> float:
+        """How far odometry ends from the truth, m."""
+        true, believed = self.true_path[-1], self.odometry_path[-1]
+        return math.hypot(believed.x - true.x, believed.y - true.y)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of `acromovi demo`."""
+    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the picture (default: demo)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the robot's imperfections (default: 1)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the demo: 0 when the whole route was driven, 1 otherwise."""
+    try:
+        with emulator("--robot", ROBOT, "--world", WORLD, "--seed", str(options.seed), "--quiet") as robots:
+            print(f"p2os-emu     an emulated PowerBot on {robots.port}")
+            with gateway(robots.port, "--quiet"), ZenohBus.open() as bus:
+                drive, heard = _drive(bus, robots)
+    except (ChildFailed, bus_room.BusError, TimeoutError) as error:
+        print(f"acromovi demo: {error}", file=sys.stderr)
+        return 1
+    options.out.mkdir(parents=True, exist_ok=True)
+    picture = options.out / f"{WORLD}.png"
+    draw_drive(picture, load_world(WORLD), drive.true_path, drive.odometry_path)
+    print(_summary(drive, heard, picture))
+    return 0
+
+
+def _drive(bus: Bus, robots: EmulatedRobots) -> tuple[Drive, Heard]:
+    heard = Heard()
+    bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
+    bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
+    bus.subscribe(keys.BATTERY.key(ROBOT), heard.on_battery)
+    _wait_for_odometry(heard)
+    print(f"p2os-gateway messages under {ROBOT}/ on the bus\n")
+    start = _truth(robots)
+    follower = Follower(load_world(WORLD).routes[ROUTE])
+    drive = Drive()
+    began = time.monotonic()
+    with _table() as show:
+        for now in _every(PERIOD_S, until=began + DRIVE_TIMEOUT_S):
+            assert heard.pose is not None
+            believed = start.compose(heard.pose)
+            drive.true_path.append(_truth(robots))
+            drive.odometry_path.append(believed)
+            drive.seconds = now - began
+            twist = follower.steer(believed)
+            bus.put(keys.CMD_VEL.key(ROBOT), messages.twist(twist.linear, twist.angular))
+            show(_row(drive, heard, follower))
+            if follower.is_done:
+                return drive, heard
+    raise TimeoutError(f"the robot passed {follower.passed} waypoints in {DRIVE_TIMEOUT_S:.0f} s and then no more")
+
+
+def _wait_for_odometry(heard: Heard) -> None:
+    for _ in _every(PERIOD_S / 4, until=time.monotonic() + CONNECT_TIMEOUT_S):
+        if heard.pose is not None:
+            return
+    raise TimeoutError("no odometry came from the gateway; run: acromovi doctor")
+
+
+def _truth(robots: EmulatedRobots) -> Pose2D:
+    truth = robots.ask("truth", robot=ROBOT)
+    return Pose2D(truth["x"], truth["y"], truth["heading"])
+
+
+def _every(period: float, until: float) -> Iterator[float]:
+    """The time at each beat of a period, s on the steady clock, until a deadline."""
+    due = time.monotonic()
+    while due < until:
+        time.sleep(max(0.0, due - time.monotonic()))
+        yield time.monotonic()
+        due += period
+
+
+@contextmanager
+def _table() -> Iterator[Callable[[str], None]]:
+    """A line that redraws itself in a terminal; elsewhere one line every five seconds."""
+    live = sys.stdout.isatty()
+    print(
+        f"{'time':>6} {'x':>7} {'y':>7} {'head':>6} {'speed':>6} {'nearest':>8} {'battery':>8} {'SIPs':>5}  waypoints"
+    )
+    shown = [-math.inf]
+
+    def show(row: str) -> None:
+        now = time.monotonic()
+        if now - shown[0] >= (0.2 if live else 5.0):
+            shown[0] = now
+            print(f"\r{row}\x1b[K" if live else row, end="" if live else "\n", flush=True)
+
+    yield show
+    if live:
+        print()
+
+
+def _row(drive: Drive, heard: Heard, follower: Follower) -> str:
+    pose = drive.odometry_path[-1]
+    return (
+        f"{drive.seconds:5.1f}s {pose.x:6.2f}m {pose.y:6.2f}m {math.degrees(pose.heading):5.0f}° {heard.speed:6.2f} "
+        f"{heard.nearest:7.2f}m {heard.voltage:7.1f}V {heard.odometry_count:5d}  {follower.passed}"
+    )
+
+
+def _summary(drive: Drive, heard: Heard, picture: Path) -> str:
+    return (
+        f"\ndrove {drive.length:.1f} m in {drive.seconds:.0f} s; heard {heard.odometry_count} poses and "
+        f"{heard.sonar_count} sonar ranges; odometry ends {drive.drift:.2f} m from the truth; picture: {picture}\n"
+        "\nGo on by hand, each line in a terminal of its own:\n"
+        "  .venv/bin/p2os-emu --robot powerbot --pty /tmp/powerbot\n"
+        "  .venv/bin/p2os-gateway /tmp/powerbot\n"
+        "  .venv/bin/acromovi teleop powerbot"
+    )
