@@ -3,6 +3,7 @@
 import contextlib
 import gc
 import json
+import os
 import signal
 import sys
 import tempfile
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from p2os_emu.world import World
 
 
+_ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
 class PhysicsError(Exception):
     """There is no physics engine, or it cannot start."""
 
@@ -41,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = parse(argv)
     try:
         if options.listing is not None:
-            print(listing(options.listing))
+            print(listing(options.listing), flush=True)
             return EXIT_OK
         with _ended_by_signals():
             _emulate(options)
@@ -52,8 +56,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except PhysicsError as error:
         return _fail(error, EXIT_PHYSICS)
     except BrokenPipeError:
-        # Whoever was to read the ready line is gone; so is the reason to run.
-        return EXIT_OK
+        # Whoever was to read this is gone, and so is the reason to go on. What is still buffered goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return EXIT_OK
 
 
@@ -140,8 +144,8 @@ def _fail(error: Exception, code: int) -> int:
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """SIGINT and SIGTERM end what is inside, in order: links, sockets and folders are removed."""
-    before = {number: signal.signal(number, _leave) for number in (signal.SIGINT, signal.SIGTERM)}
+    """SIGINT, SIGTERM and SIGHUP end what is inside, in order: links, sockets and folders are removed."""
+    before = {number: signal.signal(number, _leave) for number in _ENDINGS}
     try:
         yield
     except _Ended:
@@ -157,7 +161,7 @@ class _Ended(BaseException):
 
 def _leave(number: int, frame: FrameType | None) -> NoReturn:
     # A second signal must not interrupt the tidying up.
-    for each in (signal.SIGINT, signal.SIGTERM):
+    for each in _ENDINGS:
         signal.signal(each, signal.SIG_IGN)
     raise _Ended
 

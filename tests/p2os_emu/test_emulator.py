@@ -15,6 +15,8 @@ IDEAL = configs.load(LinkProfile, "links", "ideal")
 RS232 = configs.load(LinkProfile, "links", "rs232")
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]
 
+SIP_BEGIN = b"\xfa\xfb"
+
 
 class Rig:
     """An emulator with one robot and its client."""
@@ -131,3 +133,18 @@ def test_rs232_line_delays_the_answer_by_the_time_of_its_bytes() -> None:
     # Six bytes of ten bits each way at 9600 bit/s: 12.5 ms, and the firmware's step.
     assert rig.run(STEP) == b""
     assert rig.run(3 * STEP) == SYNCS[0]
+
+
+def test_hostbaud_takes_the_line_to_a_new_rate_that_the_client_must_follow() -> None:
+    rig = Rig(RS232)
+    rig.link.client_rate = 9600
+    rig.connect()
+    rig.tell(Command.HOSTBAUD, 2)
+    rig.run(0.2)
+    assert rig.robot.microcontroller.host_baud == 38400
+    assert SIP_BEGIN not in rig.run(1.0), "the client still listens at 9600"
+    rig.link.client_rate = 38400
+    assert rig.run(1.0).count(SIP_BEGIN) >= 9
+    rig.tell(Command.VEL, 0.2)
+    rig.run(0.5)
+    assert rig.emulator.truth("happy").linear > 0

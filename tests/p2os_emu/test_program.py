@@ -200,7 +200,7 @@ def test_ready_line_is_the_only_line_and_has_every_key() -> None:
     assert running.end() == (0, "", "")
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_signal_ends_it_and_leaves_nothing_behind(tmp_path: Path, number: int) -> None:
     running = Program("--robot", "p3dx", "--pty", str(tmp_path / "robot"))
     assert running.ports == [str(tmp_path / "robot")]
@@ -241,6 +241,46 @@ def test_fault_of_the_command_line_comes_at_its_time() -> None:
     with program("--robot", "p3dx", "--fault", "stop-pressed@1000") as emulator:
         faults = emulator.ask(do="faults")["faults"]
         assert [(fault["fault"], fault["active"]) for fault in faults] == [("stop-pressed@1000.0", False)]
+
+
+def test_robot_whose_client_left_is_stopped_if_asked_to() -> None:
+    with program("--robot", "p3dx", "--hangup-stops") as emulator:
+        with client_of(emulator.ports[0]) as client:
+            client.handshake()
+            client.drive()
+        end = time.monotonic() + DEADLINE
+        while emulator.ask(do="truth")["robots"]["p3dx"]["connected"]:
+            assert time.monotonic() < end, "the robot does not notice that its client left"
+
+
+def test_machine_that_stood_still_for_long_drops_what_is_beyond_a_second() -> None:
+    with program("--robot", "p3dx") as emulator:
+        emulator.process.send_signal(signal.SIGSTOP)
+        # Not a wait for luck: that much time must pass for the steps of it to be late.
+        time.sleep(1.5)
+        emulator.process.send_signal(signal.SIGCONT)
+        end = time.monotonic() + DEADLINE
+        while emulator.ask(do="truth")["late_dropped"] == 0:
+            assert time.monotonic() < end, "no step was dropped"
+        assert "more than a second late" in emulator.end()[2]
+
+
+def test_listing_into_a_closed_pipe_ends_quietly() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    listing = subprocess.run(
+        [sys.executable, "-m", "p2os_emu", "--list-robots"], stdout=writer, stderr=subprocess.PIPE, timeout=DEADLINE
+    )
+    os.close(writer)
+    assert (listing.returncode, listing.stderr) == (0, b"")
+
+
+def test_window_without_a_display_is_one_sentence_and_an_exit_code(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    assert main(["--world", "empty", "--robot", "p3dx", "--gui"]) == 5
+    assert "there is no display" in capsys.readouterr().err
 
 
 def test_duration_ends_it_in_emulated_time(capsys: pytest.CaptureFixture[str]) -> None:
