@@ -255,6 +255,7 @@ def test_robot_whose_client_left_is_stopped_if_asked_to() -> None:
 
 def test_machine_that_stood_still_for_long_drops_what_is_beyond_a_second() -> None:
     with program("--robot", "p3dx") as emulator:
+        assert emulator.ask(do="truth")["ok"], "the loop runs"
         emulator.process.send_signal(signal.SIGSTOP)
         # Not a wait for luck: that much time must pass for the steps of it to be late.
         time.sleep(1.5)
