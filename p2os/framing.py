@@ -119,12 +119,13 @@ class FrameDecoder:
                 return
             count = buffer[2]
             end = count + _HEADER_SIZE
+            if count < MIN_COUNT:
+                self._damage(_HEADER_SIZE, Damage.LENGTH, events)
+                continue
             if len(buffer) < end:
                 return
             payload = bytes(buffer[_HEADER_SIZE : end - CHECKSUM_SIZE])
-            if count < MIN_COUNT:
-                self._damage(_HEADER_SIZE, Damage.LENGTH, events)
-            elif checksum(payload) == buffer[end - 2] << 8 | buffer[end - 1]:
+            if checksum(payload) == buffer[end - 2] << 8 | buffer[end - 1]:
                 events.append(Frame(payload))
                 if self._reported:
                     self._drop(end)
