@@ -49,7 +49,10 @@ class Answer:
 
 
 class Subscription(ABC):
-    """Something held open on the bus: a subscriber, a queryable, a token. Closing twice does no harm."""
+    """Something held open on the bus: a subscriber, a queryable, a token. Closing twice does no harm.
+
+    It stays open until it or the bus is closed, whether or not anyone keeps a reference to it.
+    """
 
     @abstractmethod
     def close(self) -> None:

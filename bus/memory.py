@@ -119,7 +119,7 @@ class MemoryBus(Bus):
 
     def __init__(self, network: MemoryNetwork | None = None) -> None:
         self.network = network or MemoryNetwork()
-        self._open: list[Subscription] = []
+        self._open: dict[_Entered, None] = {}  # in the order of opening
         self._is_closed = False
 
     def publisher(self, key: str, type_name: str) -> Publisher:
@@ -182,13 +182,13 @@ class MemoryBus(Bus):
     def close(self) -> None:
         """Withdraw everything this participant declared."""
         self._is_closed = True
-        while self._open:
-            self._open.pop().close()
+        for entered in list(self._open):
+            entered.close()
 
     def _enter(self, listeners: list[_Listener], key_expr: str, call: Callable[..., Any]) -> "_Entered":
         self._check_open()
-        entered = _Entered(self.network, listeners, _Listener(key_expression(key_expr), call))
-        self._open.append(entered)
+        entered = _Entered(self._open, self.network, listeners, _Listener(key_expression(key_expr), call))
+        self._open[entered] = None
         return entered
 
     def _check_open(self) -> None:
@@ -199,13 +199,21 @@ class MemoryBus(Bus):
 class _Entered(Subscription):
     """A listener in its list, until it is closed."""
 
-    def __init__(self, network: MemoryNetwork, listeners: list[_Listener], listener: _Listener) -> None:
+    def __init__(
+        self,
+        among: "dict[_Entered, None]",
+        network: MemoryNetwork,
+        listeners: list[_Listener],
+        listener: _Listener,
+    ) -> None:
         self.listener = listener
+        self._among = among
         self._network = network
         self._listeners = listeners
         network.add(listeners, listener)
 
     def close(self) -> None:
+        self._among.pop(self, None)
         self._network.remove(self._listeners, self.listener)
 
 

@@ -82,6 +82,7 @@ class ZenohBus(Bus):
         except zenoh.ZError as err:
             raise BusUnavailable(f"the bus cannot be opened: {reason(err)}") from err
         self._is_closed = False
+        self._declared: set[_Declared] = set()  # Zenoh withdraws what nobody refers to
         self._met_at = time.monotonic() + MEETING_TIME
         self._handlers = _HandlerThread()
         atexit.register(self.close)  # a session left open keeps the interpreter from ending
@@ -105,7 +106,7 @@ class ZenohBus(Bus):
             handle = self._session.declare_publisher(
                 key, encoding=encoding_of(type_name), congestion_control=zenoh.CongestionControl.DROP
             )
-        return _ZenohPublisher(handle, type_name)
+        return _ZenohPublisher(self._declared, handle, type_name)
 
     def put(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Publish one message once; dropped under congestion."""
@@ -162,7 +163,7 @@ class ZenohBus(Bus):
         """Show a token while this session lives."""
         plain_key(key)
         with self._usable():
-            return _Declared(self._session.liveliness().declare_token(key))
+            return _Declared(self._declared, self._session.liveliness().declare_token(key))
 
     def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
         """Hear of tokens that are there, come and go."""
@@ -218,8 +219,8 @@ class ZenohBus(Bus):
         self, key_expr: str, handler: Callable[[Any], None], declare: "Callable[[Any], _Undeclarable]"
     ) -> Subscription:
         """Declare a subscriber or queryable whose handler runs on this bus's thread."""
-        listening = _Listening(guarded(key_expr, handler))
         with self._usable():
+            listening = _Listening(self._declared, guarded(key_expr, handler))
             # Zenoh's own thread posts to the one queue; by default there would be a thread for every declaration.
             listening.handle = declare(zenoh.handlers.Callback(partial(self._handlers.post, listening), indirect=False))
         return listening
@@ -244,10 +245,13 @@ class _Undeclarable(Protocol):
 class _Declared(Subscription):
     """Something declared on a Zenoh session; when the session closes, so does it."""
 
-    def __init__(self, handle: _Undeclarable | None = None) -> None:
+    def __init__(self, declared: "set[_Declared]", handle: _Undeclarable | None = None) -> None:
         self.handle = handle
+        self._among = declared
+        declared.add(self)
 
     def close(self) -> None:
+        self._among.discard(self)
         handle, self.handle = self.handle, None
         if handle is not None:
             with contextlib.suppress(zenoh.ZError):  # the session closed before it
@@ -257,8 +261,8 @@ class _Declared(Subscription):
 class _Listening(_Declared):
     """A subscriber or queryable and its handler."""
 
-    def __init__(self, handler: Callable[[Any], None]) -> None:
-        super().__init__()
+    def __init__(self, declared: set[_Declared], handler: Callable[[Any], None]) -> None:
+        super().__init__(declared)
         self._handler = handler
         self._is_open = True
 
@@ -275,8 +279,8 @@ class _Listening(_Declared):
 class _ZenohPublisher(_Declared, Publisher):
     """A key and a type on a Zenoh session."""
 
-    def __init__(self, handle: zenoh.Publisher, type_name: str) -> None:
-        super().__init__(handle)
+    def __init__(self, declared: set[_Declared], handle: zenoh.Publisher, type_name: str) -> None:
+        super().__init__(declared, handle)
         self._publisher = handle
         self._type_name = type_name
 

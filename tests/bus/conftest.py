@@ -1,0 +1,79 @@
+"""Buses that meet, of either kind, and names that no parallel test shares."""
+
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import pytest
+
+from bus import Bus, MemoryBus, MemoryNetwork, ZenohBus
+
+DEADLINE = 20.0  # s; only a failing test waits so long
+
+
+def wait_until(condition: Callable[[], object], what: str = "it happened") -> None:
+    deadline = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < deadline, f"waited {DEADLINE} s in vain until {what}"
+        time.sleep(0.002)
+
+
+def _note(seen: list[str], token: str, is_alive: bool) -> None:
+    seen.append(token)
+
+
+def _has(seen: list[str], wanted: int) -> bool:
+    return len(seen) == wanted
+
+
+class Meeting:
+    """Makes buses that meet each other."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self.buses: list[Bus] = []
+        self._network = MemoryNetwork()
+
+    def join(self) -> Bus:
+        bus: Bus = MemoryBus(self._network) if self.kind == "memory" else ZenohBus.open("local")
+        self.buses.append(bus)
+        return bus
+
+    def settle(self) -> None:
+        """Wait until every bus knows what the others have declared so far: a token declared later has come through."""
+        key = f"settled-{uuid.uuid4().hex}"
+        tokens = [bus.declare_alive(f"{key}/{number}") for number, bus in enumerate(self.buses)]
+        for bus in self.buses:
+            seen: list[str] = []
+            with bus.watch_alive(f"{key}/*", partial(_note, seen)):
+                wait_until(partial(_has, seen, len(tokens)), "all buses have met")
+        for token in tokens:
+            token.close()
+
+
+@pytest.fixture(params=["memory", "zenoh"])
+def meeting(request: pytest.FixtureRequest) -> Iterator[Meeting]:
+    meeting = Meeting(request.param)
+    yield meeting
+    for bus in meeting.buses:
+        bus.close()
+
+
+@pytest.fixture
+def zenoh_meeting() -> Iterator[Meeting]:
+    meeting = Meeting("zenoh")
+    yield meeting
+    for bus in meeting.buses:
+        bus.close()
+
+
+@pytest.fixture
+def until() -> Callable[..., None]:
+    return wait_until
+
+
+@pytest.fixture
+def robot() -> str:
+    """A robot's name of this test's own: on one machine all tests share one bus."""
+    return f"robot-{uuid.uuid4().hex[:12]}"
