@@ -49,8 +49,6 @@ class PtyLink(Link):
         self._outlet = Outlet()
         self._master: int | None = None
         self._held_slave: int | None = None
-        if path is not None:
-            _refuse_unless_replaceable(path)
         self.plug_in()
 
     @property
@@ -98,16 +96,26 @@ class PtyLink(Link):
         self._outlet.clear()
 
     def plug_in(self) -> None:
-        """Open a new pseudo-terminal, behind the same symbolic link."""
+        """Open a new pseudo-terminal, behind the same symbolic link.
+
+        Raises:
+            PortError: As for the constructor.
+        """
         if self._master is not None:
             return
+        if self._path is not None:
+            _refuse_unless_replaceable(self._path)
         self._master, self._held_slave = os.openpty()
         os.set_blocking(self._master, False)
         self._slave_name = os.ttyname(self._held_slave)
         _make_raw(self._held_slave, _FIRST_SPEED)
         self._poller.watch(self._master, self._on_ready)
         if self._path is not None:
-            _point(self._path, self._slave_name)
+            try:
+                _point(self._path, self._slave_name)
+            except PortError:
+                self.unplug()
+                raise
         self.port = str(self._path or self._slave_name)
 
     def close(self) -> None:

@@ -398,6 +398,16 @@ class TestPty:
         assert elsewhere.is_symlink()
         poller.close()
 
+    def test_what_took_the_path_while_the_port_was_away_is_kept(self, tmp_path: Path) -> None:
+        path = tmp_path / "robot"
+        cable = PtyCable(path)
+        cable.link.unplug()
+        path.write_text("mine")
+        with pytest.raises(PortError, match="is not a link"):
+            cable.link.plug_in()
+        cable.close()
+        assert path.read_text() == "mine"
+
 
 class TestTcp:
     def test_second_client_is_closed_at_once_and_the_first_served_on(self, tcp: TcpCable) -> None:
