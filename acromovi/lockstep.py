@@ -1,0 +1,163 @@
+"""Robots, drivers and bus in one process under one virtual clock, as fast as the machine can.
+
+The code is that of `p2os-emu` and `p2os-gateway`; only ports, threads and clocks are missing. So what is proved here
+holds for the programs, and hundreds of missions can be scored in the time of one.
+"""
+
+import itertools
+import random
+from collections.abc import Callable, Mapping
+from typing import Self, TypeVar
+
+import configs
+from bus import Bus, MemoryBus, MemoryNetwork
+from gateway.driver import Driver
+from gateway.robot_on_bus import RobotOnBus
+from gateway.settings import Settings
+from geometry import Pose2D
+from p2os import RobotModel
+from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.links.line import LinkProfile
+from p2os_emu.links.memory import MemoryLink
+from p2os_emu.world import World, WorldSpec
+
+T = TypeVar("T")
+
+NS_PER_S = 1_000_000_000
+NO_RATE = (0,)  # a line in memory has no baud rate to look for
+
+
+class Lockstep:
+    """A team of robots in a world, each with its driver, on a bus in memory.
+
+    Everything happens in `run`; the same arguments and the same calls give the same bytes and messages.
+    """
+
+    def __init__(self, world: WorldSpec, robots: Mapping[str, str], *, seed: int = 0, perfect: bool = False) -> None:
+        """Put the robots on their places and open the bus; their drivers connect within the first second of `run`.
+
+        Args:
+            world: From `load_world`.
+            robots: Name to model, as `{"happy": "p3dx-sh"}`.
+            seed: Of every imperfection and every chance.
+            perfect: No imperfections of body and sensors.
+        Raises:
+            ConfigError: There is no such model.
+            WorldError: There is no room for a robot.
+        """
+        self._network = MemoryNetwork()
+        self._world = World(world, seed=seed, perfect=perfect)
+        self._emulator = Emulator(self._world, LinkProfile("ideal"), seed=seed)
+        self._hosts = []
+        for name, model_name in robots.items():
+            model = configs.load(RobotModel, "robots", model_name)
+            link = MemoryLink()
+            self._emulator.add(name, model, link)
+            self._hosts.append(_Host(name, model, link, self.bus(), lambda: self.time, seed))
+
+    @property
+    def time(self) -> float:
+        """Virtual time since the start, s: the clock of everything here."""
+        return self._emulator.time
+
+    def bus(self) -> Bus:
+        """A participant on the bus of this team; for the application under test."""
+        return MemoryBus(self._network)
+
+    def run(self, seconds: float) -> None:
+        """Let virtual time pass."""
+        for _ in range(round(seconds / STEP)):
+            for host in self._hosts:
+                host.step()
+            self._emulator.step()
+
+    def run_until(self, condition: Callable[[], bool], limit: float) -> None:
+        """Let virtual time pass until a condition holds.
+
+        Raises:
+            TimeoutError: It did not within `limit` seconds of virtual time.
+        """
+        deadline = self.time + limit
+        while not condition():
+            if self.time >= deadline:
+                raise TimeoutError(f"the condition did not come true within {limit} s of virtual time")
+            self.run(STEP)
+
+    def truth(self, name: str) -> Pose2D:
+        """Where a robot really is in the world."""
+        return self._emulator.truth(name).pose
+
+    def wire(self, name: str) -> bytes:
+        """Every byte the robot has sent so far."""
+        return bytes(next(host for host in self._hosts if host.name == name).heard)
+
+    def close(self) -> None:
+        """End the world and the bus."""
+        for host in self._hosts:
+            host.close()
+        self._world.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
+class _Host:
+    """The host's end of one cable: what the gateway's bridge is between threads, without threads."""
+
+    def __init__(
+        self, name: str, model: RobotModel, link: MemoryLink, bus: Bus, clock: Callable[[], float], seed: int
+    ) -> None:
+        self.name = name
+        self.heard = bytearray()
+        self._link = link
+        self._bus = bus
+        self._clock = clock
+        self._tokens = itertools.count(1)
+        rng = random.Random(f"{seed} {name} driver")
+        self._driver = Driver(lambda identity: model, NO_RATE, Settings(), rng)
+        self._robot: RobotOnBus | None = None
+        self._driver.port_opened(clock())
+        self._flush()
+
+    def step(self) -> None:
+        """What the bridge's thread does when it wakes."""
+        data = self._link.client_read()
+        self.heard += data
+        now = self._clock()
+        events = self._driver.receive(data, now)
+        self._flush()
+        if self._robot is None:
+            if self._driver.model is None:
+                return
+            self._robot = RobotOnBus(
+                self.name,
+                self._bus,
+                self._driver,
+                self,
+                Settings(emulated=True),
+                new_token=lambda: f"{self.name}-{next(self._tokens)}",
+                wall_clock=self._stamp_ns,
+            )
+        self._robot.happened(events, now, self._stamp_ns())
+
+    def command(self, give: Callable[[Driver, float], T]) -> T:
+        """The way to the driver for what comes from the bus."""
+        try:
+            return give(self._driver, self._clock())
+        finally:
+            self._flush()
+
+    def close(self) -> None:
+        """Leave the bus."""
+        if self._robot is not None:
+            self._robot.close()
+        self._bus.close()
+
+    def _flush(self) -> None:
+        self._link.client_write(self._driver.bytes_due(self._clock()))
+
+    def _stamp_ns(self) -> int:
+        return round(self._clock() * NS_PER_S)
