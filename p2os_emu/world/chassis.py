@@ -22,7 +22,6 @@ CASTER_REACH = 0.8  # of the way from the axle to the ends of the hull
 # leans. (Where casters bear, the solver shares the load as it likes, wheels slip in turns, and a robot at rest creeps.)
 MASS_HEIGHT = 0.03  # m above the floor
 CASTER_GAP = 0.0005  # m under a level robot
-ROCKING_DAMPING = 0.5  # 1/s, of the hull's turning
 
 WHEEL_MASS = 0.02  # of the robot's, each
 # Of a wheel with the motor behind its gear, in units of robot mass x wheel radius squared: a rotor behind a gear of 38

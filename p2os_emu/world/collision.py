@@ -13,7 +13,6 @@ from p2os_emu.world.chassis import (
     HULL_FRICTION,
     HULL_TOP,
     MASS_HEIGHT,
-    ROCKING_DAMPING,
     WALL_FRICTION,
     WHEEL_FRICTION,
     Chassis,
@@ -105,7 +104,8 @@ def build_robot(client: int, chassis: Chassis, pose: Pose2D) -> int:
         # In a call of its own: beside others it would land on the base.
         engine.changeDynamics(body, link, lateralFriction=friction, physicsClientId=client)
         _join(client, body, link, group)
-    engine.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=ROCKING_DAMPING, physicsClientId=client)
+    # Damping would brake spinning wheels: motors of a robot at 1 m/s would work at 80 % of their strength.
+    engine.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
     # Casters in the air are none of the solver's business.
     engine.changeDynamics(body, HULL, contactProcessingThreshold=0.0, physicsClientId=client)
     return body
