@@ -17,7 +17,7 @@ POSITIVE, NEGATIVE, STRING = 0x3B, 0x1B, 0x2B
 
 PULSE, OPEN, CLOSE, POLLING, ENABLE, SETA, SETV, SETO, MOVE, ROTATE, SETRV, VEL, HEAD, DHEAD = range(14)
 CONFIG, ENCODER, RVEL, DCHEAD, SETRA, SONAR, STOP, VEL2 = 18, 19, 21, 22, 23, 28, 29, 32
-ADSEL, IOREQUEST, SONARCYCLE, HOSTBAUD, ESTOP, BATTERYINFO = 35, 40, 48, 50, 55, 62
+ADSEL, IOREQUEST, SONARCYCLE, HOSTBAUD, ESTOP, BATTERYINFO, RESET = 35, 40, 48, 50, 55, 62, 253
 
 
 class Silence(AssertionError):
@@ -218,12 +218,16 @@ class Client:
 
     # Handshake
 
+    def greets(self, within: float) -> bool:
+        """Send one SYNC0; whether it is answered, as a robot in conversation never does."""
+        self.send(PULSE)
+        return any(heard.payload == b"\x00" for heard in self.hear(within, pulse=False))
+
     def hang_up(self) -> None:
         """Bring a robot from any state to the one before a handshake, and the line to rest."""
         for _ in range(5):
             self.send(CLOSE, 1)  # with an argument it is a CLOSE in every state; a bare 02 may be a SYNC2
-            self.send(PULSE)  # is SYNC0 now: its answer proves that the stream has ended
-            if any(heard.payload == b"\x00" for heard in self.hear(0.4, pulse=False)):
+            if self.greets(0.4):  # which proves that the stream has ended
                 break
         else:
             raise Silence("no answer to SYNC0 after CLOSE")

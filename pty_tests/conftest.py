@@ -59,11 +59,11 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A port with a robot behind it: `model` is the subtype it must announce, if that is known."""
+    """A port with a robot behind it; `model` is the subtype it announces."""
 
     port: str
     baud: int
-    model: str | None
+    model: str
     emulated: bool
 
 
@@ -72,7 +72,12 @@ def site(request: pytest.FixtureRequest) -> Iterator[Site]:
     """The robot under test."""
     baud = request.config.getoption("--baud")
     if port := request.config.getoption("--port"):
-        yield Site(port, baud, request.config.getoption("--model"), emulated=False)
+        with Client(port, baud) as client:
+            announced = client.sync().subtype.lower()
+            client.hang_up()
+        wanted = request.config.getoption("--model") or announced
+        assert announced == wanted, f"the robot on {port} announces {announced}, not {wanted}"
+        yield Site(port, baud, announced, emulated=False)
         return
     model, _, world = request.param.partition("@")
     with subprocess.Popen(
@@ -124,13 +129,9 @@ def robot(site: Site) -> Iterator[Client]:
 @pytest.fixture
 def model(site: Site) -> Model:
     """The factors of the robot under test."""
-    name = site.model
-    if name is None:
-        with Client(site.port, site.baud) as client:
-            name = client.sync().subtype.lower()
-    if name not in MODELS:
-        pytest.skip(f"the suite holds no factors for {name!r}: it knows {', '.join(sorted(MODELS))}")
-    return MODELS[name]
+    if site.model not in MODELS:
+        pytest.skip(f"the suite holds no factors for {site.model!r}: it knows {', '.join(sorted(MODELS))}")
+    return MODELS[site.model]
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from pty_tests.conftest import Site
 from pty_tests.packets import CONFIGPAC, Sip
 
 CAPTURES = Path(__file__).resolve().parents[2] / "shared" / "captures"
-FASTER = 10  # how many times; a wander of half a minute becomes one of 3 s
+REPLAYED_IN = 2.5  # s; the longest took half a minute
 LONGEST_PAUSE = 0.25  # s, as replayed
 SPEEDS = {"aria-gotoAction": 5, "aria-wander": 50, "carmen": 50, "ros-p2os": 50}  # mm/s that a wheel must have reached
 
@@ -29,9 +29,10 @@ def replay(robot: Client, writes: list[tuple[float, bytes]]) -> list[bytes]:
     """Write all that the client wrote; return the payloads that came back after the handshake."""
     heard: list[bytes] = []
     syncs = [0, 1, 2]
-    due, before = time.monotonic(), writes[0][0]
+    due, before, end = time.monotonic(), writes[0][0], writes[-1][0]
+    faster = (end - before) / REPLAYED_IN
     for at, raw in writes:
-        due += min((at - before) / FASTER, LONGEST_PAUSE)
+        due += min((at - before) / faster, LONGEST_PAUSE)
         before = at
         heard += [item.payload for item in robot.hear(due - time.monotonic(), pulse=False)]
         robot.write(raw)

@@ -43,7 +43,8 @@ def connect(site: Site, model: Model) -> Iterator[Callable[[], Any]]:
 
     yield new_client
     for client in clients:
-        client.disconnect()
+        if client.ser is not None and client.ser.is_open:
+            client.disconnect()
     with Client(site.port, site.baud) as ours:
         ours.hang_up()
 

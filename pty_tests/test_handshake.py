@@ -5,8 +5,23 @@ The windows are the old clients': Player reads the SYNC0 answer once, 0.4 s afte
 
 import pytest
 
-from pty_tests.client import CLOSE, CONFIG, ENABLE, HOSTBAUD, OPEN, PULSE, SONAR, VEL, Client, command, frame, identity
+from pty_tests.client import (
+    CLOSE,
+    CONFIG,
+    ENABLE,
+    HOSTBAUD,
+    OPEN,
+    PULSE,
+    RESET,
+    SONAR,
+    VEL,
+    Client,
+    command,
+    frame,
+    identity,
+)
 from pty_tests.conftest import Site
+from pty_tests.models import Model
 from pty_tests.packets import CONFIGPAC, Sip, parse_configuration
 
 SYNC0, SYNC1, SYNC2 = (frame(bytes([number])) for number in range(3))
@@ -33,8 +48,7 @@ def test_robot_announces_three_short_strings_with_class_and_subtype(line: Client
     announced = identity(greet(line))
     assert announced.robot_class.lower() == "pioneer"
     assert all(0 < len(text) <= 19 for text in announced), "Player and ROS copy each string into 20 bytes"
-    if site.model:
-        assert announced.subtype.lower() == site.model.lower()
+    assert announced.subtype.lower() == site.model
 
 
 @ONE_MODEL
@@ -162,6 +176,18 @@ def test_a_second_client_connects_after_the_first_has_vanished(site: Site) -> No
         second.connect()
         assert not second.sip().motors
         second.send(CLOSE)
+
+
+@ONE_MODEL
+def test_reset_ends_the_conversation_and_the_robot_comes_back(robot: Client, model: Model) -> None:
+    if model.firmware != "ARCOS":
+        pytest.skip("RESET came with ARCOS")
+    robot.send(ENABLE, 1)
+    robot.motors_become(True)
+    robot.send(RESET)
+    assert any(robot.greets(0.5) for _ in range(10)), "no handshake for 5 s"
+    robot.connect()
+    assert not robot.sip().motors
 
 
 @ONE_MODEL

@@ -53,17 +53,14 @@ def assert_follows(reported: list[list[int]], sequence: list[int]) -> None:
 
 
 def test_all_discs_of_the_model_report_and_no_others_in_turn_and_at_their_rate(pinging: Client, model: Model) -> None:
-    sips = pinging.sips(20)
+    sips = pinging.sips(12)
     assert {number for sip in sips for number, _ in sip.sonar} == model.discs
     for array, discs in model.arrays.items():
         reported = readings(sips, array)
         assert {len(numbers) for numbers in reported} <= {2, 3}, "one disc per array and 40 ms makes 2 or 3 per 100 ms"
-        assert sum(map(len, reported)) == pytest.approx(20 * SIP_MS / CYCLE_MS, abs=1)
+        assert sum(map(len, reported)) == pytest.approx(len(sips) * SIP_MS / CYCLE_MS, abs=1)
         assert_follows(reported, discs)
-
-
-def test_ranges_lie_between_the_disc_and_the_end_of_the_cycle(pinging: Client, model: Model) -> None:
-    for sip in pinging.sips(5):
+    for sip in sips:
         assert all(0 < reading.range * model.echo <= FARTHEST_MM for reading in sip.sonar), sip.sonar
 
 
