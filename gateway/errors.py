@@ -1,6 +1,7 @@
 """What can go wrong in a gateway, and the exit code that says so.
 
     GatewayError                       1
+     +-- NameNotValid                  2   no key on the bus could begin with that name
      +-- NoSuchPort                    3   nothing there
      +-- NotAPort                      4   a directory, a file
      +-- PortForbidden                 5   no permission; the message names the group
@@ -12,7 +13,7 @@
      +-- PortLost (ConnectionError)        the port was there and is gone; the bridge waits for it
      +-- CommandRefused                    a command that the robot must not be given now, or ever
 
-Exit code 2 is a usage or configuration error, 11 a bus that cannot be opened, 0 an end by signal.
+Exit code 2 is any other usage or configuration error too, and 0 an end by signal.
 """
 
 from typing import ClassVar
@@ -22,6 +23,12 @@ class GatewayError(Exception):
     """The root: whatever can go wrong in a gateway. The message is one sentence that says what to do."""
 
     exit_code: ClassVar[int] = 1
+
+
+class NameNotValid(GatewayError):
+    """The name cannot be part of a key on the bus."""
+
+    exit_code = 2
 
 
 class NoSuchPort(GatewayError):

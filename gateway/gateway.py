@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from bus import BusUnavailable
 from gateway.bridge import Bridge
 from gateway.driver import Driver
+from gateway.errors import NameNotValid
 from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
 from gateway.search import Search, bus_name
 from gateway.settings import Settings
@@ -71,9 +71,8 @@ class Gateway:
         """Take the driver's events.
 
         Raises:
-            GatewayError: There is no robot that could be served, and there was none before.
+            GatewayError: There is no robot that could be served, and there was none before; or the name is no key.
             ConfigError: The bus profile is of no use.
-            KeyNotValid: The robot's name does not serve as a key.
         """
         if self._bus_error is not None:
             raise self._bus_error
@@ -101,9 +100,14 @@ class Gateway:
     def _open_bus(self) -> None:
         try:
             # Here and not at the top: loading them takes longer than the whole handshake.
-            from bus.session import ZenohBus
+            from bus import BusUnavailable, KeyNotValid, ZenohBus
+            from bus.keys import robot_name
             from gateway.robot_on_bus import RobotOnBus
 
+            try:
+                robot_name(self._options.name or "robot")
+            except KeyNotValid as error:
+                raise NameNotValid(str(error)) from error
             while self._bus is None and not self._is_closed.is_set():
                 try:
                     self._bus = ZenohBus.open(self._options.bus)

@@ -133,10 +133,11 @@ class Bench:
         return self.of(SipReceived)
 
     def connect(self) -> float:
-        """Start, and run until the motors are on; return the seconds to the first pose."""
+        """Start, and run until the motors are on and everything is configured; return the seconds to the first pose."""
         self.start()
         seconds = self.run_until(lambda: self.driver.is_connected)
         self.run_until(lambda: self.robot.motors_enabled)
+        self.run(0.2)
         return seconds
 
 

@@ -1,17 +1,20 @@
+from typing import TYPE_CHECKING
+
 import pytest
 
 from gateway.events import ConfigurationReceived, HandshakeCompleted, LinkLost, SweepFailed
 from p2os import Command, encode_command
 
+if TYPE_CHECKING:
+    from tests.gateway.conftest import Bench, MakeBench
+
 STOP = encode_command(Command.STOP)
 CLOSE = encode_command(Command.CLOSE)
 
 
-def first_understood(data: bytes, cut_off: int) -> bytes:
-    return data[cut_off : cut_off + 6]
-
-
-def test_first_bytes_on_the_line_are_stop_and_close_and_a_fresh_robot_is_heard_within_half_a_second(bench):
+def test_first_bytes_are_stop_and_close_and_a_fresh_robot_is_heard_within_half_a_second(
+    bench: "Bench",
+) -> None:
     seconds = bench.connect()
     assert bytes(bench.raw).startswith(STOP + CLOSE)
     assert seconds <= 0.5
@@ -20,7 +23,7 @@ def test_first_bytes_on_the_line_are_stop_and_close_and_a_fresh_robot_is_heard_w
     assert len(bench.of(ConfigurationReceived)) == 1
 
 
-def test_robot_is_configured_in_order_after_the_handshake(bench):
+def test_robot_is_configured_in_order_after_the_handshake(bench: "Bench") -> None:
     bench.connect()
     bench.run(0.3)
     commands = bench.commands()
@@ -35,7 +38,7 @@ def test_robot_is_configured_in_order_after_the_handshake(bench):
 
 
 @pytest.mark.parametrize("rate", [9600, 38400, 19200, 115200, 57600])
-def test_robot_that_streams_and_moves_at_any_rate_is_stopped_first_and_then_connected_in_two_seconds(make_bench, rate):
+def test_moving_robot_at_any_rate_is_stopped_and_connected_in_two_seconds(make_bench: "MakeBench", rate: int) -> None:
     bench = make_bench(robot_baud=rate)
     former = make_bench()
     former.robot, former.body = bench.robot, bench.body
@@ -51,7 +54,9 @@ def test_robot_that_streams_and_moves_at_any_rate_is_stopped_first_and_then_conn
 
 
 @pytest.mark.parametrize("count", [5, 8, 14, 20, 30, 200, 255])
-def test_half_a_frame_left_in_the_robots_receiver_never_lets_it_hear_a_pulse_first(make_bench, count):
+def test_half_a_frame_in_the_robots_receiver_never_lets_it_hear_a_pulse_first(
+    make_bench: "MakeBench", count: int
+) -> None:
     """The robot was driven by a client that died in mid-frame; its watchdog has stopped it."""
     former = make_bench()
     former.connect()
@@ -70,7 +75,7 @@ def test_half_a_frame_left_in_the_robots_receiver_never_lets_it_hear_a_pulse_fir
     assert bench.moments_in_motion == []
 
 
-def test_frozen_driver_begins_with_stop_and_close_and_the_wheels_never_turn_again(bench):
+def test_frozen_driver_begins_with_stop_and_close_and_the_wheels_never_turn_again(bench: "Bench") -> None:
     bench.connect()
     bench.driver.set_velocity(0.5, 0.0, bench.now)
     bench.run(0.3)
@@ -86,7 +91,7 @@ def test_frozen_driver_begins_with_stop_and_close_and_the_wheels_never_turn_agai
     assert [event.reason for event in bench.of(LinkLost)] == ["the gateway itself was frozen"]
 
 
-def test_no_pose_from_before_a_freeze_is_reported_after_it(bench):
+def test_no_pose_from_before_a_freeze_is_reported_after_it(bench: "Bench") -> None:
     bench.connect()
     bench.driver.set_velocity(0.5, 0.0, bench.now)
     bench.run(0.3)
@@ -100,7 +105,7 @@ def test_no_pose_from_before_a_freeze_is_reported_after_it(bench):
     assert all(event.sip.left_velocity == 0.0 for event in fresh)
 
 
-def test_silent_line_is_swept_again_and_again_and_says_which_rates(bench):
+def test_silent_line_is_swept_again_and_again_and_says_which_rates(bench: "Bench") -> None:
     bench.cut = True
     bench.start()
     bench.run(3.0)
@@ -111,7 +116,7 @@ def test_silent_line_is_swept_again_and_again_and_says_which_rates(bench):
 
 
 @pytest.mark.parametrize("pause", [1.7, 2.0, 2.3, 2.9, 3.4])
-def test_publishing_resumes_soon_after_the_cable_is_back_and_the_robot_is_configured_again(make_bench, pause):
+def test_poses_and_configuration_come_soon_after_the_cable_is_back(make_bench: "MakeBench", pause: float) -> None:
     bench = make_bench(robot_baud=38400)
     bench.connect()
     bench.run(1.0)
@@ -129,7 +134,7 @@ def test_publishing_resumes_soon_after_the_cable_is_back_and_the_robot_is_config
     assert bench.robot.motors_enabled
 
 
-def test_controller_reset_is_noticed_and_the_robot_connected_and_configured_again(bench):
+def test_controller_reset_is_noticed_and_the_robot_connected_and_configured_again(bench: "Bench") -> None:
     bench.connect()
     bench.robot.power_cycle()
     at = bench.now
@@ -140,14 +145,14 @@ def test_controller_reset_is_noticed_and_the_robot_connected_and_configured_agai
     assert {Command.STOP, Command.CLOSE, Command.SYNC0, Command.CONFIG} <= set(bench.commands(since=at))
 
 
-def test_robot_that_was_closed_behind_our_back_is_connected_again(bench):
+def test_robot_that_was_closed_behind_our_back_is_connected_again(bench: "Bench") -> None:
     bench.connect()
     bench.robot.receive(CLOSE)
     bench.run(2.0)
     assert bench.driver.is_connected
 
 
-def test_fixed_rate_is_the_only_one_tried(make_bench):
+def test_fixed_rate_is_the_only_one_tried(make_bench: "MakeBench") -> None:
     bench = make_bench(rates=(38400,), robot_baud=9600)
     bench.start()
     bench.run(2.0)

@@ -1,0 +1,297 @@
+from collections.abc import Callable
+from contextlib import suppress
+from math import nan, pi, radians
+from typing import TYPE_CHECKING
+
+import pytest
+
+from gateway.errors import CommandRefused
+from gateway.events import End, MotionEnded
+from gateway.settings import Limits, Settings
+from p2os import Command
+
+if TYPE_CHECKING:
+    from tests.gateway.conftest import Bench, MakeBench
+
+
+def refusal(command: Callable[[], object]) -> str:
+    with pytest.raises(CommandRefused) as caught:
+        command()
+    return str(caught.value)
+
+
+def test_velocity_leaves_in_the_same_moment_and_the_robot_drives(bench: "Bench") -> None:
+    bench.connect()
+    at = bench.now
+    bench.driver.set_velocity(0.2, 0.1, bench.now)
+    bench.flush()
+    sent_at, sent = bench.sent[-1]
+    assert sent_at == at
+    assert (sent.command, sent.value) == (Command.VEL, pytest.approx(0.2))
+    bench.run(0.1)
+    assert bench.commands(since=at - 0.001)[:2] == [Command.VEL, Command.RVEL]
+    assert bench.body.is_turning
+
+
+def test_robot_stops_when_velocities_cease_for_half_a_second(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.set_velocity(0.2, 0.0, bench.now)
+    at = bench.now
+    bench.run(0.49)
+    assert Command.STOP not in bench.commands(since=at)
+    bench.run(0.05)
+    assert bench.commands(since=at)[-1] is Command.STOP
+    bench.run(2.0)
+    assert not bench.body.is_turning
+
+
+def test_unchanged_velocity_is_repeated_only_to_keep_the_robot_alive(bench: "Bench") -> None:
+    bench.connect()
+    at = bench.now
+
+    def drive() -> None:
+        bench.driver.set_velocity(0.2, 0.0, bench.now)
+
+    bench.run(2.0, drive)
+    assert 5 <= len(bench.commands(since=at)) <= 14
+    assert set(bench.commands(since=at)) == {Command.VEL, Command.RVEL}
+
+
+def test_newer_velocity_replaces_the_one_that_still_waits(bench: "Bench") -> None:
+    bench.connect()
+    for step in range(10):
+        bench.driver.set_velocity(0.1, step / 10, bench.now)
+    bench.run(0.05)
+    turns = [command.value for at, command in bench.sent if command.command is Command.RVEL]
+    assert turns == [pytest.approx(0.9, abs=radians(0.5))]
+
+
+def test_idle_robot_is_kept_alive_by_pulses_and_one_that_was_stopped_by_stops(bench: "Bench") -> None:
+    bench.connect()
+    bench.run(1.0)
+    at = bench.now
+    bench.run(2.0)
+    assert set(bench.commands(since=at)) == {Command.PULSE}
+    bench.driver.set_velocity(0.2, 0.0, bench.now)
+    bench.run(3.0)
+    at = bench.now
+    bench.run(2.0)
+    assert set(bench.commands(since=at)) == {Command.STOP}
+
+
+def test_robot_that_could_not_hear_for_a_while_does_not_resume_what_its_watchdog_stopped(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.set_velocity(0.5, 0.0, bench.now)
+    bench.run(0.3)
+    bench.deaf = True
+    bench.run(5.0)
+    assert not bench.body.is_turning
+    bench.deaf = False
+    back = bench.now
+    bench.run(2.0)
+    assert [moment for moment in bench.moments_in_motion if moment > back] == []
+
+
+@pytest.mark.parametrize("velocity", [(nan, 0.0), (0.0, nan), (float("inf"), 0.0)])
+def test_velocity_that_is_no_number_is_refused(bench: "Bench", velocity: tuple[float, float]) -> None:
+    bench.connect()
+    bench.run(0.2)
+    sent = len(bench.sent)
+    assert "not finite" in refusal(lambda: bench.driver.set_velocity(*velocity, bench.now))
+    bench.flush()
+    assert len(bench.sent) == sent
+
+
+def test_velocity_is_clipped_to_what_model_robot_and_user_allow(make_bench: "MakeBench") -> None:
+    bench = make_bench(settings=Settings(limits=Limits(linear_m_s=0.3)))
+    bench.connect()
+    bench.run(0.3)
+    bench.driver.set_velocity(99.0, -99.0, bench.now)
+    bench.run(0.05)
+    values = {command.command: command.value for at, command in bench.sent}
+    assert values[Command.VEL] == pytest.approx(0.3)
+    assert values[Command.RVEL] == pytest.approx(-bench.driver.max_angular, abs=radians(0.5))
+
+
+def test_commands_are_refused_before_the_robot_is_connected(bench: "Bench") -> None:
+    bench.start()
+    assert "not connected" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))
+    assert "not connected" in refusal(lambda: bench.driver.move(1.0, bench.now))
+
+
+def test_commands_that_waited_through_a_freeze_are_refused(bench: "Bench") -> None:
+    bench.connect()
+    bench.is_frozen = True
+    bench.run(5.0)
+    bench.is_frozen = False
+    for _ in range(50):
+        assert "not connected" in refusal(lambda: bench.driver.set_velocity(0.5, 0.0, bench.now))
+    bench.run_until(lambda: bench.driver.is_connected)
+    assert "frozen" in refusal(lambda: bench.driver.set_velocity(0.5, 0.0, bench.now))
+    bench.run(1.0)
+    assert not bench.body.is_turning
+    bench.driver.set_velocity(0.5, 0.0, bench.now)
+    bench.run(0.1)
+    assert bench.body.is_turning
+
+
+def test_stop_holds_against_a_stream_until_it_has_paused(bench: "Bench") -> None:
+    bench.connect()
+
+    def stream() -> None:
+        with suppress(CommandRefused):
+            bench.driver.set_velocity(0.3, 0.0, bench.now)
+
+    bench.run(1.0, stream)
+    bench.driver.stop(bench.now)
+    bench.flush()
+    assert bench.commands()[-1] is Command.STOP
+    bench.run(3.0, stream)
+    assert not bench.body.is_turning
+    bench.run(0.6)
+    bench.run(0.3, stream)
+    assert bench.body.is_turning
+
+
+def test_estop_under_a_stream_of_velocities_stays_a_stop_until_off_and_enable(bench: "Bench") -> None:
+    bench.connect()
+    driver = bench.driver
+
+    def stream() -> None:
+        with suppress(CommandRefused):
+            driver.set_velocity(0.5, 0.0, bench.now)
+
+    bench.run(1.0, stream)
+    at = bench.now
+    driver.emergency_stop(True, bench.now)
+    bench.flush()
+    assert bench.commands(since=at - 0.001)[0] is Command.ESTOP
+    bench.run(5.0, stream)
+    assert not bench.body.is_turning
+    assert not bench.robot.motors_enabled
+    assert set(bench.commands(since=at)) <= {Command.ESTOP, Command.ENABLE}
+    assert "latched" in refusal(lambda: driver.enable(True, bench.now))
+    driver.emergency_stop(False, bench.now)
+    bench.run(1.0, stream)
+    assert not bench.body.is_turning
+    driver.enable(True, bench.now)
+    bench.run(0.2)
+    bench.run(0.5, stream)
+    assert bench.body.is_turning
+
+
+def test_estop_outlives_the_link(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.emergency_stop(True, bench.now)
+    bench.run(1.0)
+    bench.robot.power_cycle()
+    bench.run(2.0)
+    assert bench.driver.is_connected
+    assert not bench.robot.motors_enabled
+    assert "latched" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))
+
+
+def test_motors_that_the_robot_switched_off_stay_off_over_a_reconnect(bench: "Bench") -> None:
+    bench.connect()
+    bench.run(1.0)
+    bench.robot.panel.stop_button = True
+    bench.run(0.5)
+    bench.robot.panel.stop_button = False
+    bench.cut = True
+    bench.run(3.0)
+    bench.cut = False
+    bench.run(3.0)
+    assert bench.driver.is_connected
+    assert not bench.robot.motors_enabled
+    assert "motors are off" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))
+
+
+def test_motors_stay_off_when_the_settings_say_so(make_bench: "MakeBench") -> None:
+    bench = make_bench(settings=Settings(enable_motors=False))
+    bench.start()
+    bench.run(1.0)
+    assert not bench.robot.motors_enabled
+    assert "enable" in refusal(lambda: bench.driver.move(1.0, bench.now))
+
+
+def ended(bench: "Bench") -> list[MotionEnded]:
+    return bench.of(MotionEnded)
+
+
+@pytest.mark.parametrize("distance", [1.0, -0.5, 0.05])
+def test_move_ends_reached_where_it_was_to_go(bench: "Bench", distance: float) -> None:
+    bench.connect()
+    motion = bench.driver.move(distance, bench.now)
+    bench.run_until(lambda: bool(ended(bench)), limit=20.0)
+    end = ended(bench)[0]
+    assert (end.motion_id, end.kind, end.end) == (motion, "move", End.REACHED)
+    assert end.done == pytest.approx(distance, abs=0.03)
+
+
+@pytest.mark.parametrize("angle", [pi / 2, -pi / 2, radians(175), 2 * pi, -3 * pi, 0.0])
+def test_turn_of_any_size_ends_reached(bench: "Bench", angle: float) -> None:
+    bench.connect()
+    motion = bench.driver.turn(angle, bench.now)
+    bench.run_until(lambda: bool(ended(bench)), limit=40.0)
+    end = ended(bench)[0]
+    assert (end.motion_id, end.kind, end.end) == (motion, "turn", End.REACHED)
+    assert end.done == pytest.approx(angle, abs=radians(3))
+
+
+def test_heading_turns_the_shorter_way_in_odom(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.turn_to(radians(-170), bench.now)
+    bench.run_until(lambda: bool(ended(bench)), limit=20.0)
+    bench.driver.turn_to(radians(170), bench.now)
+    bench.run_until(lambda: len(ended(bench)) == 2, limit=20.0)
+    assert ended(bench)[1].done == pytest.approx(radians(-20), abs=radians(3))
+    assert bench.driver.odometry.pose.heading == pytest.approx(radians(170), abs=radians(3))
+
+
+def test_long_motion_ends_replaced_stopped_or_lost_as_it_happens(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.move(2.0, bench.now)
+    bench.run(1.0)
+    bench.driver.set_velocity(0.1, 0.0, bench.now)
+    bench.run(1.0)
+    bench.driver.turn(1.0, bench.now)
+    bench.run(0.2)
+    bench.driver.stop(bench.now)
+    bench.run(1.0)
+    bench.driver.move(1.0, bench.now)
+    bench.run(0.2)
+    bench.cut = True
+    bench.run(2.0)
+    assert [event.end for event in ended(bench)] == [End.REPLACED, End.STOPPED, End.LOST]
+
+
+def test_move_against_a_wall_ends_stalled_and_the_robot_is_stopped(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.move(2.0, bench.now)
+    bench.run(1.0)
+    bench.body.is_blocked = True
+    at = bench.now
+    bench.run_until(lambda: bool(ended(bench)))
+    assert ended(bench)[0].end is End.STALLED
+    assert Command.STOP in bench.commands(since=at)
+
+
+@pytest.mark.parametrize("distance", [31.0, -40.0, nan])
+def test_move_beyond_reason_is_refused(bench: "Bench", distance: float) -> None:
+    bench.connect()
+    assert "m is not within" in refusal(lambda: bench.driver.move(distance, bench.now))
+
+
+def test_outputs_and_sonar_are_set_and_set_again_after_a_reset(bench: "Bench") -> None:
+    bench.connect()
+    bench.driver.set_outputs(0b0011, 0b0001, bench.now)
+    bench.driver.set_outputs(0b0100, 0b0100, bench.now)
+    bench.driver.switch_sonar(False, bench.now)
+    bench.run(0.3)
+    assert bench.robot.digital_out & 0b0111 == 0b0101
+    assert bench.sips[-1].sip.sonar_arrays == 0
+    bench.robot.power_cycle()
+    bench.run(2.0)
+    assert bench.robot.digital_out & 0b0111 == 0b0101
+    assert bench.sips[-1].sip.sonar_arrays == 0
+    assert "0 to 255" in refusal(lambda: bench.driver.set_outputs(256, 0, bench.now))
