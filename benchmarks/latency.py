@@ -1,6 +1,7 @@
 """From a command on the port to moving wheels, from the port to the bus, and from the bus to the port."""
 
 import argparse
+import math
 import random
 import time
 from collections.abc import Callable
@@ -80,7 +81,7 @@ def _bus_to_port() -> list[float]:
             speed = (50 + trial) / 1000
             put = time.monotonic()
             publisher.put(messages.twist(speed, 0.0))
-            _wait(lambda speed=speed: robot.velocities[-1][1] == speed)  # type: ignore[misc]  # bound at once
+            _wait(lambda speed=speed: math.isclose(robot.velocities[-1][1], speed))  # type: ignore[misc]  # bound at once
             times.append((robot.velocities[-1][0] - put) * 1e3)
     return times
 

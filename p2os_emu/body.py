@@ -1,7 +1,7 @@
 """What lies between the microcontroller and the world: motors, encoders, bumpers and sonar discs.
 
-The microcontroller reads a `BodyState` and calls the methods of a `Body`. It knows nothing of PyBullet, and the world knows
-nothing of packets; tests of the firmware use a body of a few lines.
+The microcontroller reads a `BodyState` and calls the methods of a `Body`. It knows nothing of PyBullet, and the world
+knows nothing of packets; tests of the firmware use a body of a few lines.
 """
 
 from collections.abc import Sequence
@@ -11,12 +11,12 @@ from typing import NamedTuple, Protocol
 class BodyState(NamedTuple):
     """One robot's machine at the end of a physics step.
 
-    left_travel, right_travel: m rolled since the start by the wheel rims, as the encoders see it (wheel and track errors of
-        this one robot included), not wrapped, not yet counted in ticks.
+    left_travel, right_travel: m rolled since the start by the wheel rims, as the encoders see it (wheel and track errors
+        of this one robot included), not wrapped, not yet counted in ticks.
     left_velocity, right_velocity: m/s, likewise.
     left_load, right_load: motor effort as a fraction of the most the motor can give, 0 to 1.
-    front_bumpers, rear_bumpers: bit i is set while segment i + 1 is pressed; segments count from right to left in front and
-        behind, seen from above with the robot facing up the page.
+    front_bumpers, rear_bumpers: bit i is set while segment i + 1 is pressed; segments count from right to left in front
+        and behind, seen from above with the robot facing up the page.
     """
 
     left_travel: float = 0.0
