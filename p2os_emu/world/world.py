@@ -1,6 +1,7 @@
 """The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
 
 import os
+from math import isfinite
 from random import Random
 from typing import NamedTuple
 
@@ -168,6 +169,8 @@ class World:
         return pose
 
     def _check_free(self, name: str, chassis: Chassis, pose: Pose2D) -> None:
+        if not all(map(isfinite, (pose.x, pose.y, pose.heading))):
+            raise WorldError(f"robot {name!r} cannot stand at {pose}: give finite numbers")
         footprint = chassis.footprint(pose)
         others = [
             (f"robot {other!r}", robot.chassis.footprint(robot.pose))

@@ -79,6 +79,11 @@ def test_a_transformed_point_keeps_its_distance_from_the_pose(pose: Pose2D, x: f
     assert isclose(hypot(world_x - pose.x, world_y - pose.y), hypot(x, y), abs_tol=1e-9)
 
 
+@given(poses, metres, metres)
+def test_locate_undoes_transform(pose: Pose2D, x: float, y: float) -> None:
+    assert pose.locate(*pose.transform(x, y)) == pytest.approx((x, y), abs=1e-9)
+
+
 def test_a_bearing_is_taken_from_straight_ahead() -> None:
     assert Pose2D(1.0, 1.0, pi / 2).bearing_to(0.0, 1.0) == pytest.approx(pi / 2)
     assert Pose2D(0.0, 0.0, pi).bearing_to(0.0, 2.0) == pytest.approx(-pi / 2)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry import Segment, polygon_edges
+from geometry import Polygon, Pose2D, Segment, polygon_edges, polygons_overlap
 
 metres = st.floats(-10.0, 10.0)
 segments = st.builds(Segment, metres, metres, metres, metres)
@@ -47,3 +47,27 @@ def test_the_edges_of_a_polygon_close_it() -> None:
     edges = polygon_edges(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0)))
     assert edges == (Segment(0.0, 0.0, 2.0, 0.0), Segment(2.0, 0.0, 2.0, 1.0), Segment(2.0, 1.0, 0.0, 0.0))
     assert edges[0].length == 2.0
+
+
+SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("other", "overlap"),
+    [
+        (((0.5, 0.5), (2.0, 0.5), (2.0, 2.0)), True),
+        (((0.2, 0.2), (0.4, 0.2), (0.3, 0.4)), True),  # inside
+        (((1.0, 0.0), (2.0, 0.0), (2.0, 1.0)), True),  # touching
+        (((1.1, 0.0), (2.0, 0.0), (2.0, 1.0)), False),
+        (((1.0, 1.5), (1.5, 1.0), (2.0, 2.0)), False),  # past the corner, apart along a diagonal only
+    ],
+)
+def test_polygons_overlap_unless_an_edge_parts_them(other: Polygon, overlap: bool) -> None:
+    assert polygons_overlap(SQUARE, other) is overlap
+    assert polygons_overlap(other, SQUARE) is overlap
+
+
+@given(metres, metres, st.floats(-pi, pi))
+def test_a_polygon_overlaps_itself_wherever_it_lies(x: float, y: float, heading: float) -> None:
+    moved = tuple(Pose2D(x, y, heading).transform(*corner) for corner in SQUARE)
+    assert polygons_overlap(moved, moved)
