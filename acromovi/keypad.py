@@ -118,5 +118,6 @@ class Keypad:
         if now < self._next:
             return None
         self._is_driving = True
-        self._next = now + PERIOD
+        is_late = now - self._next > PERIOD  # after a pause, begin anew; otherwise keep the rhythm
+        self._next = (now if is_late else self._next) + PERIOD
         return twist

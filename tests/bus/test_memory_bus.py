@@ -65,4 +65,4 @@ def test_nothing_is_left_of_a_bus_that_closed() -> None:
     bus.declare_alive("a/alive")
     bus.watch_alive("**", lambda key, is_alive: None)
     bus.close()
-    assert not (network.subscribers or network.queryables or network.tokens or network.watchers)
+    assert [network.subscribers, network.queryables, network.tokens, network.watchers] == [[], [], [], []]
