@@ -55,13 +55,14 @@ def _serve(options: Options, settings: Settings, baud: int | None) -> None:
     driver = Driver(find_model, rates_to_try(port, baud), settings)
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock())
+    before = {number: signal.signal(number, lambda *_: bridge.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: bridge.stop())
         bridge.run(gateway)
     finally:
         bridge.close()  # first of all the robot stops
         gateway.close()
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _open_first(options: Options) -> Port:

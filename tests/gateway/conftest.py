@@ -43,7 +43,6 @@ class WheelsOnBlocks:
         state = self.state
         self.state = BodyState(state.left_travel + left * dt, state.right_travel + right * dt, left, right, load, load)
 
-    @property
     def is_turning(self) -> bool:
         return abs(self.state.left_velocity) + abs(self.state.right_velocity) > 1e-6
 
@@ -98,7 +97,7 @@ class Bench:
         self.now += STEP
         self.body.advance(STEP)
         out = self.robot.step(STEP, self.body)
-        if self.body.is_turning:
+        if self.body.is_turning():
             self.moments_in_motion.append(self.now)
         if not self.cut:
             self._unread += out if self._same_rate else bytes(each ^ 0x5A for each in out)

@@ -45,12 +45,12 @@ def test_moving_robot_at_any_rate_is_stopped_and_connected_in_two_seconds(make_b
     former.connect()
     former.driver.set_velocity(0.5, 0.0, former.now)
     former.run(0.3)
-    assert bench.body.is_turning
+    assert bench.body.is_turning()
     seconds = bench.connect()
     assert seconds <= 2.0
     assert bench.of(HandshakeCompleted)[0].baud == rate
     bench.run(1.0)
-    assert not bench.body.is_turning
+    assert not bench.body.is_turning()
 
 
 @pytest.mark.parametrize("count", [5, 8, 14, 20, 30, 200, 255])
@@ -65,7 +65,7 @@ def test_half_a_frame_in_the_robots_receiver_never_lets_it_hear_a_pulse_first(
     former.robot.receive(bytes([0xFA, 0xFB, count]))
     former.is_frozen = True
     former.run(5.0)
-    assert not former.body.is_turning
+    assert not former.body.is_turning()
 
     bench = make_bench()
     bench.robot, bench.body = former.robot, former.body
@@ -81,7 +81,7 @@ def test_frozen_driver_begins_with_stop_and_close_and_the_wheels_never_turn_agai
     bench.run(0.3)
     bench.is_frozen = True
     bench.run(5.0)
-    assert not bench.body.is_turning
+    assert not bench.body.is_turning()
     bench.is_frozen = False
     back = bench.now
     bench.run(2.0)

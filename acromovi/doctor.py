@@ -1,0 +1,153 @@
+"""`acromovi doctor [PORT]`: step by step from this computer to the robot, and what to do where the way ends.
+
+It moves nothing: the robot hears STOP and CLOSE first, motors and sonar are left alone, and CLOSE comes last.
+"""
+
+import argparse
+import importlib
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from typing import NamedTuple
+
+from configs import ConfigError
+from gateway.bridge import Bridge, steady_clock
+from gateway.driver import Driver
+from gateway.errors import GatewayError
+from gateway.events import Event, HandshakeCompleted, SipReceived
+from gateway.search import Search, model_finder, rates_to_try
+from gateway.serial_port import open_port
+from gateway.settings import Settings
+from p2os import StandardSip
+
+OLDEST, NEWEST = (3, 11), (3, 13)
+PACKAGES = {"zenoh": "eclipse-zenoh", "serial": "pyserial", "rosbags": "rosbags", "numpy": "numpy"}
+"""Module to distribution."""
+PORT_PATIENCE = 10.0
+"""Seconds for everything; a port that comes and goes could keep us forever."""
+QUIET_SETTINGS = Settings(enable_motors=False, sonar=None, inputs_outputs=False)
+SIPS_TO_HEAR = 3
+SIP_PATIENCE = 2.0
+"""Seconds to wait for so many information packets once the robot has said who it is."""
+
+
+class Finding(NamedTuple):
+    """One step. advice: what to do where it is not OK."""
+
+    check: str
+    is_ok: bool
+    found: str
+    advice: str = ""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what `doctor` takes."""
+    parser.add_argument("port", nargs="?", metavar="PORT", help="the robot's; without it only this computer is checked")
+    parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
+    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print a line for each step; returns 0 if all are OK, 1 otherwise."""
+    all_ok = True
+    for finding in examine(arguments.port, arguments.bus):
+        all_ok &= finding.is_ok
+        if arguments.json:
+            print(json.dumps(finding._asdict()), flush=True)
+        else:
+            advice = f": {finding.advice}" if finding.advice else ""
+            print(f"{'OK  ' if finding.is_ok else 'FAIL'} {finding.check}: {finding.found}{advice}", flush=True)
+    return 0 if all_ok else 1
+
+
+def examine(port: str | None, bus_profile: str) -> Iterator[Finding]:
+    """Take the steps one after the other; the way to the robot ends with the first that is not OK."""
+    yield _python()
+    yield from map(_package, PACKAGES)
+    yield _bus(bus_profile)
+    if port is not None:
+        yield from _robot(port)
+
+
+def _python() -> Finding:
+    here = sys.version_info[:2]
+    found = ".".join(map(str, sys.version_info[:3]))
+    advice = "" if OLDEST <= here <= NEWEST else "install Python 3.11, 3.12 or 3.13"
+    return Finding("Python", not advice, found, advice)
+
+
+def _package(module: str) -> Finding:
+    distribution = PACKAGES[module]
+    try:
+        importlib.import_module(module)
+        return Finding(distribution, True, version(distribution))
+    except (ImportError, PackageNotFoundError) as error:
+        return Finding(distribution, False, str(error), f"pip install {distribution}")
+
+
+def _bus(profile: str) -> Finding:
+    from bus import BusUnavailable, ZenohBus  # not at the top: it may be what is missing
+
+    try:
+        ZenohBus.open(profile).close()
+    except (BusUnavailable, ConfigError) as error:
+        return Finding("bus", False, str(error), "see the profiles in configs/bus")
+    return Finding("bus", True, f"profile {profile} opens")
+
+
+def _robot(name: str) -> Iterator[Finding]:
+    try:
+        port = open_port(name)
+    except GatewayError as error:
+        yield Finding("port", False, str(error))
+        return
+    yield Finding("port", True, f"{name} is there and free")
+    driver = Driver(model_finder(QUIET_SETTINGS), rates_to_try(port, None), QUIET_SETTINGS)
+    bridge = Bridge(driver, port, lambda: open_port(name))
+    visit = _Visit(name, bridge.stop)
+    try:
+        bridge.run(visit)
+        yield from visit.findings()
+    except GatewayError as error:
+        yield Finding("robot", False, str(error))
+    finally:
+        bridge.close()
+
+
+class _Visit:
+    """Listens to a robot until enough is known."""
+
+    def __init__(self, port: str, leave: Callable[[], None]) -> None:
+        self._search = Search(port, steady_clock())
+        self._leave = leave
+        self._sips: list[StandardSip] = []
+        self.deadline = steady_clock() + PORT_PATIENCE
+
+    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+        """Take the driver's events; raises GatewayError when there is no robot."""
+        self._search.take(events, now)
+        self._sips += [event.sip for event in events if isinstance(event, SipReceived)]
+        if any(isinstance(event, HandshakeCompleted) for event in events):
+            self.deadline = now + SIP_PATIENCE
+        if len(self._sips) >= SIPS_TO_HEAR or now >= self.deadline:
+            self._leave()
+
+    def findings(self) -> Iterator[Finding]:
+        """What was learnt."""
+        found = self._search.found
+        if found is None:
+            yield Finding("robot", False, "the port went away while we were looking", "check the plug and the cable")
+            return
+        name, _, subtype = found.identity
+        at = f" at {found.baud} bit/s" if found.baud else ""
+        yield Finding("robot", True, f"{name} answers{at}")
+        yield Finding("model", True, f"{subtype}, known as {found.model.name}")
+        if not self._sips:
+            yield Finding("packets", False, "no information packet came", "switch the robot off and on, and try again")
+            return
+        yield Finding("packets", True, f"{len(self._sips)} information packets read")
+        voltage, nominal = self._sips[-1].best_battery, found.model.battery_nominal
+        low = found.model.flash.low_battery * nominal
+        advice = "" if voltage >= low else f"charge it; {low:.1f} V is low for this robot"
+        yield Finding("battery", not advice, f"{voltage:.1f} V of {nominal:.0f} V", advice)

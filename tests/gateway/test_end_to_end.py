@@ -1,0 +1,166 @@
+"""The programs themselves: an emulated robot on a real port, a gateway process, Zenoh between it and the test."""
+
+import argparse
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from math import hypot
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import pytest
+
+from acromovi import doctor
+from acromovi.children import EmulatedRobots, emulator, gateway
+from bus import Bus, Sample, ZenohBus, keys, messages
+
+LIMIT = 15.0
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + LIMIT
+    while not condition():
+        assert time.monotonic() < deadline, "it did not happen"
+        time.sleep(0.01)
+
+
+class Watcher:
+    """Hears one robot's odometry, and may drive it."""
+
+    def __init__(self, bus: Bus, name: str) -> None:
+        self.count = 0
+        self.odom: Any = None
+        self._bus = bus
+        self._name = name
+        bus.subscribe(keys.ODOM.key(name), self._on_odometry)
+
+    def _on_odometry(self, sample: Sample) -> None:
+        self.odom = messages.decode(keys.ODOM.type_name, sample.payload)
+        self.count += 1
+
+    def hear(self, more: int = 3) -> None:
+        """Wait for further poses."""
+        enough = self.count + more
+        wait_for(lambda: self.count >= enough)
+
+    def drive(self, linear: float) -> None:
+        self._bus.put(keys.CMD_VEL.key(self._name), messages.twist(linear, 0.0))
+
+    def drive_until_fast(self, linear: float) -> None:
+        def is_fast() -> bool:
+            self.drive(linear)
+            time.sleep(0.05)
+            return self.odom is not None and self.odom.twist.twist.linear.x > 0.9 * linear
+
+        wait_for(is_fast)
+
+
+@pytest.fixture
+def name() -> str:
+    return f"t{uuid4().hex[:12]}"
+
+
+@pytest.fixture
+def bus() -> Iterator[Bus]:
+    with ZenohBus.open() as session:
+        yield session
+
+
+def rolled(robots: EmulatedRobots, name: str) -> tuple[float, float]:
+    truth = robots.ask("truth", robot=name)
+    return truth["x"], truth["y"]
+
+
+def stands(robots: EmulatedRobots, name: str, seconds: float) -> bool:
+    """The robot does not move for a while, as the world sees it."""
+    start = rolled(robots, name)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        time.sleep(0.1)
+        now = rolled(robots, name)
+        if hypot(now[0] - start[0], now[1] - start[1]) > 0.003:
+            return False
+    return True
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, way: str) -> None:
+    ways = ["--tcp", "0"] if way == "tcp" else []
+    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty", *ways) as robots, gateway(robots.port, "--quiet"):
+        watcher = Watcher(bus, name)
+        watcher.hear()
+        watcher.drive_until_fast(0.3)
+        wait_for(lambda: watcher.odom.twist.twist.linear.x == 0.0)
+        assert stands(robots, name, 0.5)
+
+
+def test_gateway_killed_while_driving_and_started_again_never_turns_the_wheels(name: str, bus: Bus) -> None:
+    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots:
+        watcher = Watcher(bus, name)
+        with gateway(robots.port, "--quiet") as first:
+            watcher.hear()
+            watcher.drive_until_fast(0.5)
+            first.kill()
+            first.wait()
+        wait_for(lambda: stands(robots, name, 0.3))  # the watchdog
+        with gateway(robots.port, "--quiet"):
+            watcher.hear()
+            assert stands(robots, name, 1.0)
+            watcher.drive_until_fast(0.2)
+
+
+def test_gateway_frozen_while_driving_never_turns_the_wheels_by_itself(name: str, bus: Bus) -> None:
+    with (
+        emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots,
+        gateway(robots.port, "--quiet") as process,
+    ):
+        watcher = Watcher(bus, name)
+        watcher.hear()
+        watcher.drive_until_fast(0.5)
+        process.send_signal(signal.SIGSTOP)
+        for _ in range(20):  # commands pile up on the bus while nobody hears
+            watcher.drive(0.5)
+        wait_for(lambda: stands(robots, name, 0.3))
+        process.send_signal(signal.SIGCONT)
+        watcher.hear()
+        assert stands(robots, name, 1.0)
+        watcher.drive_until_fast(0.2)
+
+
+def test_port_that_vanishes_and_returns_is_taken_up_again(name: str, bus: Bus, tmp_path: Path) -> None:
+    cable = tmp_path / "cable"
+    robot = ("--robot", f"p3dx-sh:{name}", "--world", "empty", "--pty", str(cable))
+    watcher = Watcher(bus, name)
+    with ExitStack() as stack:
+        first = stack.enter_context(emulator(*robot))
+        process = stack.enter_context(gateway(str(cable), "--quiet"))
+        watcher.hear()
+        first.process.kill()
+        first.process.wait()
+        count = watcher.count
+        stack.enter_context(emulator(*robot))
+        wait_for(lambda: watcher.count > count + 3)
+        assert process.poll() is None
+
+
+def test_doctor_finds_everything_in_order_and_leaves_the_robot_as_it_was(name: str) -> None:
+    with emulator("--robot", f"powerbot:{name}", "--world", "empty") as robots:
+        place = rolled(robots, name)
+        parser = argparse.ArgumentParser()
+        doctor.add_arguments(parser)
+        assert doctor.run(parser.parse_args([robots.port, "--json"])) == 0
+        assert rolled(robots, name) == pytest.approx(place, abs=1e-6)
+
+
+def test_line_on_the_terminal_says_who_is_connected_and_where(name: str) -> None:
+    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots:
+        command = [sys.executable, "-m", "gateway", robots.port, "--name", f"{name}-b"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == f"connected to {name} (p3dx-sh) at 9600 bit/s; keys under {name}-b/\n"
+            process.terminate()
+            assert process.wait(LIMIT) == 0
