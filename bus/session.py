@@ -7,16 +7,15 @@ a file of Zenoh's (`.json5`) serves as well.
 import atexit
 import contextlib
 import json
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from queue import SimpleQueue
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import zenoh
 
 from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
+from bus.declared import Declared, HandlerThread, Listening, Undeclarable
 from bus.errors import BusUnavailable, NoAnswer
 from bus.exchange import (
     Answerer,
@@ -38,7 +37,6 @@ from configs.loader import ConfigError, find, read
 # asked again.
 MEETING_TIME = 0.5  # s
 ASK_AGAIN_AFTER = 0.02  # s
-HANDLER_GRACE = 1.0  # s for handlers to end when the bus is closed
 
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
 
@@ -82,9 +80,9 @@ class ZenohBus(Bus):
         except zenoh.ZError as err:
             raise BusUnavailable(f"the bus cannot be opened: {reason(err)}") from err
         self._is_closed = False
-        self._declared: set[_Declared] = set()  # Zenoh withdraws what nobody refers to
+        self._declared: set[Declared] = set()  # Zenoh withdraws what nobody refers to
         self._met_at = time.monotonic() + MEETING_TIME
-        self._handlers = _HandlerThread()
+        self._handlers = HandlerThread()
         atexit.register(self.close)  # a session left open keeps the interpreter from ending
 
     @classmethod
@@ -163,7 +161,7 @@ class ZenohBus(Bus):
         """Show a token while this session lives."""
         plain_key(key)
         with self._usable():
-            return _Declared(self._declared, self._session.liveliness().declare_token(key))
+            return Declared(self._declared, self._session.liveliness().declare_token(key))
 
     def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
         """Hear of tokens that are there, come and go."""
@@ -216,11 +214,11 @@ class ZenohBus(Bus):
         return replies
 
     def _listen(
-        self, key_expr: str, handler: Callable[[Any], None], declare: "Callable[[Any], _Undeclarable]"
+        self, key_expr: str, handler: Callable[[Any], None], declare: Callable[[Any], Undeclarable]
     ) -> Subscription:
         """Declare a subscriber or queryable whose handler runs on this bus's thread."""
         with self._usable():
-            listening = _Listening(self._declared, guarded(key_expr, handler))
+            listening = Listening(self._declared, guarded(key_expr, handler))
             # Zenoh's own thread posts to the one queue; by default there would be a thread for every declaration.
             listening.handle = declare(zenoh.handlers.Callback(partial(self._handlers.post, listening), indirect=False))
         return listening
@@ -236,50 +234,10 @@ class ZenohBus(Bus):
             raise BusUnavailable(f"the bus failed: {reason(err)}") from err
 
 
-class _Undeclarable(Protocol):
-    """What Zenoh returns for a declaration."""
-
-    def undeclare(self) -> object: ...
-
-
-class _Declared(Subscription):
-    """Something declared on a Zenoh session; when the session closes, so does it."""
-
-    def __init__(self, declared: "set[_Declared]", handle: _Undeclarable | None = None) -> None:
-        self.handle = handle
-        self._among = declared
-        declared.add(self)
-
-    def close(self) -> None:
-        self._among.discard(self)
-        handle, self.handle = self.handle, None
-        if handle is not None:
-            with contextlib.suppress(zenoh.ZError):  # the session closed before it
-                handle.undeclare()
-
-
-class _Listening(_Declared):
-    """A subscriber or queryable and its handler."""
-
-    def __init__(self, declared: set[_Declared], handler: Callable[[Any], None]) -> None:
-        super().__init__(declared)
-        self._handler = handler
-        self._is_open = True
-
-    def hear(self, item: object) -> None:
-        """Run the handler, unless this was closed while the item waited."""
-        if self._is_open:
-            self._handler(item)
-
-    def close(self) -> None:
-        self._is_open = False
-        super().close()
-
-
-class _ZenohPublisher(_Declared, Publisher):
+class _ZenohPublisher(Declared, Publisher):
     """A key and a type on a Zenoh session."""
 
-    def __init__(self, declared: set[_Declared], handle: zenoh.Publisher, type_name: str) -> None:
+    def __init__(self, declared: set[Declared], handle: zenoh.Publisher, type_name: str) -> None:
         super().__init__(declared, handle)
         self._publisher = handle
         self._type_name = type_name
@@ -290,27 +248,3 @@ class _ZenohPublisher(_Declared, Publisher):
             self._publisher.put(payload, attachment=attachment or None)
         except zenoh.ZError as err:
             raise BusUnavailable(f"this message cannot be published: {reason(err)}") from err
-
-
-class _HandlerThread:
-    """Runs handlers one after the other. A daemon, since a handler may hang and the program must still end."""
-
-    def __init__(self) -> None:
-        self._work: SimpleQueue[tuple[_Listening, object] | None] = SimpleQueue()
-        self._thread = threading.Thread(target=self._run, name="bus", daemon=True)
-        self._thread.start()
-
-    def post(self, listening: _Listening, item: object) -> None:
-        """Have an item heard when its turn comes."""
-        self._work.put((listening, item))
-
-    def stop(self) -> None:
-        """End after what waits already; a handler that hangs is left behind."""
-        self._work.put(None)
-        if threading.current_thread() is not self._thread:
-            self._thread.join(timeout=HANDLER_GRACE)
-
-    def _run(self) -> None:
-        while (work := self._work.get()) is not None:
-            listening, item = work
-            listening.hear(item)
