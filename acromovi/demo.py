@@ -10,16 +10,22 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
-import bus as bus_room
 from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
-from acromovi.picture import draw_drive
 from apps.waypoints import Follower
-from bus import Bus, Sample, ZenohBus, keys, messages
+from bus import Bus, BusError, Sample, ZenohBus, keys, messages
 from geometry import Pose2D
-from p2os_emu.world import load_world
 
+EPILOG = """\
+example:
+  acromovi demo --out /tmp/demo
+
+Exit codes: 0 the whole route was driven, 1 it was not (the reason is on stderr), 130 stopped by Ctrl-C.
+"""
+EXTRAS = {"pybullet": "emu", "matplotlib": "vision"}
+MODEL = "powerbot"
 ROBOT = "powerbot"
 WORLD = "office"
 ROUTE = "round"
@@ -82,29 +88,40 @@ class Drive:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the options of `acromovi demo`."""
+    """Describe the command line."""
+    parser.epilog = EPILOG
     parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the picture (default: demo)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the robot's imperfections (default: 1)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo: 0 when the whole route was driven, 1 otherwise."""
+    missing = [extra for module, extra in EXTRAS.items() if find_spec(module) is None]
+    if missing:
+        print(f"acromovi demo: install what it needs: pip install 'acromovi[{','.join(missing)}]'", file=sys.stderr)
+        return 1
+    from acromovi.picture import draw_drive
+    from p2os_emu.world import load_world
+
+    world = load_world(WORLD)
     try:
-        with emulator("--robot", ROBOT, "--world", WORLD, "--seed", str(options.seed), "--quiet") as robots:
+        with emulator(
+            "--robot", f"{MODEL}:{ROBOT}", "--world", WORLD, "--seed", str(options.seed), "--quiet"
+        ) as robots:
             print(f"p2os-emu     an emulated PowerBot on {robots.port}")
             with gateway(robots.port, "--quiet"), ZenohBus.open() as bus:
-                drive, heard = _drive(bus, robots)
-    except (ChildFailed, bus_room.BusError, TimeoutError) as error:
+                drive, heard = _drive(bus, robots, Follower(world.routes[ROUTE]))
+    except (ChildFailed, BusError, TimeoutError) as error:
         print(f"acromovi demo: {error}", file=sys.stderr)
         return 1
     options.out.mkdir(parents=True, exist_ok=True)
-    picture = options.out / f"{WORLD}.png"
-    draw_drive(picture, load_world(WORLD), drive.true_path, drive.odometry_path)
+    picture = options.out / "drive.png"
+    draw_drive(picture, world, drive.true_path, drive.odometry_path)
     print(_summary(drive, heard, picture))
     return 0
 
 
-def _drive(bus: Bus, robots: EmulatedRobots) -> tuple[Drive, Heard]:
+def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, Heard]:
     heard = Heard()
     bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
     bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
@@ -112,7 +129,6 @@ def _drive(bus: Bus, robots: EmulatedRobots) -> tuple[Drive, Heard]:
     _wait_for_odometry(heard)
     print(f"p2os-gateway messages under {ROBOT}/ on the bus\n")
     start = _truth(robots)
-    follower = Follower(load_world(WORLD).routes[ROUTE])
     drive = Drive()
     began = time.monotonic()
     with _table() as show:

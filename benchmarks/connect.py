@@ -101,7 +101,7 @@ def _cable() -> list[Figure]:
     for run in range(RUNS):
         with _robot_behind_a_name(run) as (robots, poses):
             poses.wait_for_one_after(time.monotonic())
-            robots.ask("fault", name="hang-up", duration=PULLED_S)
+            robots.ask("fault", fault=f"hang-up@0+{PULLED_S}")
             time.sleep(SETTLE_S)
             pulled_until = time.monotonic() + PULLED_S - SETTLE_S
             before = len(poses.arrivals)

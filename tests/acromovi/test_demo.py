@@ -1,0 +1,51 @@
+"""The demo, on a route of its own that is driven in seconds."""
+
+import argparse
+from pathlib import Path
+
+import pytest
+
+from acromovi import demo
+
+WORLD = """\
+walls = [{ from_m = [3.0, -2.0], to_m = [3.0, 2.0] }]
+routes_m = { round = [[0.3, 0.0]] }
+"""
+
+
+def options(out: Path) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    demo.add_arguments(parser)
+    return parser.parse_args(["--out", str(out)])
+
+
+def test_demo_drives_its_route_draws_it_and_says_how_to_go_on(
+    robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    world = tmp_path / "small.toml"
+    world.write_text(WORLD)
+    name = robot[:19]
+    monkeypatch.setattr(demo, "WORLD", str(world))
+    monkeypatch.setattr(demo, "ROBOT", name)
+    monkeypatch.setattr(demo, "MODEL", "powerbot")
+    assert demo.run(options(tmp_path)) == 0
+    assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
+    said = capsys.readouterr().out
+    assert "drove 0.3 m" in said
+    assert "acromovi teleop" in said
+
+
+def test_demo_without_physics_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(demo, "EXTRAS", {"no_such_module": "emu"})
+    assert demo.run(options(tmp_path)) == 1
+    assert "pip install 'acromovi[emu]'" in capsys.readouterr().err
+
+
+def test_demo_whose_emulator_does_not_start_fails_in_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(demo, "MODEL", "no-such-robot")
+    assert demo.run(options(tmp_path)) == 1
+    assert "acromovi demo: p2os-emu ended with exit code 3" in capsys.readouterr().err

@@ -1,0 +1,102 @@
+"""What README tells people to type, run as it stands; only the robot's name and the port's path are this test's own."""
+
+import re
+import shlex
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from acromovi.children import EmulatedRobots, emulator, gateway
+from bus import ZenohBus, keys
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PROGRAMS = {"p2os-emu": "p2os_emu", "p2os-gateway": "gateway", "acromovi": "acromovi"}
+DEADLINE = 20.0
+
+
+@dataclass
+class Setting:
+    """A robot with its gateway, named as no other test's."""
+
+    name: str
+    port: str
+    robots: EmulatedRobots
+
+    def personal(self, text: str) -> str:
+        """README's words with this robot's name and port."""
+        return re.sub(r"\bpowerbot/", f"{self.name}/", text.replace("/tmp/powerbot", self.port))
+
+
+@pytest.fixture
+def setting(tmp_path: Path) -> Iterator[Setting]:
+    name, port = f"readme-{uuid.uuid4().hex[:8]}", str(tmp_path / "port")
+    with ExitStack() as stack:
+        robots = stack.enter_context(emulator("--robot", f"powerbot:{name}", "--pty", port, "--quiet"))
+        stack.enter_context(gateway(port, "--quiet"))
+        bus = stack.enter_context(ZenohBus.open())
+        heard: list[str] = []
+        bus.subscribe(keys.ODOM.key(name), lambda sample: heard.append(sample.key))
+        deadline = time.monotonic() + DEADLINE
+        while not heard:
+            assert time.monotonic() < deadline, "no odometry came"
+            time.sleep(0.01)
+        yield Setting(name, port, robots)
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def commands(program: str) -> list[list[str]]:
+    """Every command line of a program in README's shell blocks, without comments."""
+    lines = [line.partition("#")[0].strip() for block in blocks("") for line in block.splitlines()]
+    words = [shlex.split(line) for line in lines if line.startswith(".venv/bin/")]
+    return [line for line in words if Path(line[0]).name == program]
+
+
+def test_readme_shows_every_program() -> None:
+    assert all(commands(program) for program in PROGRAMS)
+
+
+def test_emulator_lines_of_readme_start_a_robot(tmp_path: Path) -> None:
+    for line in commands("p2os-emu"):
+        arguments = [word.replace("/tmp/powerbot", str(tmp_path / "robot")) for word in line[1:]]
+        with emulator(*arguments, "--quiet") as robots:
+            assert robots.robots[0]["model"] == "powerbot"
+
+
+def test_looking_lines_of_readme_show_the_robot(setting: Setting) -> None:
+    for line in commands("acromovi"):
+        if line[1] == "teleop":
+            continue  # wants a terminal, and is tested with one
+        limit = {"topics": ["--seconds", "1"], "echo": ["--count", "1"]}.get(line[1], [])
+        arguments = [setting.personal(word) for word in line[1:]]
+        done = subprocess.run(
+            [sys.executable, "-m", "acromovi", *arguments, *limit],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=DEADLINE,
+        )
+        assert done.returncode == 0, done.stderr
+        assert setting.name in done.stdout
+
+
+def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> None:
+    (program,) = blocks("python")
+    start = setting.robots.ask("truth", robot=setting.name)
+    setting.robots.ask("pose", robot=setting.name, x=13.8, y=6.1, heading=0.0)
+    done = subprocess.run(
+        [sys.executable, "-c", setting.personal(program)], cwd=ROOT, capture_output=True, text=True, timeout=DEADLINE
+    )
+    assert done.returncode == 0, done.stderr
+    end = setting.robots.ask("truth", robot=setting.name)
+    assert end["x"] > 13.9 > start["x"]
