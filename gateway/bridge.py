@@ -13,15 +13,18 @@ from contextlib import suppress
 from math import inf
 from typing import Protocol, TypeVar
 
+from gateway.connector import CLOSE, STOP
 from gateway.driver import Driver
 from gateway.errors import GatewayError, PortLost
-from gateway.events import Event, LinkLost
+from gateway.events import Event, LinkLost, SweepFailed
 from gateway.serial_port import Port, SocketPort
 
 T = TypeVar("T")
 
 REOPEN_PERIOD = 0.15
 """Seconds between two tries to open a port that is gone."""
+BRAKING_TIME = 1.0
+"""Seconds for a robot to stop before its motors are switched off on leaving."""
 LONGEST_WAIT = 0.4
 """Seconds; often enough that the driver does not take an idle moment for a freeze."""
 
@@ -101,6 +104,8 @@ class Bridge:
         """Work until `stop`."""
         while not self._is_stopped:
             has_bytes = self._wait(listener.deadline)
+            if self._port is None and self._clock() >= self._reopen_at:
+                self._open_again()
             with self._lock:
                 now = self._clock()
                 data = self._read() if has_bytes else b""
@@ -118,13 +123,22 @@ class Bridge:
         with self._lock:
             if self._port is not None:
                 with suppress(PortLost):  # nobody may be there to say goodbye to
-                    self._port.write(self._driver.farewell())
+                    self._port.write(STOP)
+                    self._let_it_brake(self._port)
+                    self._port.write(CLOSE)
                 self._port.close()
                 self._port = None
             if not self._is_closed:
                 self._is_closed = True
                 os.close(self._wake_reader)
                 os.close(self._wake_writer)
+
+    def _let_it_brake(self, port: Port) -> None:
+        """Wait for a moving robot to stop: CLOSE takes the power off its motors, and it would coast."""
+        until = self._clock() + BRAKING_TIME
+        while self._driver.is_moving and (left := until - self._clock()) > 0.0:
+            if select.select([port], (), (), left)[0]:
+                self._driver.receive(port.read(), self._clock())
 
     def _wait(self, listener_deadline: float) -> bool:
         """Wait for something to do; say whether bytes have come."""
@@ -150,10 +164,8 @@ class Bridge:
     def _work(self, data: bytes, now: float) -> list[Event]:
         if self._lost is not None:
             self._lose_port(self._lost, now)
-        if self._port is None and now >= self._reopen_at:
-            self._open_again(now)
-        events = self._driver.receive(data, self._clock())
-        if isinstance(self._port, SocketPort) and any(isinstance(event, LinkLost) for event in events):
+        events = self._driver.receive(data, now)
+        if isinstance(self._port, SocketPort) and any(isinstance(event, LinkLost | SweepFailed) for event in events):
             # A dead connection gives no sign, and one that revives would bring old bytes.
             self._lose_port(PortLost("the connection is dead"), now)
         self._flush()
@@ -172,14 +184,18 @@ class Bridge:
             self._lost = lost
             self.wake()
 
-    def _open_again(self, now: float) -> None:
+    def _open_again(self) -> None:
+        """Try to open the port; not under the lock, since a connection may take its time to fail."""
         try:
-            self._port = self._reopen()
+            port = self._reopen()
         except GatewayError:
-            self._reopen_at = now + REOPEN_PERIOD  # it is not back yet
+            self._reopen_at = self._clock() + REOPEN_PERIOD  # it is not back yet
             return
-        self._reopen_at = inf
-        self._driver.port_opened(self._clock())
+        with self._lock:
+            self._reopen_at = inf
+            self._port = port
+            self._driver.port_opened(self._clock())
+            self._flush()
 
     def _lose_port(self, lost: PortLost, now: float) -> None:
         if self._port is not None:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from math import inf, isfinite
 
 from gateway.configurator import Configurator
-from gateway.connector import CLOSE, STOP, Connector
+from gateway.connector import CLOSE, Connector
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
 from gateway.events import (
     ConfigurationReceived,
@@ -162,11 +162,12 @@ class Driver:
         self._wake(now)
         return self._outbox.due(now) if self.has_port else b""
 
-    def farewell(self) -> bytes:
-        """What to write before leaving: the robot stops, and its servers and motors go off."""
-        return STOP + CLOSE
-
     # The commander's side.
+
+    @property
+    def is_moving(self) -> bool:
+        """The wheels turn, by the last SIP; false while the robot is not connected."""
+        return self.is_connected and self._motion.is_rolling
 
     @property
     def is_estopped(self) -> bool:

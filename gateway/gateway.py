@@ -54,6 +54,7 @@ class Gateway:
         self._bridge = bridge
         self._search = Search(options.port, now)
         self._kept: list[Event] = []
+        self._complaint = ""
         self._bus: Bus | None = None
         self._bus_error: Exception | None = None
         self._join: Callable[[], RobotOnBus] | None = None
@@ -146,4 +147,8 @@ class Gateway:
             print(sentence, flush=True)
 
     def _complain(self, sentence: str) -> None:
+        """Say it once, however often it goes on being so."""
+        if sentence == self._complaint:
+            return
+        self._complaint = sentence
         print(f"p2os-gateway: {sentence}", file=sys.stderr, flush=True)

@@ -44,8 +44,8 @@ class _Mode(Enum):
 class Motion:
     """Commands in, frames into the outbox; SIPs in, ends of long motions out.
 
-    is_estopped: latched. wants_motors: the motors are to be on. max_linear, max_angular: m/s and rad/s, clip
-    velocities.
+    is_estopped: latched. is_rolling: the wheels turned at the last SIP. wants_motors: the motors are to be on.
+    max_linear, max_angular: m/s and rad/s, clip velocities.
     """
 
     def __init__(self, outbox: Outbox, report: Callable[[MotionEnded], None], wants_motors: bool) -> None:
@@ -62,6 +62,7 @@ class Motion:
         self._enabled_at = -inf
         self._motors_on = False
         self.is_estopped = False
+        self.is_rolling = False
         self.wants_motors = wants_motors
         self.max_linear = inf
         self.max_angular = inf
@@ -166,6 +167,7 @@ class Motion:
 
     def take(self, sip: StandardSip, now: float) -> None:
         """Take a plausible SIP that the odometry has already taken."""
+        self.is_rolling = not is_at_rest(sip)
         self._follow_motors(sip, now)
         if self._journey is not None:
             end = self._journey.update(sip, now)
@@ -173,7 +175,7 @@ class Motion:
                 self._queue_journey()
             else:
                 self.halt(now, end)
-        elif self._mode is _Mode.STANDING and not is_at_rest(sip) and now - self._stopped_at >= REPEAT_STOP:
+        elif self._mode is _Mode.STANDING and self.is_rolling and now - self._stopped_at >= REPEAT_STOP:
             self.halt(now)
 
     def watch(self, now: float) -> None:
@@ -226,7 +228,7 @@ class Motion:
         went_off = self._motors_on and not sip.motors_enabled
         self._motors_on = sip.motors_enabled
         if self.is_estopped and sip.motors_enabled:
-            if is_at_rest(sip) or now - self._estopped_at >= TIME_TO_BRAKE:
+            if not self.is_rolling or now - self._estopped_at >= TIME_TO_BRAKE:
                 self._outbox.put(Command.ENABLE, MOTORS_OFF)
         elif went_off and now - self._enabled_at > TIME_TO_ENABLE:
             # The robot did it by itself (STOP button, e-stall, low battery): it takes a person to switch them on again.

@@ -70,6 +70,7 @@ class Streams(Subscription):
             case LinkLost():
                 self._sip = None
                 self._has_io_packets = False
+                telemetry.forget_ticks()
 
     def _publish_changes(self, sip: StandardSip, stamp: int) -> None:
         self._sip = sip

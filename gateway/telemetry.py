@@ -209,6 +209,10 @@ class Telemetry:
         """Keep the wheel speeds for the encoder packet that follows the SIP."""
         self._wheel_speeds = sip.left_velocity, sip.right_velocity
 
+    def forget_ticks(self) -> None:
+        """The robot was out of touch: its encoders may count from zero again, and the angles go on."""
+        self._ticks = None
+
 
 def _placed(parent: Header, child: str, x: float, y: float, heading: float) -> TransformStamped:
     return TransformStamped(

@@ -90,11 +90,16 @@ def stands(robots: EmulatedRobots, name: str, seconds: float) -> bool:
 @pytest.mark.parametrize("way", ["pty", "tcp"])
 def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, way: str) -> None:
     ways = ["--tcp", "0"] if way == "tcp" else []
-    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty", *ways) as robots, gateway(robots.port, "--quiet"):
+    robot = ("--robot", f"p3dx-sh:{name}", "--world", "empty")
+    with emulator(*robot, *ways) as robots, gateway(robots.port, "--quiet") as process:
         watcher = Watcher(bus, name)
         watcher.hear()
         watcher.drive_until_fast(0.3)
         wait_for(lambda: watcher.odom.twist.twist.linear.x == 0.0)
+        assert stands(robots, name, 0.5)
+        watcher.drive_until_fast(0.3)
+        process.terminate()
+        assert process.wait(LIMIT) == 0
         assert stands(robots, name, 0.5)
 
 
