@@ -6,11 +6,14 @@ import random
 import time
 from collections.abc import Callable
 
+import zenoh
+
 from acromovi.children import emulator, gateway
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure, p50_p99
 from benchmarks.peer import STEP_M, CableRobot
-from bus import Sample, ZenohBus, keys, messages
+from bus import ZenohBus, keys, messages
+from bus.session import configuration
 from p2os import Command
 
 TRIALS = 150
@@ -51,17 +54,17 @@ def _until_wheels(client: PortClient, turning: bool) -> float:
 
 
 def _port_to_bus() -> list[float]:
-    """From the end of the write on the port to the handler of a subscriber in this process, ms."""
+    """From the end of the write on the port to the callback of a plain Zenoh subscriber in this process, ms."""
     name = "bench-up"
     heard: dict[int, float] = {}
 
-    def on_odometry(sample: Sample) -> None:
+    def on_odometry(sample: zenoh.Sample) -> None:
         now = time.monotonic()
-        position = messages.decode(keys.ODOM.type_name, sample.payload).pose.pose.position
+        position = messages.decode(keys.ODOM.type_name, sample.payload.to_bytes()).pose.pose.position
         heard[round(position.x / STEP_M)] = now
 
-    with CableRobot(name) as robot, ZenohBus.open() as bus, gateway(robot.port, "--quiet"):
-        bus.subscribe(keys.ODOM.key(name), on_odometry)
+    with CableRobot(name) as robot, zenoh.open(configuration("local")) as session, gateway(robot.port, "--quiet"):
+        session.declare_subscriber(keys.ODOM.key(name), on_odometry)
         _wait(lambda: bool(heard))
         offset = max(robot.written) - max(heard)  # the gateway counts from its first SIP
         time.sleep(PORT_SECONDS)

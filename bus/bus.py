@@ -106,8 +106,15 @@ class Bus(ABC):
         """Publish one message that must not be dropped: wait while the way is congested. A dict travels as JSON."""
 
     @abstractmethod
-    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None]) -> Subscription:
-        """Hear what is put on every key that the expression matches (`*` one chunk, `**` any number of chunks)."""
+    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
+        """Hear what is put on every key that the expression matches (`*` one chunk, `**` any number of chunks).
+
+        Args:
+            key_expr: A key, or an expression.
+            on_sample: Called with each sample.
+            urgent: Call it on the thread that receives, which spares a change of threads; such a handler must not wait
+                for anything, since the whole session waits for it.
+        """
 
     @abstractmethod
     def serve(self, key: str, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Subscription:

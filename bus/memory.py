@@ -138,8 +138,8 @@ class MemoryBus(Bus):
         """Deliver one message; there is no congestion here."""
         self.put(key, message, attachment)
 
-    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None]) -> Subscription:
-        """Hear what is put on matching keys."""
+    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
+        """Hear what is put on matching keys; nothing here is more urgent than anything else."""
         return self._enter(self.network.subscribers, key_expr, guarded(key_expr, on_sample))
 
     def serve(self, key: str, answer: Answerer) -> Subscription:

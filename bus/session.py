@@ -64,7 +64,7 @@ def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zen
 
 
 class ZenohBus(Bus):
-    """One participant: a session, and one thread on which all its handlers run, in the order of arrival.
+    """One participant: a session, and one thread for its handlers, which run in the order of arrival.
 
     Since a handler holds up the others it must be quick, and must not query what the same bus serves.
     """
@@ -114,7 +114,7 @@ class ZenohBus(Bus):
         """Publish one message; wait while the way is congested."""
         self._put(key, message, attachment, zenoh.CongestionControl.BLOCK)
 
-    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None]) -> Subscription:
+    def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
         """Hear what is put on matching keys."""
 
         def hear(sample: zenoh.Sample) -> None:
@@ -129,7 +129,7 @@ class ZenohBus(Bus):
                     )
                 )
 
-        return self._listen(key_expr, hear, partial(self._session.declare_subscriber, key_expression(key_expr)))
+        return self._listen(key_expr, hear, partial(self._session.declare_subscriber, key_expression(key_expr)), urgent)
 
     def serve(self, key: str, answer: Answerer) -> Subscription:
         """Answer queries on a key."""
@@ -214,13 +214,18 @@ class ZenohBus(Bus):
         return replies
 
     def _listen(
-        self, key_expr: str, handler: Callable[[Any], None], declare: Callable[[Any], Undeclarable]
+        self,
+        key_expr: str,
+        handler: Callable[[Any], None],
+        declare: Callable[[Any], Undeclarable],
+        urgent: bool = False,
     ) -> Subscription:
-        """Declare a subscriber or queryable whose handler runs on this bus's thread."""
+        """Declare a subscriber or queryable whose handler runs on this bus's thread, or at once if it is urgent."""
         with self._usable():
             listening = Listening(self._declared, guarded(key_expr, handler))
-            # Zenoh's own thread posts to the one queue; by default there would be a thread for every declaration.
-            listening.handle = declare(zenoh.handlers.Callback(partial(self._handlers.post, listening), indirect=False))
+            call = listening.hear if urgent else partial(self._handlers.post, listening)
+            # Called on Zenoh's own thread; by default there would be a thread for every declaration.
+            listening.handle = declare(zenoh.handlers.Callback(call, indirect=False))
         return listening
 
     @contextlib.contextmanager

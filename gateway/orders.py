@@ -61,8 +61,8 @@ class Orders(Subscription):
         self.lease_has_changed = True
         self.refused: Counter[str] = Counter()
         self._declared = [
-            bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel),
-            bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped),
+            bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel, urgent=True),
+            bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped, urgent=True),
             bus.serve(keys.LEASE.key(name), self._answerer(keys.LEASE, self._lease)),
             *(bus.serve(row.topic.key(name), self._answerer(row.topic, _handler(row, self._pass))) for row in COMMANDS),
         ]
