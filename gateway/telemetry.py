@@ -104,16 +104,19 @@ class Telemetry:
 
     def sonar(self, sip: StandardSip, stamp: int) -> RangeArray:
         """The fresh readings; infinite where no echo came back (REP 117)."""
+        base = header(stamp, self._base)
+        at = base.stamp  # the same for all: one object serves
+        nearest, farthest = SONAR_RANGE
         return RangeArray(
-            header(stamp, self._base),
+            base,
             [
                 Range(
-                    header=header(stamp, self._discs[number][1]),
+                    header=Header(stamp=at, frame_id=self._discs[number][1]),
                     radiation_type=Range.ULTRASOUND,
                     field_of_view=SONAR_CONE,
-                    min_range=SONAR_RANGE[0],
-                    max_range=SONAR_RANGE[1],
-                    range=distance if distance < SONAR_RANGE[1] else inf,
+                    min_range=nearest,
+                    max_range=farthest,
+                    range=distance if distance < farthest else inf,
                     variance=0.0,
                 )
                 for number, distance in sip.sonar
