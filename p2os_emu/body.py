@@ -11,8 +11,8 @@ from typing import NamedTuple, Protocol
 class BodyState(NamedTuple):
     """One robot's machine at the end of a physics step.
 
-    left_travel, right_travel: m rolled since the start by the wheel rims, as the encoders see it (wheel and track errors
-        of this one robot included), not wrapped, not yet counted in ticks.
+    left_travel, right_travel: m rolled since the start by the wheel rims, as the encoders see it (wheel and track
+        errors of this one robot included), not wrapped, not yet counted in ticks.
     left_velocity, right_velocity: m/s, likewise.
     left_load, right_load: motor effort as a fraction of the most the motor can give, 0 to 1.
     front_bumpers, rear_bumpers: bit i is set while segment i + 1 is pressed; segments count from right to left in front

@@ -15,6 +15,8 @@ import pytest
 
 from acromovi.children import EmulatedRobots, emulator, gateway
 from bus import ZenohBus, keys
+from gateway.commands import COMMANDS
+from gateway.streams import STREAMS
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -100,3 +102,25 @@ def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> N
     assert done.returncode == 0, done.stderr
     end = setting.robots.ask("truth", robot=setting.name)
     assert end["x"] > 13.9 > start["x"]
+
+
+def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
+    served = [
+        *STREAMS,
+        *(row.topic for row in COMMANDS),
+        keys.CMD_VEL,
+        keys.CMD_VEL_STAMPED,
+        keys.LEASE,
+        keys.DESCRIPTION,
+    ]
+    rows = [line for line in README.splitlines() if line.startswith("| `")]
+    for topic in served:
+        row = next((row for row in rows if f"`{topic.suffix}`" in row), None)
+        assert row is not None, f"README does not list {topic.suffix}"
+        short_name = topic.type_name.rpartition("/")[2]
+        assert short_name in row or topic.type_name == "application/json"
+
+
+@pytest.mark.parametrize("target", re.findall(r"\]\((?!http)([^)]+)\)", README))
+def test_links_of_readme_lead_somewhere(target: str) -> None:
+    assert (ROOT / target).exists()
