@@ -4,6 +4,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
+# Caches stay in this folder too.
+export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
+export MPLCONFIGDIR  := $(CURDIR)/.cache/matplotlib
+
 .PHONY: help demo test format lint types check docs bench wheel clean
 
 help:  ## List the targets
@@ -40,4 +44,4 @@ wheel: $(READY)  ## Build the distribution into dist/
 	$(BIN)/python -m build --quiet
 
 clean:  ## Remove what make has made
-	rm -rf $(VENV) build dist bench demo *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .cache build dist bench demo *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
