@@ -21,6 +21,13 @@ from gateway.serial_port import open_port
 from gateway.settings import Settings
 from p2os import StandardSip
 
+EPILOG = """\
+examples:
+  acromovi doctor
+  acromovi doctor /dev/ttyUSB0 --json
+
+Exit codes: 0 everything is in order, 1 something is not, 2 wrong usage, 130 stopped by Ctrl-C.
+"""
 OLDEST, NEWEST = (3, 11), (3, 13)
 PACKAGES = {"zenoh": "eclipse-zenoh", "serial": "pyserial", "rosbags": "rosbags", "numpy": "numpy"}
 """Module to distribution."""
@@ -42,7 +49,8 @@ class Finding(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare what `doctor` takes."""
+    """Describe the command line."""
+    parser.epilog = EPILOG
     parser.add_argument("port", nargs="?", metavar="PORT", help="the robot's; without it only this computer is checked")
     parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
     parser.add_argument("--json", action="store_true", help="one JSON object a line")

@@ -22,7 +22,13 @@ EXIT_USAGE = 2
 SWITCH_INTERVAL = 0.001
 """Seconds that one thread may keep the others waiting; Python's own 0.005 would show in the latencies."""
 
-EXIT_CODES = """\
+EPILOG = """\
+examples:
+  p2os-gateway /dev/ttyUSB0                            a robot on an adapter, under the name it gives itself
+  p2os-gateway /tmp/happy --name happy --wait          an emulated one, also if it is not there yet
+  p2os-gateway socket://localhost:8101                 behind a TCP bridge
+  p2os-gateway /dev/ttyS0 --baud 9600 --config happy.toml
+
 exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not a port, 5 no permission, 6 port in use,
 7 no robot answers, 8 something else answers, 9 unknown robot model"""
 
@@ -80,7 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="p2os-gateway",
         description="Bring a robot on a port to the bus: odometry, sonar and more under NAME/; NAME/cmd_vel drives.",
-        epilog=EXIT_CODES,
+        epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
