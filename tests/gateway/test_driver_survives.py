@@ -69,6 +69,22 @@ def test_random_bytes_report_no_pose_and_break_nothing(noise: bytes, size: int) 
     assert len(played(driver, now + 0.4, frames, 0.05)) >= STEPS - 2
 
 
+@given(st.lists(st.binary(min_size=1, max_size=100), max_size=5))
+def test_sound_frames_of_any_type_and_content_break_nothing(payloads: list[bytes]) -> None:
+    driver, now = connected()
+    played(driver, now, [encode_frame(payload) for payload in payloads], 0.02)
+    assert driver.deadline < now + 10.0, "the driver goes on talking to the robot, or looking for it"
+
+
+@pytest.mark.parametrize("packet_type", [t for t in range(256) if t >> 4 != 3 and t < 0xFE])
+def test_packets_of_other_types_are_no_reason_to_lose_the_robot(packet_type: int) -> None:
+    driver, now = connected()
+    stranger = encode_frame(bytes([packet_type]) + bytes(12))
+    frames = [encode_frame(CODEC.encode(sip(0))), stranger, encode_frame(CODEC.encode(sip(1)))]
+    assert len(played(driver, now, frames, 0.05)) == 2
+    assert driver.is_connected
+
+
 def test_sips_give_the_same_poses_however_the_line_cuts_them() -> None:
     stream = b"".join(encode_frame(CODEC.encode(sip(step))) for step in range(3))
     driver, now = connected()
