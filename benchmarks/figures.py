@@ -54,7 +54,7 @@ def p50_p99(group: str, name: str, samples: Sequence[float], reach: tuple[float,
 def as_text(figure: Figure) -> str:
     """One line for a terminal."""
     mark = "ok  " if figure.is_reached else "MISS"
-    return f"{mark} {figure.name:<72} {figure.value:>10.3f} {figure.unit:<4} (reach {figure.reach:g})"
+    return f"{mark} {figure.name:<88} {figure.value:>10.3f} {figure.unit:<4} (reach {figure.reach:g})"
 
 
 def write_json(figures: Sequence[Figure], path: Path) -> None:

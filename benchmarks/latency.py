@@ -9,6 +9,7 @@ from collections.abc import Callable
 import zenoh
 
 from acromovi.children import emulator, gateway
+from benchmarks.bare_hop import milliseconds
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure, p50_p99
 from benchmarks.peer import STEP_M, CableRobot
@@ -26,6 +27,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     return [
         *p50_p99("latency", "VEL on the port to first SIP with turning wheels", _wheels(), (80.0, 130.0), "ms"),
         *p50_p99("latency", "SIP on the port to odometry in another process", _port_to_bus(), (0.6, 2.0), "ms"),
+        *p50_p99("latency", "for comparison, bare Zenoh at 10 Hz, no gateway", milliseconds(), (0.6, 2.0), "ms"),
         *p50_p99("latency", "cmd_vel put to first byte on the port", _bus_to_port(), (1.0, 5.0), "ms"),
     ]
 
