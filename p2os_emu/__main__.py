@@ -65,6 +65,8 @@ def _emulate(options: Options) -> None:
     profile = configs.load(LinkProfile, "links", options.link)
     flash = configs.read(options.flash) if options.flash else {}
     with ExitStack() as stack:
+        if options.gui:
+            stack.enter_context(_clean_output())
         world = stack.enter_context(contextlib.closing(_make_world(options)))
         poller = stack.enter_context(contextlib.closing(Poller()))
         emulator = Emulator(world, profile, seed=options.seed, hangup_stops=options.hangup_stops)
@@ -87,6 +89,18 @@ def _emulate(options: Options) -> None:
         gc.freeze()
         stack.callback(_report, options, runner)
         runner.run(options.duration)
+
+
+@contextlib.contextmanager
+def _clean_output() -> Iterator[None]:
+    """Let what the engine's window prints go nowhere: only Python's own output reaches standard output."""
+    with open(os.dup(1), "w", encoding="utf-8") as own, open(os.devnull, "wb") as nowhere:  # noqa: PTH123 - descriptors
+        os.dup2(nowhere.fileno(), 1)
+        try:
+            with contextlib.redirect_stdout(own):
+                yield
+        finally:
+            os.dup2(own.fileno(), 1)
 
 
 def _make_world(options: Options) -> "World":

@@ -52,8 +52,9 @@ def build_floor(client: int) -> int:
     return body
 
 
-def build_blocks(client: int, blocks: Iterable[Block]) -> None:
-    """Boxes that do not move."""
+def build_blocks(client: int, blocks: Iterable[Block]) -> list[int]:
+    """Boxes that do not move; returns their body ids."""
+    bodies = []
     for block in blocks:
         shape = engine.createCollisionShape(
             engine.GEOM_BOX,
@@ -70,6 +71,8 @@ def build_blocks(client: int, blocks: Iterable[Block]) -> None:
         )
         engine.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION, physicsClientId=client)
         _join(client, body, HULL, Group.BLOCK)
+        bodies.append(body)
+    return bodies
 
 
 def build_robot(client: int, chassis: Chassis, pose: Pose2D) -> int:

@@ -1,12 +1,12 @@
 """The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
 
-import os
 from math import isfinite
 from random import Random
 from typing import NamedTuple
 
 from geometry import Polygon, Pose2D
 from p2os.robot_model import RobotModel
+from p2os_emu.world import window
 from p2os_emu.world.chassis import GRAVITY, Chassis, Imperfections
 from p2os_emu.world.collision import build_blocks, build_floor
 from p2os_emu.world.engine import engine
@@ -61,6 +61,7 @@ class World:
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture))
         self._robots: dict[str, RobotBody] = {}
+        self._has_window = gui
         self._client = _connect(gui)
         engine.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self._client)
         engine.setPhysicsEngineParameter(
@@ -72,7 +73,12 @@ class World:
             physicsClientId=self._client,
         )
         self._floor_id = build_floor(self._client)
-        build_blocks(self._client, (*spec.walls, *spec.furniture))
+        walls = build_blocks(self._client, spec.walls)
+        furniture = build_blocks(self._client, spec.furniture)
+        if gui:
+            window.arrange(self._client, spec)
+            window.paint(self._client, walls, window.WALL_COLOUR)
+            window.paint(self._client, furniture, window.FURNITURE_COLOUR)
 
     @property
     def time(self) -> float:
@@ -104,6 +110,8 @@ class World:
             self._check_free(name, chassis, pose)
         robot = RobotBody(self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose)
         self._robots[name] = robot
+        if self._has_window:
+            window.paint_robot(self._client, robot.body_id)
         return robot
 
     def remove_robot(self, name: str) -> None:
@@ -185,9 +193,7 @@ class World:
 
 
 def _connect(gui: bool) -> int:
-    if gui and not os.environ.get("DISPLAY"):
-        raise WorldError("there is no display for a window: leave out --gui, or set DISPLAY to a running X server")
-    client: int = engine.connect(engine.GUI if gui else engine.DIRECT)
+    client: int = window.connect() if gui else engine.connect(engine.DIRECT)
     if client < 0:
         raise WorldError("the physics engine cannot open one more world: close another first (one window at a time)")
     return client
