@@ -1,6 +1,7 @@
 """`p2os-emu`: emulated robots on ports of their own."""
 
 import contextlib
+import ctypes
 import gc
 import json
 import os
@@ -100,6 +101,7 @@ def _clean_output() -> Iterator[None]:
             with contextlib.redirect_stdout(own):
                 yield
         finally:
+            ctypes.CDLL(None).fflush(None)  # what C code has printed into its own buffers, while it still goes nowhere
             os.dup2(own.fileno(), 1)
 
 
