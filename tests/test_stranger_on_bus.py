@@ -48,10 +48,10 @@ def twist(linear: float, angular: float) -> bytes:
 
 
 class Ear:
-    """Odometry as it came: arrival time, frames, x and forward speed."""
+    """Odometry as it came: how much, and of the last the frames, x and forward speed."""
 
     def __init__(self) -> None:
-        self.arrivals: list[float] = []
+        self.count = 0
         self.frames = ("", "")
         self.x = 0.0
         self.speed = 0.0
@@ -64,7 +64,7 @@ class Ear:
         for _ in range(6 + 36):
             reader.number("d")  # the rest of the pose, and its covariance
         self.speed = reader.number("d")
-        self.arrivals.append(time.monotonic())
+        self.count += 1
 
 
 @pytest.fixture
@@ -92,10 +92,13 @@ def test_plain_zenoh_reads_odometry_drives_and_sees_silence_stop_the_robot(robot
     ear = Ear()
     with zenoh.open(zenoh.Config.from_json5(json.dumps(SETTINGS))) as session:
         session.declare_subscriber(f"{name}/odom", ear.hear)
-        wait_until(lambda: len(ear.arrivals) >= 20, "odometry does not come")
+        wait_until(lambda: ear.count > 0, "odometry does not come")
         assert ear.frames == (f"{name}/odom", f"{name}/base_link")
-        ten_cycles = ear.arrivals[-1] - ear.arrivals[-11]
-        assert ten_cycles == pytest.approx(1.0, abs=0.3)
+        began = robots.ask("truth")["time"]
+        before = ear.count
+        wait_until(lambda: ear.count >= before + 20, "odometry does not go on")
+        # Ten messages a second of the robot's own time, however busy this machine is.
+        assert robots.ask("truth")["time"] - began == pytest.approx(2.0, abs=0.5)
 
         silent = threading.Event()
 
@@ -113,6 +116,6 @@ def test_plain_zenoh_reads_odometry_drives_and_sees_silence_stop_the_robot(robot
         wait_until(lambda: ear.speed == 0.0, "silence does not stop the robot")
         stood_at = robots.ask("truth", robot=name)["x"]
         wait_until(lambda: ear.x > 0.1, "odometry does not show the way driven")
-        heard = len(ear.arrivals)
-        wait_until(lambda: len(ear.arrivals) >= heard + 10, "odometry does not go on")
+        heard = ear.count
+        wait_until(lambda: ear.count >= heard + 10, "odometry does not go on")
         assert robots.ask("truth", robot=name)["x"] == pytest.approx(stood_at, abs=0.005)
