@@ -89,7 +89,8 @@ def _emulate(options: Options) -> None:
         gc.collect()
         gc.freeze()
         stack.callback(_report, options, runner)
-        runner.run(options.duration)
+        with world.until_window_closes():
+            runner.run(options.duration)
 
 
 @contextlib.contextmanager

@@ -1,5 +1,7 @@
 """The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import isfinite
 from random import Random
 from typing import NamedTuple
@@ -152,9 +154,19 @@ class World:
     def close(self) -> None:
         """End the world; no robot of it can be used any more. Closing twice does nothing."""
         if self._client >= 0:
-            engine.disconnect(physicsClientId=self._client)
+            if engine.isConnected(physicsClientId=self._client):
+                engine.disconnect(physicsClientId=self._client)
             self._client = -1
             self._robots.clear()
+
+    @contextmanager
+    def until_window_closes(self) -> Iterator[None]:
+        """Step the world inside this block: whoever closes its window ends the block, and that is no error."""
+        try:
+            yield
+        except engine.error:
+            if engine.isConnected(physicsClientId=self._client):
+                raise
 
     def __enter__(self) -> "World":
         return self

@@ -9,6 +9,7 @@ from geometry import Pose2D, polygons_overlap
 from p2os.robot_model import RobotModel
 from p2os_emu.world import STEP, Block, Truth, World, WorldError, WorldSpec, load_world
 from p2os_emu.world.chassis import Chassis
+from p2os_emu.world.engine import engine
 
 Models = Callable[[str], RobotModel]
 MakeWorld = Callable[..., World]
@@ -175,3 +176,19 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_closing_twice_does_nothing() -> None:
     with World(WorldSpec("floor")) as world:
         world.close()
+
+
+def test_world_whose_window_is_closed_ends_without_an_error() -> None:
+    with World(load_world("empty")) as world:
+        reached_the_end = False
+        with world.until_window_closes():
+            world.step()
+            engine.disconnect(physicsClientId=world._client)  # what closing the window does to the engine
+            world.step()
+            reached_the_end = True
+        assert not reached_the_end
+
+
+def test_other_errors_of_the_engine_are_not_taken_for_a_closed_window() -> None:
+    with World(load_world("empty")) as world, pytest.raises(engine.error), world.until_window_closes():
+        engine.getBasePositionAndOrientation(1234, physicsClientId=world._client)
