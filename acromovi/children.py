@@ -4,6 +4,7 @@ import json
 import socket
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -52,7 +53,10 @@ class EmulatedRobots:
 @contextmanager
 def emulator(*arguments: str) -> Iterator[EmulatedRobots]:
     """Run `p2os-emu` with these arguments until the block ends; yields once every robot is ready."""
-    with _child("p2os_emu", ["--json", *arguments], stdout=subprocess.PIPE) as process:
+    with (
+        tempfile.TemporaryDirectory(prefix="p2os-emu-") as folder,  # ours, so that it goes also after a kill
+        _child("p2os_emu", ["--json", "--control", f"{folder}/control", *arguments], subprocess.PIPE) as process,
+    ):
         assert process.stdout is not None
         line = process.stdout.readline()
         if not line:
