@@ -5,7 +5,7 @@ Bytes and time come from the caller; everything above is in SI and radians.
 
 from p2os.command_table import COMMANDS, Argument, Command, CommandSpec
 from p2os.commands import CommandValue, ReceivedCommand, decode_command, encode_command
-from p2os.errors import DecodeError, EncodeError, LocalProtocolError, P2OSError, RemoteProtocolError
+from p2os.errors import DecodeError, EncodeError, LocalProtocolError, P2OSError
 from p2os.fields import Field, Quantity, Scales
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family, Firmware, FlashDefaults
 from p2os.framing import PARTIAL_TIMEOUT, Damage, Damaged, Frame, FrameDecoder, checksum, encode_frame
@@ -58,7 +58,6 @@ __all__ = [
     "PacketType",
     "Quantity",
     "ReceivedCommand",
-    "RemoteProtocolError",
     "RobotHandshake",
     "RobotModel",
     "Scales",

@@ -4,7 +4,6 @@ P2OSError
  +-- EncodeError (ValueError)       a value does not fit its field
  +-- DecodeError (ValueError)       a sound frame carries unknown content
  +-- LocalProtocolError             we broke the protocol: our bug
- +-- RemoteProtocolError            the peer broke it: report and restart
 """
 
 
@@ -22,7 +21,3 @@ class DecodeError(P2OSError, ValueError):
 
 class LocalProtocolError(P2OSError):
     """We broke the protocol."""
-
-
-class RemoteProtocolError(P2OSError):
-    """The peer broke the protocol."""

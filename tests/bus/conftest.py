@@ -1,6 +1,5 @@
 """Buses that meet, of either kind, and names that no parallel test shares."""
 
-import time
 import uuid
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -9,14 +8,7 @@ import pytest
 
 from bus import Bus, MemoryBus, MemoryNetwork, ZenohBus
 
-DEADLINE = 20.0  # s; only a failing test waits so long
-
-
-def wait_until(condition: Callable[[], object], what: str = "it happened") -> None:
-    deadline = time.monotonic() + DEADLINE
-    while not condition():
-        assert time.monotonic() < deadline, f"waited {DEADLINE} s in vain until {what}"
-        time.sleep(0.002)
+Until = Callable[..., None]
 
 
 def _note(seen: list[str], token: str, is_alive: bool) -> None:
@@ -30,8 +22,9 @@ def _has(seen: list[str], wanted: int) -> bool:
 class Meeting:
     """Makes buses that meet each other."""
 
-    def __init__(self, kind: str) -> None:
+    def __init__(self, kind: str, until: Until) -> None:
         self.kind = kind
+        self._until = until
         self.buses: list[Bus] = []
         self._network = MemoryNetwork()
 
@@ -47,33 +40,22 @@ class Meeting:
         for bus in self.buses:
             seen: list[str] = []
             with bus.watch_alive(f"{key}/*", partial(_note, seen)):
-                wait_until(partial(_has, seen, len(tokens)), "all buses have met")
+                self._until(partial(_has, seen, len(tokens)), "all buses have met")
         for token in tokens:
             token.close()
 
 
 @pytest.fixture(params=["memory", "zenoh"])
-def meeting(request: pytest.FixtureRequest) -> Iterator[Meeting]:
-    meeting = Meeting(request.param)
+def meeting(request: pytest.FixtureRequest, until: Until) -> Iterator[Meeting]:
+    meeting = Meeting(request.param, until)
     yield meeting
     for bus in meeting.buses:
         bus.close()
 
 
 @pytest.fixture
-def zenoh_meeting() -> Iterator[Meeting]:
-    meeting = Meeting("zenoh")
+def zenoh_meeting(until: Until) -> Iterator[Meeting]:
+    meeting = Meeting("zenoh", until)
     yield meeting
     for bus in meeting.buses:
         bus.close()
-
-
-@pytest.fixture
-def until() -> Callable[..., None]:
-    return wait_until
-
-
-@pytest.fixture
-def robot() -> str:
-    """A robot's name of this test's own: on one machine all tests share one bus."""
-    return f"robot-{uuid.uuid4().hex[:12]}"
