@@ -24,6 +24,7 @@ from p2os_emu.world import World, WorldSpec
 T = TypeVar("T")
 
 NS_PER_S = 1_000_000_000
+SETTINGS = Settings(emulated=True)
 NO_RATE = (0,)  # a line in memory has no baud rate to look for
 
 
@@ -48,12 +49,12 @@ class Lockstep:
         self._network = MemoryNetwork()
         self._world = World(world, seed=seed, perfect=perfect)
         self._emulator = Emulator(self._world, LinkProfile("ideal"), seed=seed)
-        self._hosts = []
+        self._hosts: dict[str, _Host] = {}
         for name, model_name in robots.items():
             model = configs.load(RobotModel, "robots", model_name)
             link = MemoryLink()
             self._emulator.add(name, model, link)
-            self._hosts.append(_Host(name, model, link, self.bus(), lambda: self.time, seed))
+            self._hosts[name] = _Host(name, model, link, self.bus(), lambda: self.time, seed)
 
     @property
     def time(self) -> float:
@@ -67,7 +68,7 @@ class Lockstep:
     def run(self, seconds: float) -> None:
         """Let virtual time pass."""
         for _ in range(round(seconds / STEP)):
-            for host in self._hosts:
+            for host in self._hosts.values():
                 host.step()
             self._emulator.step()
 
@@ -89,11 +90,11 @@ class Lockstep:
 
     def wire(self, name: str) -> bytes:
         """Every byte the robot has sent so far."""
-        return bytes(next(host for host in self._hosts if host.name == name).heard)
+        return bytes(self._hosts[name].heard)
 
     def close(self) -> None:
         """End the world and the bus."""
-        for host in self._hosts:
+        for host in self._hosts.values():
             host.close()
         self._world.close()
 
@@ -110,14 +111,14 @@ class _Host:
     def __init__(
         self, name: str, model: RobotModel, link: MemoryLink, bus: Bus, clock: Callable[[], float], seed: int
     ) -> None:
-        self.name = name
+        self._name = name
         self.heard = bytearray()
         self._link = link
         self._bus = bus
         self._clock = clock
         self._tokens = itertools.count(1)
         rng = random.Random(f"{seed} {name} driver")
-        self._driver = Driver(lambda identity: model, NO_RATE, Settings(), rng)
+        self._driver = Driver(lambda identity: model, NO_RATE, SETTINGS, rng)
         self._robot: RobotOnBus | None = None
         self._driver.port_opened(clock())
         self._flush()
@@ -133,12 +134,12 @@ class _Host:
             if self._driver.model is None:
                 return
             self._robot = RobotOnBus(
-                self.name,
+                self._name,
                 self._bus,
                 self._driver,
                 self,
-                Settings(emulated=True),
-                new_token=lambda: f"{self.name}-{next(self._tokens)}",
+                SETTINGS,
+                new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,
             )
         self._robot.happened(events, now, self._stamp_ns())

@@ -48,15 +48,12 @@ class Answer:
     value: dict[str, Any]
 
 
-class Subscription(ABC):
-    """Something held open on the bus: a subscriber, a queryable, a token. Closing twice does no harm.
-
-    It stays open until it or the bus is closed, whether or not anyone keeps a reference to it.
-    """
+class Closeable(ABC):
+    """What a `with` block closes at its end. Closing twice does no harm."""
 
     @abstractmethod
     def close(self) -> None:
-        """Let go. No new call of the handler starts afterwards."""
+        """Let go of everything it holds."""
 
     def __enter__(self) -> Self:
         return self
@@ -65,6 +62,17 @@ class Subscription(ABC):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+class Subscription(Closeable):
+    """Something held open on the bus: a subscriber, a queryable, a token.
+
+    It stays open until it or the bus is closed, whether or not anyone keeps a reference to it.
+    """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go. No new call of the handler starts afterwards."""
 
 
 class Publisher(Subscription):
@@ -80,7 +88,7 @@ class Publisher(Subscription):
         """
 
 
-class Bus(ABC):
+class Bus(Closeable):
     """One participant on the bus.
 
     Handlers run on threads of the bus, one call at a time for each subscription, and must be quick. What a handler
@@ -152,11 +160,3 @@ class Bus(ABC):
     @abstractmethod
     def close(self) -> None:
         """Leave the bus: everything this participant declared is withdrawn. Closing twice does no harm."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
