@@ -5,6 +5,7 @@ import math
 import random
 import time
 from collections.abc import Callable
+from functools import partial
 
 import zenoh
 
@@ -86,9 +87,13 @@ def _bus_to_port() -> list[float]:
             speed = (50 + trial) / 1000
             put = time.monotonic()
             publisher.put(messages.twist(speed, 0.0))
-            _wait(lambda speed=speed: math.isclose(robot.velocities[-1][1], speed))  # type: ignore[misc]  # bound at once
+            _wait(partial(_was_told, robot, speed))
             times.append((robot.velocities[-1][0] - put) * 1e3)
     return times
+
+
+def _was_told(robot: CableRobot, speed: float) -> bool:
+    return math.isclose(robot.velocities[-1][1], speed)
 
 
 def _wait_for_drive(put: Callable[[object], None], robot: CableRobot) -> None:

@@ -87,8 +87,8 @@ class CableRobot:
         received = decode_command(payload)
         if received.command is Command.ENABLE:
             self._enabled = bool(received.value)
-        elif received.command is Command.VEL:
-            self.velocities.append((now, float(received.value)))  # type: ignore[arg-type]  # VEL carries a number
+        elif received.command is Command.VEL and isinstance(received.value, float):
+            self.velocities.append((now, received.value))
 
     def _send_sip(self) -> None:
         if self._handshake.state is not ConnectionState.OPEN:
