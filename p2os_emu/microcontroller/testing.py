@@ -83,6 +83,10 @@ class PlainBody:
         """m/s forward."""
         return (self.left.velocity + self.right.velocity) / 2
 
+    def is_turning(self) -> bool:
+        """A wheel turns."""
+        return max(abs(self.left.velocity), abs(self.right.velocity)) > 1e-6
+
     def drive(self, left: float, right: float) -> None:
         """Command the wheel rims, m/s."""
         self._tell(True, left, right)

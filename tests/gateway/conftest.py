@@ -13,38 +13,17 @@ from gateway.driver import Driver
 from gateway.events import Event, SipReceived
 from gateway.settings import Settings
 from p2os import Command, Frame, FrameDecoder, Identity, ReceivedCommand, RobotModel, decode_command
-from p2os_emu.body import BodyState
 from p2os_emu.microcontroller import Microcontroller
+from p2os_emu.microcontroller.testing import STEP, PlainBody
 
 T = TypeVar("T")
-STEP = 1 / 120
 
 
-class WheelsOnBlocks:
-    """A body whose wheels follow at once, and turn until they are blocked."""
-
-    def __init__(self) -> None:
-        self.state = BodyState()
-        self.is_blocked = False
-        self._speeds = 0.0, 0.0
-
-    def drive(self, left: float, right: float) -> None:
-        self._speeds = left, right
-
-    def release(self) -> None:
-        self._speeds = 0.0, 0.0
-
-    def ping(self, discs: Sequence[int]) -> Sequence[float]:
-        return [inf if disc % 2 else 1.0 + disc / 10 for disc in discs]
-
-    def advance(self, dt: float) -> None:
-        left, right = (0.0, 0.0) if self.is_blocked else self._speeds
-        load = 1.0 if self.is_blocked and any(self._speeds) else 0.1
-        state = self.state
-        self.state = BodyState(state.left_travel + left * dt, state.right_travel + right * dt, left, right, load, load)
-
-    def is_turning(self) -> bool:
-        return abs(self.state.left_velocity) + abs(self.state.right_velocity) > 1e-6
+def robot_body() -> PlainBody:
+    """A body half of whose sonar discs hear an echo."""
+    body = PlainBody()
+    body.ranges = lambda disc: inf if disc % 2 else 1.0 + disc / 10
+    return body
 
 
 def find_model(identity: Identity) -> RobotModel:
@@ -61,7 +40,7 @@ class Bench:
 
     robot: Microcontroller
     driver: Driver
-    body: WheelsOnBlocks = field(default_factory=WheelsOnBlocks)
+    body: PlainBody = field(default_factory=robot_body)
     now: float = 100.0
     robot_baud: int | None = None
     cut: bool = False
@@ -95,7 +74,7 @@ class Bench:
 
     def step(self) -> None:
         self.now += STEP
-        self.body.advance(STEP)
+        self.body.step(STEP)
         out = self.robot.step(STEP, self.body)
         if self.body.is_turning():
             self.moments_in_motion.append(self.now)

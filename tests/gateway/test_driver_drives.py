@@ -270,7 +270,7 @@ def test_move_against_a_wall_ends_stalled_and_the_robot_is_stopped(bench: "Bench
     bench.connect()
     bench.driver.move(2.0, bench.now)
     bench.run(1.0)
-    bench.body.is_blocked = True
+    bench.body.wall = bench.body.travel
     at = bench.now
     bench.run_until(lambda: bool(ended(bench)))
     assert ended(bench)[0].end is End.STALLED
