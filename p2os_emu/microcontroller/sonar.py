@@ -73,7 +73,7 @@ class SonarScheduler:
         """Switch one array (0 to 3) or all of them."""
         affected = self._fitted & (_bits(range(ARRAYS)) if array is None else 1 << array)
         self.enabled = self.enabled | affected if on else self.enabled & ~affected
-        if on and self._silenced & affected:
+        if on:
             self._silenced &= ~affected
         self._activate()
 
