@@ -9,10 +9,21 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from rosbags.typesys.stores.ros2_jazzy import geometry_msgs__msg__Vector3 as Vector3
 from rosbags.typesys.stores.ros2_jazzy import sensor_msgs__msg__Range as Range
 from rosbags.typesys.stores.ros2_jazzy import std_msgs__msg__Header as Header
 
-__all__ = ["ACROMOVI_MESSAGES", "Bumpers", "InputsOutputs", "RangeArray", "RobotState"]
+__all__ = [
+    "ACROMOVI_MESSAGES",
+    "Arm",
+    "Bumpers",
+    "Compass",
+    "Gripper",
+    "InputsOutputs",
+    "PanTiltZoom",
+    "RangeArray",
+    "RobotState",
+]
 
 Booleans = Sequence[bool] | NDArray[np.bool_]
 Floats = Sequence[float] | NDArray[np.float32]
@@ -92,4 +103,74 @@ class InputsOutputs:
         self.analog_in = np.asarray(self.analog_in, np.float32)
 
 
-ACROMOVI_MESSAGES = (RangeArray, Bumpers, RobotState, InputsOutputs)
+@dataclass
+class Gripper:
+    """A gripper: two paddles on a lift. Where both of a pair are false, it is in between.
+
+    outer_beam, inner_beam: something stands in the beam between the paddles.
+    left_contact, right_contact: something presses on the paddle.
+    """
+
+    header: Header
+    fitted: bool = True
+    paddles_open: bool = False
+    paddles_closed: bool = False
+    paddles_moving: bool = False
+    lift_up: bool = False
+    lift_down: bool = False
+    lift_moving: bool = False
+    outer_beam: bool = False
+    inner_beam: bool = False
+    left_contact: bool = False
+    right_contact: bool = False
+    __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Gripper"
+
+
+@dataclass(eq=False)
+class Arm:
+    """An arm; its joints are in `<robot>/joint_states`, in the same order.
+
+    homed: every joint has found its zero.
+    """
+
+    header: Header
+    powered: bool = False
+    homed: bool = False
+    moving: Booleans = ()
+    __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Arm"
+
+    def __post_init__(self) -> None:
+        self.moving = np.asarray(self.moving, np.bool_)
+
+
+@dataclass
+class PanTiltZoom:
+    """A camera on a head: pan rad to the left, tilt rad up, zoom the magnification, 1 at the widest."""
+
+    header: Header
+    pan: float = 0.0
+    tilt: float = 0.0
+    zoom: float = 1.0
+    moving: bool = False
+    __msgtype__: ClassVar[str] = "acromovi_msgs/msg/PanTiltZoom"
+
+
+@dataclass
+class Compass:
+    """A compass module.
+
+    heading: rad, counter-clockwise from magnetic north seen from above (REP 103). pitch, roll: rad.
+    magnetic_field: T, in the module's frame. temperature: °C. errors: the module's error word, unchanged.
+    """
+
+    header: Header
+    heading: float
+    pitch: float
+    roll: float
+    magnetic_field: Vector3
+    temperature: float = 0.0
+    errors: int = 0
+    __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Compass"
+
+
+ACROMOVI_MESSAGES = (RangeArray, Bumpers, RobotState, InputsOutputs, Gripper, Arm, PanTiltZoom, Compass)

@@ -69,10 +69,18 @@ STATE = Topic(
 IO = Topic("io", Kind.STREAM, "acromovi_msgs/msg/InputsOutputs", "with IOpac", "User inputs and outputs")
 IMU = Topic("imu", Kind.STREAM, "sensor_msgs/msg/Imu", "as packets come", "Turn rate of the gyro")
 JOYSTICK = Topic("joystick", Kind.STREAM, "sensor_msgs/msg/Joy", "as packets come", "The joystick on the robot")
+GRIPPER = Topic(
+    "gripper", Kind.STREAM, "acromovi_msgs/msg/Gripper", "as packets come", "Paddles, lift, break-beams, contacts"
+)
+ARM = Topic(
+    "arm", Kind.STREAM, "acromovi_msgs/msg/Arm", "as packets come", "Power and motion; the joints are in joint_states"
+)
+PTZ = Topic("ptz", Kind.STREAM, "acromovi_msgs/msg/PanTiltZoom", "10 Hz while moving", "Pan, tilt and zoom")
+COMPASS = Topic("compass", Kind.STREAM, "acromovi_msgs/msg/Compass", "as packets come", "Heading and magnetic field")
 LEASE = Topic("lease", Kind.QUERY, JSON, "", "Take, renew or release the sole right to move the robot")
 LEASE_STATE = Topic("lease/state", Kind.STREAM, JSON, "on change", "Who holds the lease")
 JOINT_STATES = Topic(
-    "joint_states", Kind.STREAM, "sensor_msgs/msg/JointState", "with encoders", "Wheel angles and speeds"
+    "joint_states", Kind.STREAM, "sensor_msgs/msg/JointState", "with encoders, arm, gripper", "Angles and speeds"
 )
 CAMERA = Topic(
     "camera/image/compressed", Kind.STREAM, "sensor_msgs/msg/CompressedImage", "camera rate", "Pictures, JPEG or PNG"
@@ -105,6 +113,37 @@ SONAR_POWER = Topic("command/sonar", Kind.QUERY, JSON, "", 'Sonar on or off: {"o
 OUTPUT = Topic(
     "command/output", Kind.QUERY, JSON, "", 'Set the digital outputs that mask names: {"mask": 1, "value": 1}'
 )
+GRIP = Topic(
+    "command/gripper", Kind.QUERY, JSON, "", 'Gripper: {"do": "open"}; close, up, down, stop, store, deploy, halt'
+)
+REACH = Topic(
+    "command/arm",
+    Kind.QUERY,
+    JSON,
+    "",
+    'Arm: {"do": "move", "joints": {"1": 0.5}, "speed": 0.3} in rad; home, park, stop, power with "on"',
+)
+LOOK = Topic(
+    "command/ptz", Kind.QUERY, JSON, "", 'Camera head, rad, rad and ratio: {"pan": 0.5, "tilt": 0.1, "zoom": 2.0}'
+)
+SOUND = Topic(
+    "command/sound",
+    Kind.QUERY,
+    JSON,
+    "",
+    'Buzzer or sound: {"notes": [[60, 0.2]]} as MIDI notes and s, {"number": 3}, or {"on": false} to mute',
+)
+CHARGE = Topic("command/charge", Kind.QUERY, JSON, "", 'Put out or draw in the charging contacts: {"on": true}')
+LCD = Topic("command/lcd", Kind.QUERY, JSON, "", 'Write on the display: {"text": "hello"}')
+SERVO = Topic("command/servo", Kind.QUERY, JSON, "", 'Pulse of an RC servo, s: {"port": 1, "pulse": 0.0015}')
+JOYDRIVE = Topic("command/joystick", Kind.QUERY, JSON, "", 'Let the joystick on the robot drive it: {"on": true}')
+POWER = Topic(
+    "command/power",
+    Kind.QUERY,
+    JSON,
+    "",
+    'Switch a power output: {"output": "laser", "on": true}; the answer lists them',
+)
 RESULT = Topic("command/result/*", Kind.STREAM, JSON, "once", "How a long motion ended; * is the id in its answer")
 
 TOPICS = (
@@ -119,6 +158,10 @@ TOPICS = (
     IO,
     IMU,
     JOYSTICK,
+    GRIPPER,
+    ARM,
+    PTZ,
+    COMPASS,
     LEASE,
     LEASE_STATE,
     JOINT_STATES,
@@ -137,6 +180,15 @@ TOPICS = (
     HEADING,
     SONAR_POWER,
     OUTPUT,
+    GRIP,
+    REACH,
+    LOOK,
+    SOUND,
+    CHARGE,
+    LCD,
+    SERVO,
+    JOYDRIVE,
+    POWER,
     RESULT,
     ALIVE,
 )

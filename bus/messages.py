@@ -20,20 +20,37 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 from rosbags.typesys.stores import ros2_jazzy as jazzy
 
-from bus.acromovi_msgs import ACROMOVI_MESSAGES, Bumpers, InputsOutputs, RangeArray, RobotState
+from bus.acromovi_msgs import (
+    ACROMOVI_MESSAGES,
+    Arm,
+    Bumpers,
+    Compass,
+    Gripper,
+    InputsOutputs,
+    PanTiltZoom,
+    RangeArray,
+    RobotState,
+)
 from bus.errors import MessageError
 
 __all__ = [
+    "Arm",
     "BatteryState",
     "Bumpers",
+    "Compass",
+    "CompressedImage",
     "DiagnosticArray",
     "DiagnosticStatus",
+    "Gripper",
     "Header",
+    "Imu",
     "InputsOutputs",
     "JointState",
+    "Joy",
     "KeyValue",
     "LaserScan",
     "Odometry",
+    "PanTiltZoom",
     "Point",
     "PointCloud2",
     "PointField",
@@ -66,10 +83,13 @@ __all__ = [
 ]
 
 BatteryState = jazzy.sensor_msgs__msg__BatteryState
+CompressedImage = jazzy.sensor_msgs__msg__CompressedImage
 DiagnosticArray = jazzy.diagnostic_msgs__msg__DiagnosticArray
 DiagnosticStatus = jazzy.diagnostic_msgs__msg__DiagnosticStatus
 Header = jazzy.std_msgs__msg__Header
+Imu = jazzy.sensor_msgs__msg__Imu
 JointState = jazzy.sensor_msgs__msg__JointState
+Joy = jazzy.sensor_msgs__msg__Joy
 KeyValue = jazzy.diagnostic_msgs__msg__KeyValue
 LaserScan = jazzy.sensor_msgs__msg__LaserScan
 Odometry = jazzy.nav_msgs__msg__Odometry

@@ -5,7 +5,7 @@ sentence. `token` is always allowed: the lease's.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import Any
 
@@ -24,14 +24,15 @@ Arguments = Mapping[str, Any]
 class CommandRow:
     """One command.
 
-    topic: its key. takes: argument to type (`bool`, `int`, `float`). give: to the driver; what it returns goes into the
-    answer. moves: only the lease's holder may give it, while there is one.
+    topic: its key. takes: argument to type (a type of JSON). may_take: those that may be left out. give: to the driver;
+    what it returns goes into the answer. moves: only the lease's holder may give it, while there is one.
     """
 
     topic: Topic
     takes: Mapping[str, type]
     give: Callable[[Driver, Arguments, float], dict[str, Any] | None]
     moves: bool = True
+    may_take: Mapping[str, type] = field(default_factory=dict)
 
 
 def _stop(driver: Driver, arguments: Arguments, now: float) -> None:
@@ -78,7 +79,14 @@ COMMANDS = (
     CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _output, moves=False),
 )
 
-_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+_KINDS = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    str: "text",
+    list: "a list",
+    dict: "an object",
+}
 
 
 def check_arguments(name: str, given: Arguments, takes: Mapping[str, type], optional: Mapping[str, type]) -> Arguments:

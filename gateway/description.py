@@ -6,6 +6,7 @@ from typing import Any
 from bus import keys
 from bus.keys import Topic
 from gateway.driver import Driver
+from gateway.faces.all_faces import FACES
 from gateway.settings import Settings
 from p2os import Configuration, RobotModel
 
@@ -27,7 +28,7 @@ def describe(name: str, driver: Driver, settings: Settings) -> dict[str, Any]:
         "class": identity.robot_type,
         "emulated": bool(settings.emulated),
         "connected": driver.is_connected,
-        "elements": _elements(name, model, settings),
+        "elements": _elements(name, driver, model, settings),
         "geometry": _geometry(model),
         "limits": {"linear": driver.max_linear, "angular": driver.max_angular},
         "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
@@ -41,7 +42,7 @@ def describe(name: str, driver: Driver, settings: Settings) -> dict[str, Any]:
     }
 
 
-def _elements(name: str, model: RobotModel, settings: Settings) -> list[dict[str, Any]]:
+def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) -> list[dict[str, Any]]:
     """Every element that the robot has, with the keys of its streams and of its commands."""
     elements = [
         _element(
@@ -68,6 +69,11 @@ def _elements(name: str, model: RobotModel, settings: Settings) -> list[dict[str
         elements.append(_element(name, "bumpers", (keys.BUMPERS,)))
     if settings.encoders:
         elements.append(_element(name, "encoders", (keys.JOINT_STATES,)))
+    for kind in FACES:
+        face = kind(name, model)
+        if face.is_present(driver):
+            commands = tuple(row.topic for row in kind.commands)
+            elements.append({**_element(name, kind.name, kind.streams, commands), **face.describe(driver)})
     return elements
 
 

@@ -13,9 +13,12 @@ import random
 from collections import Counter
 from collections.abc import Callable, Sequence
 from math import inf, isfinite
+from typing import TypeVar
 
 from gateway.configurator import Configurator
 from gateway.connector import CLOSE, Connector
+from gateway.elements.all_elements import ELEMENTS
+from gateway.elements.element import Element
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
 from gateway.events import (
     ConfigurationReceived,
@@ -60,6 +63,7 @@ LONGEST_MOVE = 30.0
 LONGEST_TURN = 100.0
 """rad."""
 
+E = TypeVar("E", bound=Element)
 ModelFinder = Callable[[Identity], RobotModel]
 """Says which model a robot is; raises UnknownModel."""
 
@@ -89,6 +93,10 @@ class Driver:
         self._plausibility: Plausibility | None = None
         self._configurator = Configurator(self._settings, self._outbox)
         self._motion = Motion(self._outbox, self._events.append, self._settings.enable_motors)
+        self._elements = {
+            kind: kind(self._outbox, self._events.append, self._settings) for kind in ELEMENTS
+        }  # asked for by their class
+        self._takers = {packet: element for element in self._elements.values() for packet in element.takes}
         self._motion_ids = itertools.count(1)
         self.has_port = False
         self._is_open = False  # the handshake is over: OPEN is sent
@@ -119,7 +127,11 @@ class Driver:
         if not self._is_open:
             return min(self._outbox.deadline, self._connector.deadline)
         return min(
-            self._outbox.deadline, self._motion.deadline, self._configurator.deadline, self._sip_at + SIP_TIMEOUT
+            self._outbox.deadline,
+            self._motion.deadline,
+            self._configurator.deadline,
+            self._sip_at + SIP_TIMEOUT,
+            *(element.deadline for element in self._elements.values()),
         )
 
     def port_opened(self, now: float) -> None:
@@ -278,6 +290,23 @@ class Driver:
             raise CommandRefused(f"mask {mask} and value {value} must be 0 to 255")
         self._configurator.set_outputs(mask, value)
 
+    def has(self, kind: type[Element]) -> bool:
+        """Whether the robot is known to have an element."""
+        return self._elements[kind].is_present
+
+    def element(self, kind: type[E], now: float) -> E:
+        """An element of the robot, to command it.
+
+        Raises:
+            CommandRefused: The robot is not connected, or has no such element.
+        """
+        self._check_link(now)
+        element = self._elements[kind]
+        if not element.is_present:
+            raise CommandRefused(f"this robot has no {kind.__name__.lower()}, or has not shown it yet")
+        assert isinstance(element, kind)
+        return element
+
     # Inside.
 
     def _travel(self, journey: Journey, now: float) -> str:
@@ -321,6 +350,8 @@ class Driver:
             self.lost[reason] += 1
             self._motion.lose_link()
             self._configurator.lose_link()
+            for element in self._elements.values():
+                element.lose_link()
             if self.is_connected:
                 self._events.append(LinkLost(reason))
         self._is_open = self.is_connected = False
@@ -342,6 +373,9 @@ class Driver:
         else:
             self._motion.watch(now)
             self._configurator.watch(now)
+            for element in self._elements.values():
+                if now >= element.deadline:
+                    element.watch(now)
 
     def _take(self, payload: bytes, now: float) -> None:
         if not self._is_open:
@@ -381,6 +415,8 @@ class Driver:
         self._outbox.put("open", encode_command(Command.OPEN))
         self._motion.begin_link(now)
         self._configurator.begin_link(model, now)
+        for element in self._elements.values():
+            element.begin_link(model, now)
 
     def _read(self, payload: bytes, now: float) -> None:
         """Take a packet of an open robot."""
@@ -398,10 +434,15 @@ class Driver:
                 self._configurator.confirm()
                 self._limit_speeds()
                 self._events.append(ConfigurationReceived(packet))
+                for element in self._elements.values():
+                    element.configure(packet, now)
             case Encoders():
                 self._events.append(EncodersReceived(packet, self.model))
             case InputsOutputs():
                 self._events.append(InputsOutputsReceived(packet))
+        taker = self._takers.get(type(packet))
+        if taker is not None:
+            taker.take(packet, now)
 
     def _take_sip(self, sip: StandardSip, now: float) -> None:
         assert self.model is not None
@@ -420,6 +461,8 @@ class Driver:
             SipReceived(sip, odometry.pose, odometry.covariance, odometry.linear, odometry.angular, is_first)
         )
         self._motion.take(sip, now)
+        for element in self._elements.values():
+            element.see(sip, now)
 
     def _limit_speeds(self) -> None:
         """The least of what model, robot and user allow; zero in a CONFIGpac means that it does not say."""

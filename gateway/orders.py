@@ -13,6 +13,7 @@ from bus.messages import Twist, decode, stamp_ns
 from gateway.commands import COMMANDS, TOKEN, CommandRow, check_arguments
 from gateway.driver import Driver
 from gateway.errors import CommandRefused
+from gateway.faces.all_faces import FACES
 from gateway.lease import DEFAULT_SECONDS, Lease
 from gateway.motion import CMD_VEL_SILENCE
 
@@ -22,6 +23,7 @@ REFUSAL_SHOWN = 2.0
 """Seconds for which a refused command counts among the faults."""
 NS_PER_S = 1_000_000_000
 
+_ROWS = (*COMMANDS, *(row for face in FACES for row in face.commands))
 LEASE_ARGUMENTS: dict[str, tuple[dict[str, type], dict[str, type]]] = {
     "take": ({"holder": str}, {"priority": int, "seconds": float}),
     "renew": ({TOKEN: str}, {"seconds": float}),
@@ -64,7 +66,7 @@ class Orders(Subscription):
             bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel, urgent=True),
             bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped, urgent=True),
             bus.serve(keys.LEASE.key(name), self._answerer(keys.LEASE, self._lease)),
-            *(bus.serve(row.topic.key(name), self._answerer(row.topic, _handler(row, self._pass))) for row in COMMANDS),
+            *(bus.serve(row.topic.key(name), self._answerer(row.topic, _handler(row, self._pass))) for row in _ROWS),
         ]
 
     def recent_refusal(self, now: float) -> str | None:
@@ -169,7 +171,7 @@ def _handler(row: CommandRow, let_pass: Callable[[str, Driver, float], None]) ->
     name = row.topic.suffix.rpartition("/")[2]
 
     def handle(given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
-        arguments = check_arguments(name, given, row.takes, {TOKEN: str})
+        arguments = check_arguments(name, given, row.takes, {TOKEN: str, **row.may_take})
         if row.moves:
             let_pass(arguments.get(TOKEN, ""), driver, now)
         return {"accepted": True, **(row.give(driver, arguments, now) or {})}

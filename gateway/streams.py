@@ -7,6 +7,7 @@ from bus import Bus, Publisher, Subscription, keys
 from bus.keys import Topic
 from gateway.driver import Driver
 from gateway.events import EncodersReceived, Event, InputsOutputsReceived, LinkLost, MotionEnded, SipReceived
+from gateway.faces.all_faces import FACES
 from gateway.health import diagnostics, faults, robot_state
 from gateway.telemetry import Telemetry
 from p2os import RobotModel, StandardSip
@@ -47,10 +48,15 @@ class Streams(Subscription):
         self._streams: Mapping[Topic, Publisher] = {
             topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
         }
+        self._faces = [kind(name, model) for kind in FACES]
+        self._face_streams: dict[Topic, Publisher] = {}  # declared when they are first needed
         self.due_at = 0.0
 
     def publish(self, event: Event, stamp: int) -> None:
         """Publish what follows from an event. stamp: wall clock, ns, when its last byte came."""
+        for face in self._faces:
+            for topic, message in face.messages(event, stamp):
+                self._stream(topic).put(message)
         streams, telemetry = self._streams, self._telemetry
         match event:
             case SipReceived(sip):
@@ -112,7 +118,13 @@ class Streams(Subscription):
                 self._publish_battery(self._sip, stamp)
                 self._publish_user_ports(self._sip, stamp)
 
+    def _stream(self, topic: Topic) -> Publisher:
+        known = self._streams.get(topic) or self._face_streams.get(topic)
+        if known is None:
+            known = self._face_streams[topic] = self._bus.publisher(topic.key(self._name), topic.type_name)
+        return known
+
     def close(self) -> None:
         """Withdraw the publishers."""
-        for publisher in self._streams.values():
+        for publisher in (*self._streams.values(), *self._face_streams.values()):
             publisher.close()

@@ -72,9 +72,10 @@ def _emulate(options: Options) -> None:
         poller = stack.enter_context(contextlib.closing(Poller()))
         emulator = Emulator(world, profile, seed=options.seed, hangup_stops=options.hangup_stops)
         stack.callback(emulator.close)
-        ports = Ports(poller, pty=options.pty, tcp=options.tcp, several=len(options.robots) > 1)
-        team = Team(emulator, ports, options.link, flash, str(options.flash))
+        ports = Ports(poller, pty=options.pty, tcp=options.tcp, robots=len(options.robots))
+        team = Team(emulator, ports, options.link, flash, str(options.flash), options.fits)
         robots = [team.add(text) for text in options.robots]
+        team.check_fits()
         faults = FaultBoard(emulator.robots)
         emulator.before_step = faults.advance
         for spec in options.faults:
@@ -134,6 +135,9 @@ def _announce(options: Options, robots: list[dict[str, Any]], control: Path) -> 
     elif not options.quiet:
         for robot in robots:
             print(f"{robot['name']}, a {robot['model']}, is on {robot['port']}")
+            for part in ("laser", "arm"):
+                if robot[f"{part}_port"]:
+                    print(f"{robot['name']}'s {part} is on {robot[f'{part}_port']}")
         print(f"\nConnect any client to it, or drive it from the bus:  p2os-gateway {robots[0]['port']}")
         print(f"Control socket: {control}")
         print("Ctrl-C ends it.", flush=True)

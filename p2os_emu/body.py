@@ -1,4 +1,4 @@
-"""What lies between the microcontroller and the world: motors, encoders, bumpers and sonar discs.
+"""What lies between the microcontroller and the world: motors, encoders, bumpers, sonar discs, gripper and arm.
 
 The microcontroller reads a `BodyState` and calls the methods of a `Body`. It knows nothing of PyBullet, and the world
 knows nothing of packets; tests of the firmware use a body of a few lines.
@@ -17,6 +17,10 @@ class BodyState(NamedTuple):
     left_load, right_load: motor effort as a fraction of the most the motor can give, 0 to 1.
     front_bumpers, rear_bumpers: bit i is set while segment i + 1 is pressed; segments count from right to left in front
         and behind, seen from above with the robot facing up the page.
+    heading: true heading in the world, rad, as a compass needle has it; not wrapped.
+    turn_rate: true turning speed of the hull, rad/s counter-clockwise, as a gyro feels it.
+    infrared: bit i is clear while infrared sensor i sees something (they are active low).
+    far_ledge, near_ledge: a ledge sensor looks over an edge of the floor.
     """
 
     left_travel: float = 0.0
@@ -27,6 +31,66 @@ class BodyState(NamedTuple):
     right_load: float = 0.0
     front_bumpers: int = 0
     rear_bumpers: int = 0
+    heading: float = 0.0
+    turn_rate: float = 0.0
+    infrared: int = 0xFF
+    far_ledge: bool = False
+    near_ledge: bool = False
+
+
+class GripperState(NamedTuple):
+    """A gripper's machine at the end of a physics step.
+
+    opening: of the paddles, 0 closed to 1 open. lift: 0 down to 1 up. opening_speed, lift_speed: 1/s.
+    outer_beam, inner_beam: something stands in the break-beam between the paddles.
+    left_contact, right_contact: something presses on the paddle's contact switch.
+    holds: the paddles press on something from both sides and cannot close further.
+    """
+
+    opening: float = 1.0
+    lift: float = 0.0
+    opening_speed: float = 0.0
+    lift_speed: float = 0.0
+    outer_beam: bool = False
+    inner_beam: bool = False
+    left_contact: bool = False
+    right_contact: bool = False
+    holds: bool = False
+
+
+class Gripper(Protocol):
+    """Paddles on a lift, as the microcontroller can reach them."""
+
+    @property
+    def state(self) -> GripperState:
+        """The gripper after the last physics step."""
+        ...
+
+    def drive(self, paddles: float, lift: float) -> None:
+        """Command the motors, at their own speed: -1 closes or lowers, 0 holds where it is, 1 opens or lifts."""
+        ...
+
+
+class Arm(Protocol):
+    """Joints one behind the other, each a servo of its own; the last may be a gripper's."""
+
+    @property
+    def positions(self) -> Sequence[float]:
+        """Of each joint after the last physics step, rad (m for a joint that slides)."""
+        ...
+
+    @property
+    def velocities(self) -> Sequence[float]:
+        """Of each joint, rad/s (m/s)."""
+        ...
+
+    def move(self, joint: int, position: float, speed: float) -> None:
+        """Let a joint, counted from 0, go to a position, rad (m), no faster than `speed`, rad/s (m/s)."""
+        ...
+
+    def release(self, joint: int) -> None:
+        """Take the power off a joint: it sinks as its friction lets it."""
+        ...
 
 
 class Body(Protocol):
@@ -35,6 +99,16 @@ class Body(Protocol):
     @property
     def state(self) -> BodyState:
         """The machine after the last physics step."""
+        ...
+
+    @property
+    def gripper(self) -> Gripper | None:
+        """The gripper, where one is fitted."""
+        ...
+
+    @property
+    def arm(self) -> Arm | None:
+        """The arm, where one is fitted."""
         ...
 
     def drive(self, left: float, right: float) -> None:

@@ -1,13 +1,16 @@
 """Robots in a world, each on its own line: one step moves them all. It opens no port and reads no clock."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from random import Random
 from typing import Protocol
 
 from geometry import Pose2D
 from p2os import Command, RobotModel, encode_command
-from p2os_emu.body import Body, BodyState
+from p2os_emu.body import Arm, Body, BodyState, Gripper
+from p2os_emu.device import Cable
+from p2os_emu.fit import BARE, Fit
+from p2os_emu.fitting import Bench, cabled, plug_in
 from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
@@ -47,7 +50,7 @@ class Surroundings(Protocol):
         """Move everything on by `STEP`."""
         ...
 
-    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None) -> Body:
+    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> Body:
         """Put a robot down, on a free place unless one is given."""
         ...
 
@@ -80,6 +83,16 @@ class PressedBumpers:
             front_bumpers=state.front_bumpers | self.front, rear_bumpers=state.rear_bumpers | self.rear
         )
 
+    @property
+    def gripper(self) -> Gripper | None:
+        """As `Body.gripper`."""
+        return self.body.gripper
+
+    @property
+    def arm(self) -> Arm | None:
+        """As `Body.arm`."""
+        return self.body.arm
+
     def drive(self, left: float, right: float) -> None:
         """As `Body.drive`."""
         self.body.drive(left, right)
@@ -97,6 +110,7 @@ class PressedBumpers:
 class EmulatedRobot:
     """One robot: controller, machine and line.
 
+    fit: its accessories. cables: those of accessories with a port of their own, by part.
     start: where it was put down.
     is_frozen: the firmware hangs; the wheels keep the speed it commanded last, and bytes that come are lost.
     is_powered: whether the controller has power.
@@ -109,6 +123,8 @@ class EmulatedRobot:
     body: Body
     line: Line
     start: Pose2D
+    fit: Fit = BARE
+    cables: dict[str, Cable] = field(default_factory=dict)
     is_frozen: bool = False
     is_powered: bool = True
     was_attached: bool = False
@@ -122,6 +138,12 @@ class EmulatedRobot:
         if data:
             controller.receive(data)
         return controller.step(STEP, self.body)
+
+    def close(self) -> None:
+        """Close its ports."""
+        self.line.link.close()
+        for cable in self.cables.values():
+            cable.line.link.close()
 
 
 class Emulator:
@@ -153,7 +175,15 @@ class Emulator:
         return self._world.time
 
     def add(
-        self, name: str, model: RobotModel, link: Link, *, pose: Pose2D | None = None, flash: Flash | None = None
+        self,
+        name: str,
+        model: RobotModel,
+        link: Link,
+        *,
+        pose: Pose2D | None = None,
+        flash: Flash | None = None,
+        fit: Fit = BARE,
+        cables: Mapping[str, Link] | None = None,
     ) -> EmulatedRobot:
         """Put a robot into the world and its line on a link.
 
@@ -163,22 +193,35 @@ class Emulator:
             link: Its port; closed with the robot.
             pose: In the world, m, m, rad; None leaves the choice to the world.
             flash: What its controller remembers; None for the factory's values.
+            fit: Its accessories.
+            cables: A port for each of `fit.cables`; closed with the robot.
         Raises:
             ValueError: The name does not fit, or there is no room.
         """
         if name in self.robots:
             raise ValueError(f"there is a robot {name!r} already; choose another name")
-        controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"))
-        body = self._world.add_robot(name, model, pose)
+        controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
+        body = self._world.add_robot(name, model, pose, fit)
         line = Line(link, self._profile, self._chance(name, "line"))
-        robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose)
+        robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
+        self._fit_out(robot, cables or {})
         self.robots[name] = robot
         return robot
 
+    def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link]) -> None:
+        for part in robot.fit.parts:
+            chance = Random(self._chance(robot.name, part))
+            bench = Bench(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
+            if part in robot.fit.cables:
+                line = Line(cables[part], self._profile, self._chance(robot.name, f"{part} line"))
+                robot.cables[part] = Cable(cabled(part, bench), line)
+            else:
+                plug_in(part, bench)
+
     def remove(self, name: str) -> None:
-        """Take a robot out of the world and close its port."""
+        """Take a robot out of the world and close its ports."""
         robot = self.robots.pop(name)
-        robot.line.link.close()
+        robot.close()
         self._world.remove_robot(name)
 
     def truth(self, name: str) -> Truth:
@@ -203,15 +246,19 @@ class Emulator:
         robots = tuple(self.robots.values())
         now = self._world.time
         sayings = [robot.think(now) for robot in robots]
+        cables = [cable for robot in robots for cable in robot.cables.values()]
+        reports = [cable.think(now, STEP) for cable in cables]
         self._world.step()
         now = self._world.time
         for robot, saying in zip(robots, sayings, strict=True):
             robot.line.send(saying, now, robot.microcontroller.host_baud)
+        for cable, report in zip(cables, reports, strict=True):
+            cable.line.send(report, now, cable.device.baud)
 
     def close(self) -> None:
         """Close every port; the world belongs to who made it."""
         for robot in self.robots.values():
-            robot.line.link.close()
+            robot.close()
 
     def _stop_deserted(self) -> None:
         for robot in self.robots.values():

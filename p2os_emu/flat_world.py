@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 from geometry import Pose2D, Twist2D, integrate
 from p2os import RobotModel
-from p2os_emu.body import BodyState
+from p2os_emu.body import Arm, BodyState, Gripper
 from p2os_emu.emulator import STEP
+from p2os_emu.fit import BARE, Fit
 
 
 class FlatTruth(NamedTuple):
@@ -26,6 +27,9 @@ class FlatBody:
 
     pose: in the world. left, right: wheel rims, m/s.
     """
+
+    gripper: Gripper | None = None
+    arm: Arm | None = None
 
     def __init__(self, track: float, pose: Pose2D) -> None:
         self.pose = pose
@@ -87,7 +91,7 @@ class FlatWorld:
         for body in self.bodies.values():
             body.advance()
 
-    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None) -> FlatBody:
+    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> FlatBody:
         """Put a robot down."""
         body = FlatBody(model.wheel_track, pose or Pose2D(0.0, 2.0 * len(self.bodies), 0.0))
         self.bodies[name] = body

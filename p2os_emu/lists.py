@@ -1,17 +1,18 @@
-"""What `--list-robots`, `--list-worlds`, `--list-links` and `--list-faults` print: a name, then what it is."""
+"""What the `--list-...` options print: a name, then what it is."""
 
 from collections.abc import Callable, Iterator, Mapping
 
 import configs
 from p2os import RobotModel
 from p2os_emu.faults import FAULTS
+from p2os_emu.fit import PARTS, REMOVABLE
 from p2os_emu.links.line import LinkProfile
 
 Row = tuple[str, str]
 
 
 def listing(kind: str) -> str:
-    """A table of everything of one kind: "robots", "worlds", "links" or "faults".
+    """A table of everything of one kind: "robots", "parts", "worlds", "links" or "faults".
 
     Raises:
         ConfigError: A file has an error.
@@ -28,6 +29,15 @@ def _robots() -> Iterator[Row]:
         size = f"{model.length:.2f} x {model.width:.2f} m, {model.max_velocity:.1f} m/s"
         sensors = f"{len(model.sonar)} sonar discs, {bumpers or 'no'} bumper segments"
         yield name, f"{model.firmware.value:6}  {size}, {sensors}"
+
+
+def _parts() -> Iterator[Row]:
+    for part in PARTS.values():
+        yield part.name, part.meaning
+        for variant in part.variants:
+            yield f"{part.name}:{variant}", "  as it is usually" if variant == part.variants[0] else ""
+    for name in REMOVABLE:
+        yield f"no-{name}", f"takes the {name.replace('-', ' ')} off"
 
 
 def _worlds() -> Iterator[Row]:
@@ -54,6 +64,7 @@ def _faults() -> Iterator[Row]:
 
 _LISTS: Mapping[str, Callable[[], Iterator[Row]]] = {
     "robots": _robots,
+    "parts": _parts,
     "worlds": _worlds,
     "links": _links,
     "faults": _faults,

@@ -19,6 +19,7 @@ examples:
   p2os-emu --robot powerbot                          a PowerBot in the office, on a pseudo-terminal of its own
   p2os-emu --robot p3dx:happy --pty /tmp/happy       always at the same path
   p2os-emu --robot p3dx --robot p2dx --tcp 8101      two robots, on TCP ports 8101 and 8102
+  p2os-emu --robot p3dx --fit gripper,laser,ptz:vcc4 with accessories; the laser has a port of its own
   p2os-emu --robot p3dx --world lab.map --link rs232 in a world of an ARIA map, on a cable of 9600 baud
   p2os-emu --robot p3dx --fault line-cut:robot=p3dx@5+10
                                                      5 s after the start the cable is cut for 10 s
@@ -37,6 +38,7 @@ class Options:
     """What was asked for on the command line. speed: emulated s per s. duration: s of emulated time."""
 
     robots: tuple[str, ...]
+    fits: tuple[str, ...]
     world: str
     pty: Path | None
     tcp: int | None
@@ -65,6 +67,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         parser.error("a robot has one port: give --pty or --tcp, not both")
     return Options(
         robots=tuple(given.robot),
+        fits=tuple(given.fit),
         world=given.world,
         pty=given.pty,
         tcp=given.tcp,
@@ -107,6 +110,13 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="MODEL[:NAME]",
         help="a robot of this model; repeat for more; without a name it is called as its model, then MODEL-2 and so on",
+    )
+    group.add_argument(
+        "--fit",
+        action="append",
+        default=[],
+        metavar="[NAME=]PART,...",
+        help="accessories for every robot or for the one named; no-PART takes one off; --list-parts shows them",
     )
     group.add_argument(
         "--world", default="office", metavar="NAME|FILE", help="a world, or a .toml or .map file (office)"
@@ -166,7 +176,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
 
 def _add_lists(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("lists")
-    for kind in ("robots", "worlds", "links", "faults"):
+    for kind in ("robots", "parts", "worlds", "links", "faults"):
         group.add_argument(
             f"--list-{kind}", action="store_const", const=kind, dest="listing", help=f"show the {kind} there are"
         )

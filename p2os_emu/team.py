@@ -1,7 +1,8 @@
 """The robots of one run: from `MODEL[:NAME]` to a robot with a name and a port of its own."""
 
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
+from contextlib import ExitStack
 from typing import Any
 
 import configs
@@ -9,6 +10,8 @@ from configs import ConfigError
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.emulator import EmulatedRobot, Emulator
+from p2os_emu.fit import FitError, read_fit
+from p2os_emu.hints import nearest
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
@@ -28,16 +31,34 @@ class Team:
         profile: Name of what their lines do to bytes, for people.
         flash: FLASH parameters that replace the factory's in every robot.
         flash_source: File that they came from, for messages.
+        fits: Parts of `--fit`, as they are written; those without a robot's name go onto every robot.
     """
 
     def __init__(
-        self, emulator: Emulator, ports: Ports, profile: str, flash: Mapping[str, Any], flash_source: str
+        self,
+        emulator: Emulator,
+        ports: Ports,
+        profile: str,
+        flash: Mapping[str, Any],
+        flash_source: str,
+        fits: Sequence[str] = (),
     ) -> None:
         self.emulator = emulator
         self._ports = ports
         self._profile = profile
         self._flash = flash
         self._flash_source = flash_source
+        self._fits = [_read_fit_option(text) for text in fits]
+
+    def check_fits(self) -> None:
+        """See that every robot that a part was meant for is there.
+
+        Raises:
+            TeamError: One is not.
+        """
+        for name, _ in self._fits:
+            if name and name not in self.emulator.robots:
+                raise TeamError(f"--fit {name}=...: there is no robot {name!r}; {nearest(name, self.emulator.robots)}")
 
     def add(self, text: str, pose: Pose2D | None = None) -> EmulatedRobot:
         """Make a robot.
@@ -51,13 +72,24 @@ class Team:
             PortError: Its port cannot be opened.
         """
         name, model = read_robot(text, self.emulator.robots)
-        flash = self._flash_of(model, name)
-        link = self._ports.open(name)
         try:
-            return self.emulator.add(name, model, link, pose=pose, flash=flash)
-        except ValueError as error:
-            link.close()
-            raise TeamError(str(error)) from error
+            model, fit = read_fit([part for meant, parts in self._fits if meant in ("", name) for part in parts], model)
+        except FitError as error:
+            raise TeamError(f"robot {name}: {error}") from error
+        flash = self._flash_of(model, name)
+        with ExitStack() as opened:
+            link = self._ports.open(name)
+            opened.callback(link.close)
+            cables = {}
+            for part in fit.cables:
+                cables[part] = self._ports.open_cable(name, part)
+                opened.callback(cables[part].close)
+            try:
+                robot = self.emulator.add(name, model, link, pose=pose, flash=flash, fit=fit, cables=cables)
+            except ValueError as error:
+                raise TeamError(str(error)) from error
+            opened.pop_all()
+        return robot
 
     def entry(self, robot: EmulatedRobot) -> dict[str, str | None]:
         """What a program needs to know to use a robot, ready for JSON; null for parts it does not have."""
@@ -66,7 +98,8 @@ class Team:
             "model": robot.model.name,
             "port": robot.line.link.port,
             "link": self._profile,
-            "laser_port": None,
+            "laser_port": _cable_port(robot, "laser"),
+            "arm_port": _cable_port(robot, "arm"),
             "camera_url": None,
         }
 
@@ -98,6 +131,16 @@ def read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
     if name in taken:
         raise TeamError(f"there is a robot {name!r} already; choose another name")
     return name, model
+
+
+def _read_fit_option(text: str) -> tuple[str, list[str]]:
+    """Take `[NAME=]part,part` apart; the name is empty where there is none."""
+    name, equals, parts = text.rpartition("=")
+    return name if equals else "", [part.strip() for part in parts.split(",")]
+
+
+def _cable_port(robot: EmulatedRobot, part: str) -> str | None:
+    return robot.cables[part].line.link.port if part in robot.cables else None
 
 
 def _free_name(name: str, taken: Container[str]) -> str:

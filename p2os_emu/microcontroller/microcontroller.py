@@ -6,6 +6,7 @@ from p2os.packets import PacketType, encode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec
 from p2os_emu.body import Body, BodyState
+from p2os_emu.fit import BARE, Fit
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.commands import execute
@@ -21,10 +22,12 @@ class Microcontroller:
 
     Its time is the sum of the steps. Commands received take effect at the start of the next step.
 
-    panel: inputs from outside the cable; change them at any time.
+    panel: inputs from outside the cable; change them at any time. fit: its accessories.
     """
 
-    def __init__(self, model: RobotModel, name: str, *, flash: Flash | None = None, seed: int = 0) -> None:
+    def __init__(
+        self, model: RobotModel, name: str, *, flash: Flash | None = None, seed: int = 0, fit: Fit = BARE
+    ) -> None:
         """Switch the robot on.
 
         Args:
@@ -32,11 +35,13 @@ class Microcontroller:
             name: What it answers to SYNC2, at most 19 characters.
             flash: What it remembers from before; None for the factory's values.
             seed: Decides what chance would: the charge that the battery starts with.
+            fit: The accessories, which its servers answer for.
         Raises:
             LocalProtocolError: The name does not fit the handshake.
             EncodeError: A FLASH parameter does not fit CONFIGpac.
         """
         self.panel = Panel()
+        self.fit = fit
         self._board = Board(model, name, flash or Flash.of(model, name), self.panel, seed)
         self._handshake = RobotHandshake(Identity(name, model.robot_class, model.name))
         self._codec = SipCodec(model)

@@ -10,7 +10,7 @@ from p2os.framing import Frame, FrameDecoder
 from p2os.packets import Packet, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec, StandardSip
-from p2os_emu.body import BodyState
+from p2os_emu.body import Arm, BodyState, Gripper
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.microcontroller import Microcontroller
 
@@ -45,6 +45,9 @@ class PlainBody:
     front_bumpers, rear_bumpers: as `BodyState` has them, to be pressed by hand. ranges: range that a disc measures, m.
     powered: the motors are driven. pings: the discs of every firing, in order. told: how often the motors were told.
     """
+
+    gripper: Gripper | None = None
+    arm: Arm | None = None
 
     def __init__(self, lag: float = 0.0) -> None:
         self.lag = lag

@@ -6,7 +6,7 @@ from typing import Any
 
 from geometry import Point, Pose2D
 from p2os.robot_model import RobotModel
-from p2os_emu.body import BodyState
+from p2os_emu.body import Arm, BodyState, Gripper
 from p2os_emu.world.bumpers import Bumper
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
@@ -17,6 +17,9 @@ from p2os_emu.world.sonar import Sonar
 
 class RobotBody:
     """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`."""
+
+    gripper: Gripper | None = None
+    arm: Arm | None = None
 
     def __init__(
         self, client: int, floor_id: int, model: RobotModel, chassis: Chassis, sonar: Sonar, pose: Pose2D

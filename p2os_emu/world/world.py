@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from geometry import Polygon, Pose2D
 from p2os.robot_model import RobotModel
+from p2os_emu.fit import BARE, Fit
 from p2os_emu.world import window
 from p2os_emu.world.chassis import GRAVITY, Chassis, Imperfections
 from p2os_emu.world.collision import build_blocks, build_floor
@@ -92,13 +93,14 @@ class World:
         """Names of the robots in the world, first come first."""
         return tuple(self._robots)
 
-    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None) -> RobotBody:
+    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> RobotBody:
         """Put a robot into the world, at rest and without power.
 
         Args:
             name: Unique in this world.
             model: What it is.
             pose: Where its axle is; without it, the first free place of the world.
+            fit: Its accessories.
         Raises:
             WorldError: The name is taken, the place is not free, or no place is.
         """

@@ -194,9 +194,9 @@ def test_ready_line_is_the_only_line_and_has_every_key() -> None:
     running = Program("--robot", "powerbot", "--robot", "powerbot", "--tcp", "0")
     assert [robot["name"] for robot in running.ready["robots"]] == ["powerbot", "powerbot-2"]
     for robot in running.ready["robots"]:
-        assert list(robot) == ["name", "model", "port", "link", "laser_port", "camera_url"]
+        assert list(robot) == ["name", "model", "port", "link", "laser_port", "arm_port", "camera_url"]
         assert (robot["model"], robot["link"]) == ("powerbot", "ideal")
-        assert (robot["laser_port"], robot["camera_url"]) == (None, None)
+        assert (robot["laser_port"], robot["arm_port"], robot["camera_url"]) == (None, None, None)
     assert running.end() == (0, "", "")
 
 
@@ -350,7 +350,7 @@ def test_error_in_a_world_file_names_file_line_and_reason(tmp_path: Path, capsys
         (["--robot", "p3dx", "--speed", "0"], "above zero"),
         (["--robot", "p3dx", "--duration", "nan"], "above zero"),
         (["--robot", "p3dx", "--fault", "line-cut@soon"], "is not START"),
-        (["--robot", "p3dx", "--fit", "laser"], "unrecognized arguments: --fit"),
+        (["--robot", "p3dx", "--fits", "laser"], "unrecognized arguments: --fit"),
     ],
 )
 def test_command_line_that_is_wrong_ends_with_code_2(

@@ -57,7 +57,7 @@ def test_unknown_model_names_the_nearest() -> None:
 
 
 def test_several_robots_share_one_path_by_name(poller: Poller, tmp_path: Path) -> None:
-    ports = Ports(poller, pty=tmp_path / "robot", several=True)
+    ports = Ports(poller, pty=tmp_path / "robot", robots=2)
     links = [ports.open(name) for name in ("happy", "grumpy")]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["robot-grumpy", "robot-happy"]
     for link in links:

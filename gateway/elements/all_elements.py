@@ -1,0 +1,5 @@
+"""Every element that a driver looks after, in the order in which they are asked."""
+
+from gateway.elements.element import Element
+
+ELEMENTS: tuple[type[Element], ...] = ()

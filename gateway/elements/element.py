@@ -1,0 +1,58 @@
+"""What every element on the microcontroller's cable has in common.
+
+An element asks the robot for its packets, takes them, and gives commands; the driver lends it the cable. What it finds
+out it announces as an event of `gateway.events`; its face (`gateway.faces`) brings the event to the bus. Bytes and time
+are arguments here as in the driver.
+"""
+
+from collections.abc import Callable
+from math import inf
+from typing import ClassVar
+
+from gateway.events import Event
+from gateway.outbox import Outbox
+from gateway.settings import Settings
+from p2os import Configuration, RobotModel, StandardSip
+
+
+class Element:
+    """One element of a robot.
+
+    takes: the classes of the packets that it takes.
+    is_present: the robot is known to have it; only then it is announced, and obeys commands.
+    deadline: when `watch` is due even if nothing has come, s.
+    """
+
+    takes: ClassVar[tuple[type, ...]] = ()
+
+    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
+        """Borrow the cable.
+
+        Args:
+            outbox: Takes frames for the robot; one of a kind still waiting is replaced.
+            announce: Takes events, in order.
+            settings: Of this robot.
+        """
+        self._outbox = outbox
+        self._announce = announce
+        self._settings = settings
+        self.is_present = False
+        self.deadline = inf
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """The robot has just been opened: ask it for what is needed."""
+
+    def configure(self, configuration: Configuration, now: float) -> None:
+        """The robot has sent its CONFIGpac."""
+
+    def lose_link(self) -> None:
+        """The robot is out of touch."""
+
+    def see(self, sip: StandardSip, now: float) -> None:
+        """A SIP that was believed has come."""
+
+    def take(self, packet: object, now: float) -> None:
+        """A packet of one of the classes in `takes` has come."""
+
+    def watch(self, now: float) -> None:
+        """Time has passed."""

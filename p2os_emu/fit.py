@@ -1,0 +1,146 @@
+"""What a robot has beyond its model, and what of the model it lacks: `--fit gripper,laser,ptz:vcc4,no-rear-sonar`."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from p2os import RobotModel
+from p2os_emu.hints import nearest
+
+_NOT = "no-"
+
+
+class FitError(ValueError):
+    """A part is not written as it must be, or does not go onto this robot; the message says what to write."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One accessory.
+
+    variants: what `part:VARIANT` may say; the first one is meant when nothing is said. Empty where there is one kind.
+    cabled: the variants that have a serial port of their own beside the robot's.
+    """
+
+    name: str
+    meaning: str
+    variants: tuple[str, ...] = ()
+    cabled: tuple[str, ...] = ()
+
+
+PARTS: Mapping[str, Part] = {
+    part.name: part
+    for part in (
+        Part("gripper", "paddles with break-beams and contacts, on a lift", ("pioneer", "peoplebot")),
+        Part("laser", "a SICK LMS200 on a port of its own", ("lms200",), ("lms200",)),
+        Part("ptz", "a camera head behind AUX1", ("vcc4", "evid30")),
+        Part(
+            "arm",
+            "the Pioneer's 5-DOF arm, or the PowerBot's 7-DOF arm of PowerCube modules on a port of its own",
+            ("pioneer", "powercube"),
+            ("powercube",),
+        ),
+        Part("camera", "a camera whose pictures an IP camera serves", ("160x120@10", "320x240@10", "640x480@5")),
+        Part("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
+        Part("compass", "a TCM2 compass", ("tcm2",)),
+        Part("joystick", "a joystick in the robot's socket"),
+    )
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """The parts fitted to one robot: name to variant, which is empty where there is one kind."""
+
+    parts: Mapping[str, str] = field(default_factory=dict)
+
+    def has(self, part: str, variant: str | None = None) -> bool:
+        """Whether a part is fitted, in a variant if one is named."""
+        return part in self.parts and variant in (None, self.parts[part])
+
+    @property
+    def cables(self) -> tuple[str, ...]:
+        """The parts fitted that have a serial port of their own."""
+        return tuple(name for name, variant in self.parts.items() if variant in PARTS[name].cabled)
+
+
+BARE = Fit()
+"""Nothing beyond the model."""
+
+
+def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
+    """Read what somebody asked for.
+
+    Args:
+        texts: Parts as they are written: `gripper`, `ptz:vcc4`, `no-rear-sonar`; later ones win.
+        model: What the robot is by itself.
+    Returns:
+        The model without what was taken off, and what is fitted.
+    Raises:
+        FitError: There is no such part or variant, or it does not go onto this robot.
+    """
+    parts: dict[str, str] = {}
+    for text in texts:
+        name, colon, variant = text.partition(":")
+        if name.startswith(_NOT) and not colon:
+            model = _without(name.removeprefix(_NOT), model, parts)
+        elif name not in PARTS:
+            raise FitError(
+                f"there is no part {name!r}; {nearest(name, [*PARTS, *(_NOT + each for each in REMOVABLE)])}"
+            )
+        else:
+            parts[name] = _variant(PARTS[name], variant if colon else _usual(name, model))
+    return model, Fit(parts)
+
+
+def _variant(part: Part, variant: str) -> str:
+    if variant and variant not in part.variants:
+        known = f"there are {', '.join(part.variants)}" if part.variants else "there is one kind"
+        raise FitError(f"there is no {part.name} {variant!r}; {known}")
+    return variant or next(iter(part.variants), "")
+
+
+def _usual(part: str, model: RobotModel) -> str:
+    """The variant that goes onto a model when none is named; empty for the first of the part's."""
+    return _USUAL.get((part, model.name.partition("-")[0]), "")
+
+
+_USUAL: Mapping[tuple[str, str], str] = {
+    ("arm", "powerbot"): "powercube",
+    ("gripper", "peoplebot"): "peoplebot",
+    ("gripper", "p2pb"): "peoplebot",
+    ("gripper", "perfpb"): "peoplebot",
+    ("gripper", "perfpb+"): "peoplebot",
+}
+
+
+def _without(name: str, model: RobotModel, parts: dict[str, str]) -> RobotModel:
+    if name in REMOVABLE:
+        return REMOVABLE[name](model)
+    if name not in PARTS:
+        raise FitError(f"{_NOT}{name} takes nothing off; {nearest(name, [*PARTS, *REMOVABLE])}")
+    parts.pop(name, None)
+    return model
+
+
+def _without_sonar(keep: Callable[[float], bool]) -> Callable[[RobotModel], RobotModel]:
+    """Discs stay whose array sits where `keep` wants it: it is given the mean x of the array's discs, m."""
+
+    def take_off(model: RobotModel) -> RobotModel:
+        depths: dict[int, list[float]] = {}
+        for disc in model.sonar:
+            depths.setdefault(disc.array, []).append(disc.x)
+        kept = {array for array, xs in depths.items() if keep(sum(xs) / len(xs))}
+        return replace(model, sonar=tuple(disc for disc in model.sonar if disc.array in kept))
+
+    return take_off
+
+
+REMOVABLE: Mapping[str, Callable[[RobotModel], RobotModel]] = {
+    "sonar": lambda model: replace(model, sonar=()),
+    "front-sonar": _without_sonar(lambda depth: depth < 0.0),
+    "rear-sonar": _without_sonar(lambda depth: depth >= 0.0),
+    "bumpers": lambda model: replace(model, front_bumpers=0, rear_bumpers=0),
+    "front-bumpers": lambda model: replace(model, front_bumpers=0),
+    "rear-bumpers": lambda model: replace(model, rear_bumpers=0),
+}
+"""What can be taken off a model, after `no-`."""

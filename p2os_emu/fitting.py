@@ -1,0 +1,43 @@
+"""From the parts of a fit to the devices that hang on a robot: on cables of their own, or behind its AUX ports."""
+
+from collections.abc import Callable, Mapping
+from random import Random
+from typing import NamedTuple
+
+from p2os import RobotModel
+from p2os_emu.body import Body
+from p2os_emu.device import Device
+from p2os_emu.fit import Fit
+from p2os_emu.microcontroller import Microcontroller
+
+
+class Bench(NamedTuple):
+    """Everything that a device may be connected to.
+
+    chance: of this device alone, seeded.
+    """
+
+    model: RobotModel
+    fit: Fit
+    microcontroller: Microcontroller
+    body: Body
+    chance: Random
+
+
+CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {}
+"""Part and variant to what makes the device on its own cable."""
+
+PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {}
+"""Part and variant to what plugs the device into the microcontroller."""
+
+
+def cabled(part: str, bench: Bench) -> Device:
+    """Make the device of a part that has a cable of its own."""
+    return CABLED[part, bench.fit.parts[part]](bench)
+
+
+def plug_in(part: str, bench: Bench) -> None:
+    """Connect a part to the microcontroller, if it is one that hangs on it."""
+    plug = PLUGGED.get((part, bench.fit.parts[part]))
+    if plug is not None:
+        plug(bench)
