@@ -1,6 +1,6 @@
 """Bodies of the physics engine: the floor, blocks that do not move, and robots; and who may touch whom."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import IntFlag
 
 from geometry import Pose2D
@@ -18,6 +18,7 @@ from p2os_emu.world.chassis import (
     Chassis,
 )
 from p2os_emu.world.engine import engine
+from p2os_emu.world.links import FIRST, Joint, Link
 from p2os_emu.world.spec import Block
 
 HULL = -1  # link indices of a robot
@@ -75,43 +76,78 @@ def build_blocks(client: int, blocks: Iterable[Block]) -> list[int]:
     return bodies
 
 
-def build_robot(client: int, chassis: Chassis, pose: Pose2D) -> int:
-    """A hull on casters with two driven wheels; returns its body id.
+def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[Link] = ()) -> int:
+    """A hull on casters with two driven wheels, and the links of its accessories; returns its body id.
 
     Its base frame lies in the centre of mass, right above or below the middle of the axle. Wheels collide as spheres,
-    whose one point of contact stays under the axle (cylinders shift it by 19 mm).
+    whose one point of contact stays under the axle (cylinders shift it by 19 mm). Links count from `links.FIRST`, and
+    a parent among them as it stands in `links`.
     """
     wheel = engine.createCollisionShape(engine.GEOM_SPHERE, radius=chassis.wheel_radius, physicsClientId=client)
     sides = (chassis.wheel_track / 2, -chassis.wheel_track / 2)
+    axles = [_from_mass(0.0, side, chassis.wheel_radius) for side in sides]
+    everything = len(sides) + len(links)
     body: int = engine.createMultiBody(
         chassis.hull_mass,
         _hull_shape(client, chassis),
         basePosition=mass_position(pose),
         baseOrientation=upright(pose.heading),
-        linkMasses=[chassis.wheel_mass] * 2,
-        linkCollisionShapeIndices=[wheel] * 2,
-        linkVisualShapeIndices=[-1] * 2,
-        linkPositions=[_from_mass(0.0, side, chassis.wheel_radius) for side in sides],
-        linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * 2,
-        linkInertialFramePositions=[[0.0, 0.0, 0.0]] * 2,
-        linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * 2,
-        linkParentIndices=[0] * 2,
-        linkJointTypes=[engine.JOINT_REVOLUTE] * 2,
-        linkJointAxis=[[0.0, 1.0, 0.0]] * 2,
+        linkMasses=[*[chassis.wheel_mass] * 2, *(link.mass for link in links)],
+        linkCollisionShapeIndices=[wheel, wheel, *(_link_shape(client, link) for link in links)],
+        linkVisualShapeIndices=[-1] * everything,
+        linkPositions=[*axles, *(_from_mass(*link.place) if link.parent is None else link.place for link in links)],
+        linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * everything,
+        linkInertialFramePositions=[*[(0.0, 0.0, 0.0)] * 2, *(link.centre for link in links)],
+        linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * everything,
+        # The engine counts parents from 1; 0 is the hull.
+        linkParentIndices=[0, 0, *(0 if link.parent is None else FIRST + link.parent + 1 for link in links)],
+        linkJointTypes=[*[engine.JOINT_REVOLUTE] * 2, *(link.joint.value for link in links)],
+        linkJointAxis=[*[(0.0, 1.0, 0.0)] * 2, *(link.axis for link in links)],
         physicsClientId=client,
     )
-    links = [(HULL, chassis.hull_inertia, HULL_FRICTION, Group.HULL)]
-    links += [(link, chassis.wheel_inertia, WHEEL_FRICTION, Group.WHEEL) for link in WHEELS]
-    for link, inertia, friction, group in links:
+    parts = [(HULL, chassis.hull_inertia, HULL_FRICTION, Group.HULL)]
+    parts += [(link, chassis.wheel_inertia, WHEEL_FRICTION, Group.WHEEL) for link in WHEELS]
+    for link, inertia, friction, group in parts:
         engine.changeDynamics(body, link, localInertiaDiagonal=inertia, physicsClientId=client)
         # In a call of its own: beside others it would land on the base.
         engine.changeDynamics(body, link, lateralFriction=friction, physicsClientId=client)
         _join(client, body, link, group)
+    for index, part in enumerate(links, FIRST):
+        _finish_link(client, body, index, part)
     # Damping would brake spinning wheels: motors of a robot at 1 m/s would work at 80 % of their strength.
     engine.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
     # Casters in the air are none of the solver's business.
     engine.changeDynamics(body, HULL, contactProcessingThreshold=0.0, physicsClientId=client)
     return body
+
+
+def _link_shape(client: int, link: Link) -> int:
+    """The box of a link; -1 where there is nothing to touch."""
+    if not link.collides:
+        return -1
+    shape: int = engine.createCollisionShape(
+        engine.GEOM_BOX,
+        halfExtents=[edge / 2 for edge in link.size],
+        collisionFramePosition=link.centre,
+        physicsClientId=client,
+    )
+    return shape
+
+
+def _finish_link(client: int, body: int, index: int, link: Link) -> None:
+    """Give a link what its creation could not: inertia of an even box, friction, the joint's ends, and no motor."""
+    x, y, z = (edge**2 for edge in link.size)
+    inertia = [link.mass / 12 * edges for edges in (y + z, x + z, x + y)]
+    engine.changeDynamics(body, index, localInertiaDiagonal=inertia, physicsClientId=client)
+    engine.changeDynamics(body, index, lateralFriction=link.friction, physicsClientId=client)
+    if link.lower < link.upper:
+        engine.changeDynamics(
+            body, index, jointLowerLimit=link.lower, jointUpperLimit=link.upper, physicsClientId=client
+        )
+    if link.joint is not Joint.FIXED:
+        engine.setJointMotorControl2(body, index, engine.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
+    if link.collides:
+        _join(client, body, index, Group.HULL)
 
 
 def mass_position(pose: Pose2D) -> tuple[float, float, float]:
