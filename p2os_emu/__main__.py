@@ -19,7 +19,7 @@ import configs
 from p2os_emu.control import ControlSocket
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import FaultError
-from p2os_emu.faults import FaultBoard
+from p2os_emu.faults.board import FaultBoard
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller

@@ -1,6 +1,6 @@
 """Something with a serial port of its own: a laser scanner, an arm's modules, a camera head behind an AUX port."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Protocol
 
 from p2os_emu.links.line import Line
@@ -27,16 +27,34 @@ class Device(Protocol):
         ...
 
 
-@dataclass(slots=True)
 class Cable:
-    """A device on a line of its own, beside the robot's."""
+    """A device on a line of its own, beside the robot's.
 
-    device: Device
-    line: Line
+    is_powered: without power the device hears and says nothing.
+    """
+
+    def __init__(self, make: Callable[[], Device], line: Line) -> None:
+        """Connect a device.
+
+        Args:
+            make: Makes it as it is after the power switch.
+            line: Its line.
+        """
+        self.device = make()
+        self.line = line
+        self.is_powered = True
+        self._make = make
 
     def think(self, now: float, dt: float) -> bytes:
         """Take what has come over the line and let the device take a step; returns what it has to say."""
         data = self.line.receive(now, self.device.baud)
+        if not self.is_powered:
+            return b""
         if data:
             self.device.receive(data)
         return self.device.step(dt)
+
+    def power_cycle(self) -> None:
+        """Give the device power; it forgets what it was told before."""
+        self.device = self._make()
+        self.is_powered = True

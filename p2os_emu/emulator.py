@@ -1,14 +1,16 @@
 """Robots in a world, each on its own line: one step moves them all. It opens no port and reads no clock."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from random import Random
 from typing import Protocol
 
 from geometry import Pose2D
 from p2os import Command, RobotModel, encode_command
-from p2os_emu.body import Arm, Body, BodyState, Gripper
+from p2os_emu.body import Body
 from p2os_emu.device import Cable
+from p2os_emu.faulty_body import FaultyBody
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.fitting import Bench, cabled, plug_in
 from p2os_emu.links.line import Line, LinkProfile
@@ -68,59 +70,20 @@ class Surroundings(Protocol):
 
 
 @dataclass(slots=True)
-class PressedBumpers:
-    """A body some of whose bumper segments are held down; see `BodyState` for the bits."""
-
-    body: Body
-    front: int
-    rear: int
-
-    @property
-    def state(self) -> BodyState:
-        """The machine after the last physics step, with these segments pressed."""
-        state = self.body.state
-        return state._replace(
-            front_bumpers=state.front_bumpers | self.front, rear_bumpers=state.rear_bumpers | self.rear
-        )
-
-    @property
-    def gripper(self) -> Gripper | None:
-        """As `Body.gripper`."""
-        return self.body.gripper
-
-    @property
-    def arm(self) -> Arm | None:
-        """As `Body.arm`."""
-        return self.body.arm
-
-    def drive(self, left: float, right: float) -> None:
-        """As `Body.drive`."""
-        self.body.drive(left, right)
-
-    def release(self) -> None:
-        """As `Body.release`."""
-        self.body.release()
-
-    def ping(self, discs: Sequence[int]) -> Sequence[float]:
-        """As `Body.ping`."""
-        return self.body.ping(discs)
-
-
-@dataclass(slots=True)
 class EmulatedRobot:
     """One robot: controller, machine and line.
 
     fit: its accessories. cables: those of accessories with a port of their own, by part.
     start: where it was put down.
     is_frozen: the firmware hangs; the wheels keep the speed it commanded last, and bytes that come are lost.
-    is_powered: whether the controller has power.
-    body: what the controller reaches, which a fault may have put something in front of.
+    is_powered: whether controller and accessories have power.
+    body: what the controller reaches, with its faults.
     """
 
     name: str
     model: RobotModel
     microcontroller: Microcontroller
-    body: Body
+    body: FaultyBody
     line: Line
     start: Pose2D
     fit: Fit = BARE
@@ -138,6 +101,20 @@ class EmulatedRobot:
         if data:
             controller.receive(data)
         return controller.step(STEP, self.body)
+
+    def power_off(self) -> None:
+        """Take the power from controller and accessories; the wheels roll free."""
+        self.is_powered = False
+        self.body.release()
+        for cable in self.cables.values():
+            cable.is_powered = False
+
+    def power_on(self) -> None:
+        """Give it back: everything is as after the power switch."""
+        self.is_powered = True
+        self.microcontroller.power_cycle()
+        for cable in self.cables.values():
+            cable.power_cycle()
 
     def close(self) -> None:
         """Close its ports."""
@@ -201,7 +178,7 @@ class Emulator:
         if name in self.robots:
             raise ValueError(f"there is a robot {name!r} already; choose another name")
         controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
-        body = self._world.add_robot(name, model, pose, fit)
+        body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
         line = Line(link, self._profile, self._chance(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         self._fit_out(robot, cables or {})
@@ -214,7 +191,7 @@ class Emulator:
             bench = Bench(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
             if part in robot.fit.cables:
                 line = Line(cables[part], self._profile, self._chance(robot.name, f"{part} line"))
-                robot.cables[part] = Cable(cabled(part, bench), line)
+                robot.cables[part] = Cable(partial(cabled, part, bench), line)
             else:
                 plug_in(part, bench)
 

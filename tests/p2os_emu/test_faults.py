@@ -8,7 +8,8 @@ import configs
 from p2os import Command, RobotModel, encode_command
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
-from p2os_emu.faults import FAULTS, FaultBoard
+from p2os_emu.faults.board import FaultBoard
+from p2os_emu.faults.table import FAULTS
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
@@ -213,7 +214,8 @@ def test_fault_of_a_robot_that_was_removed_does_no_harm(rig: Rig) -> None:
     ("text", "complaint"),
     [
         ("line-cutt", "there is no fault 'line-cutt'; did you mean line-cut"),
-        ("xyzzy", "choose one of brown-out, bumper-stuck, "),
+        ("xyzzy", "the robots here can suffer sonar-dead, sonar-stuck, "),
+        ("line-cutt:robot=happy", "happy can suffer sonar-dead, sonar-stuck, "),
         ("line-cut:rowboat=happy", "no parameter 'rowboat'; did you mean robot"),
         ("line-cut:robot=hapy", "there is no robot 'hapy'; did you mean happy"),
         ("low-battery:volts=lots", "volts=lots will not do; give volts from 0 to 48"),
@@ -229,7 +231,7 @@ def test_fault_that_cannot_be_is_refused_with_what_can(rig: Rig, text: str, comp
 def test_bumper_of_a_robot_without_bumpers_is_refused() -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
     emulator.add("p3dx", configs.load(RobotModel, "robots", "p3dx"), MemoryLink())
-    with pytest.raises(FaultError, match="p3dx has no bumpers"):
+    with pytest.raises(FaultError, match="p3dx has no bumpers to suffer bumper-stuck; p3dx can suffer sonar-dead, "):
         FaultBoard(emulator.robots).schedule(parse_fault("bumper-stuck"), 0.0)
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from p2os_emu.control import RequestError
 from p2os_emu.emulator import STEP, Emulator
-from p2os_emu.faults import FaultBoard
+from p2os_emu.faults.board import FaultBoard
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller

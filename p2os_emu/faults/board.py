@@ -1,0 +1,149 @@
+"""The board of faults: it lets them begin and end at their time."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from p2os_emu.emulator import STEP, EmulatedRobot
+from p2os_emu.fault_spec import FaultError, FaultSpec
+from p2os_emu.faults.kind import Arguments, FaultKind
+from p2os_emu.faults.table import FAULTS
+from p2os_emu.hints import nearest
+
+_ROUNDING = 1e-9  # s; times are sums of steps
+
+
+@dataclass(slots=True)
+class Fault:
+    """A fault on its way, or at work.
+
+    start, end: s of emulated time, end may be inf. victims: the robots it befalls, and what was asked for there.
+    """
+
+    number: int
+    spec: FaultSpec
+    kind: FaultKind
+    start: float
+    end: float
+    victims: Sequence[tuple[EmulatedRobot, Arguments]]
+    is_active: bool = False
+
+
+class FaultBoard:
+    """The faults of a run: those to come and those at work.
+
+    Call `advance` before every step.
+    """
+
+    def __init__(self, robots: Mapping[str, EmulatedRobot]) -> None:
+        self._robots = robots
+        self._faults: dict[int, Fault] = {}
+        self._last_number = 0
+
+    @property
+    def faults(self) -> list[Fault]:
+        """Those to come and those at work, in the order they were asked for."""
+        return list(self._faults.values())
+
+    def schedule(self, spec: FaultSpec, now: float) -> Fault:
+        """Let a fault happen.
+
+        Args:
+            spec: What somebody asked for; its start counts from now.
+            now: Emulated time, s.
+        Raises:
+            FaultError: There is no such fault, parameter or robot, a robot has nothing that could fail so, or a value
+                does not fit; the message lists what there is.
+        """
+        given = dict(spec.parameters)
+        meant = self._robots_meant(given.pop("robot", None))
+        kind = FAULTS.get(spec.name)
+        if kind is None:
+            raise FaultError(f"there is no fault {spec.name!r}; {_suggestion(spec.name, meant)}")
+        able = [robot for robot in meant if kind.missing(robot) is None]
+        if meant and not able:
+            lacks = " and ".join(f"{robot.name} has {kind.missing(robot)}" for robot in meant)
+            raise FaultError(f"{lacks} to suffer {kind.name}; {_supported(meant)}")
+        victims = [(robot, _arguments(kind, given, robot)) for robot in able]
+        start = now + spec.start
+        duration = spec.duration
+        if duration is None:
+            duration = 0.0 if kind.is_momentary else math.inf
+        self._last_number += 1
+        fault = Fault(self._last_number, spec, kind, start, start + duration, victims)
+        self._faults[fault.number] = fault
+        return fault
+
+    def advance(self, now: float) -> None:
+        """Let begin and end what is due at emulated time `now`, s."""
+        if not self._faults:
+            return
+        for fault in self.faults:
+            if not fault.is_active and fault.start <= now + _ROUNDING:
+                fault.is_active = True
+                self._tell(fault)
+            if fault.is_active and fault.end <= now + _ROUNDING:
+                self.clear(fault.number)
+        for robot in self._robots.values():
+            robot.body.advance(STEP)
+
+    def clear(self, number: int) -> None:
+        """End a fault, or call off one that has not begun.
+
+        Raises:
+            FaultError: There is no fault of this number.
+        """
+        fault = self._faults.pop(number, None)
+        if fault is None:
+            raise FaultError(f"there is no fault number {number}; ask for the faults to see those there are")
+        if fault.is_active:
+            self._tell(fault)
+
+    def _tell(self, changed: Fault) -> None:
+        """Let the robots that a fault befalls suffer what is at work of its kind now."""
+        for robot, _ in changed.victims:
+            if self._robots.get(robot.name) is robot:  # else it was removed
+                changed.kind.befall(robot, self._at_work(changed.kind, robot))
+
+    def _at_work(self, kind: FaultKind, robot: EmulatedRobot) -> list[Arguments]:
+        return [
+            arguments
+            for fault in self._faults.values()
+            if fault.is_active and fault.kind is kind
+            for victim, arguments in fault.victims
+            if victim is robot
+        ]
+
+    def _robots_meant(self, name: str | None) -> list[EmulatedRobot]:
+        if name is None:
+            return list(self._robots.values())
+        if name not in self._robots:
+            raise FaultError(f"there is no robot {name!r}; {nearest(name, self._robots)}")
+        return [self._robots[name]]
+
+
+def _arguments(kind: FaultKind, given: Mapping[str, str], robot: EmulatedRobot) -> Arguments:
+    for key in given:
+        if key not in kind.parameters:
+            raise FaultError(f"fault {kind.name} has no parameter {key!r}; {nearest(key, ['robot', *kind.parameters])}")
+    values: dict[str, Any] = {}
+    for key, parameter in kind.parameters.items():
+        text = given.get(key, parameter.default)
+        try:
+            values[key] = None if text is None else parameter.read(text, robot)
+        except ValueError as error:
+            raise FaultError(f"fault {kind.name}: {key}={text} will not do; {error}") from error
+    return values
+
+
+def _suggestion(name: str, robots: Sequence[EmulatedRobot]) -> str:
+    hint = nearest(name, FAULTS)
+    return f"{hint} {_supported(robots)}" if hint.endswith("?") else _supported(robots)
+
+
+def _supported(robots: Sequence[EmulatedRobot]) -> str:
+    """The faults that any of these robots can suffer."""
+    names = [kind.name for kind in FAULTS.values() if any(kind.missing(robot) is None for robot in robots)]
+    who = robots[0].name if len(robots) == 1 else "the robots here"
+    return f"{who} can suffer {', '.join(names)}" if robots else "there is no robot"

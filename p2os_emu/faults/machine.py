@@ -1,0 +1,110 @@
+"""Faults of the machine that the controller drives: sonar discs, wheels, bumpers."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from p2os_emu.emulator import EmulatedRobot
+from p2os_emu.faults import parameters
+from p2os_emu.faults.kind import Arguments, FaultKind, Parameter
+from p2os_emu.faulty_body import HEALTHY_SONAR, SonarFaults
+
+_LONGEST = 5.0  # m; what a disc can report
+_DISC = Parameter("numbers from 0 as SIPs count them, such as 3, 0-7, 3+5 or all", parameters.discs, "all")
+
+
+def _deafen(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    dead = frozenset(disc for each in at_work for disc in each["disc"])
+    _set_sonar(robot, replace(robot.body.sonar, dead=dead))
+
+
+def _stick_sonar(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    stuck = {disc: each["range"] for each in at_work for disc in each["disc"]}
+    _set_sonar(robot, replace(robot.body.sonar, stuck=stuck))
+
+
+def _disturb_sonar(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    noisy = {disc: each["share"] for each in at_work for disc in each["disc"]}
+    _set_sonar(robot, replace(robot.body.sonar, noisy=noisy))
+
+
+def _set_sonar(robot: EmulatedRobot, sonar: SonarFaults) -> None:
+    robot.body.sonar = HEALTHY_SONAR if sonar == HEALTHY_SONAR else sonar
+
+
+def _slip(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    left = min((each["factor"] for each in at_work if each["side"][0]), default=1.0)
+    right = min((each["factor"] for each in at_work if each["side"][1]), default=1.0)
+    robot.body.grip = left, right
+
+
+def _block(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    robot.body.blocked = any(each["side"][0] for each in at_work), any(each["side"][1] for each in at_work)
+
+
+def _hold_bumpers(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    front = rear = 0
+    for each in at_work:
+        front |= each["segment"][0]
+        rear |= each["segment"][1]
+    robot.body.bumpers = front, rear
+
+
+def _missing_sonar(robot: EmulatedRobot) -> str | None:
+    return None if robot.model.sonar else "no sonar"
+
+
+def _missing_bumpers(robot: EmulatedRobot) -> str | None:
+    return None if robot.model.front_bumpers or robot.model.rear_bumpers else "no bumpers"
+
+
+KINDS = (
+    FaultKind(
+        "sonar-dead",
+        "sonar discs hear nothing",
+        "they hear again",
+        _deafen,
+        {"disc": _DISC},
+        _missing_sonar,
+    ),
+    FaultKind(
+        "sonar-stuck",
+        "sonar discs report one range, whatever stands there",
+        "they measure again",
+        _stick_sonar,
+        {"disc": _DISC, "range": Parameter("what they report, m", parameters.number(_LONGEST, "metres"), "0.5")},
+        _missing_sonar,
+    ),
+    FaultKind(
+        "sonar-noisy",
+        "sonar discs report echoes that never were, at random ranges",
+        "they report only what they hear",
+        _disturb_sonar,
+        {"disc": _DISC, "share": Parameter("of the firings that go wrong, 0 to 1", parameters.number(1.0), "0.3")},
+        _missing_sonar,
+    ),
+    FaultKind(
+        "wheel-slipping",
+        "wheels turn as commanded and move the robot less; the encoders do not notice",
+        "they grip again; odometry keeps its error",
+        _slip,
+        {
+            "side": Parameter("left, right or both", parameters.side, "both"),
+            "factor": Parameter("how much of the turning arrives on the floor, 0 to 1", parameters.number(1.0), "0.5"),
+        },
+    ),
+    FaultKind(
+        "wheel-stalled",
+        "something blocks wheels; their motors strive in vain and the stall bits follow",
+        "they turn again; the robot goes on when the firmware's pause after a stall is over",
+        _block,
+        {"side": Parameter("left, right or both", parameters.side, "both")},
+    ),
+    FaultKind(
+        "bumper-stuck",
+        "a bumper segment stays pressed",
+        "the segment springs back",
+        _hold_bumpers,
+        {"segment": Parameter("such as rear2, counted from 1, from right to left", parameters.segment, "front1")},
+        _missing_bumpers,
+    ),
+)

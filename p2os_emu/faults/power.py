@@ -1,0 +1,70 @@
+"""Faults of the controller and of what feeds it: buttons, battery, charger, power, firmware."""
+
+from collections.abc import Sequence
+
+from p2os_emu.emulator import EmulatedRobot
+from p2os_emu.faults import parameters
+from p2os_emu.faults.kind import Arguments, FaultKind, Parameter
+
+_LOW = 0.9  # of the nominal voltage: a lead-acid battery that should be charged
+
+
+def _press_stop(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.stop_button = bool(at_work)
+
+
+def _drain(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    low = _LOW * robot.model.battery_nominal
+    shown = [low if each["volts"] is None else each["volts"] for each in at_work]
+    robot.microcontroller.panel.battery = min(shown, default=None)
+
+
+def _plug_charger(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.charger_plugged = bool(at_work)
+
+
+def _cut_power(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    if at_work:
+        robot.power_off()
+    else:
+        robot.power_on()
+
+
+def _freeze(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    robot.is_frozen = bool(at_work)
+
+
+KINDS = (
+    FaultKind(
+        "stop-pressed",
+        "someone presses the red STOP button",
+        "the button is pulled out; the motors stay off until a client enables them",
+        _press_stop,
+    ),
+    FaultKind(
+        "low-battery",
+        "the battery shows a low voltage",
+        "the battery's own voltage shows again",
+        _drain,
+        {"volts": Parameter("what it shows, V; nine tenths of the nominal voltage if not given", parameters.volts)},
+    ),
+    FaultKind(
+        "charger-plugged",
+        "the charger is plugged in",
+        "the charger is pulled out",
+        _plug_charger,
+    ),
+    FaultKind(
+        "brown-out",
+        "controller and accessories lose power; the wheels roll free",
+        "power returns and everything is as after the power switch; at once unless a duration is given",
+        _cut_power,
+        is_momentary=True,
+    ),
+    FaultKind(
+        "frozen-firmware",
+        "the firmware hangs: it hears and says nothing, and the wheels keep their last speed",
+        "the firmware goes on where it stood; what was sent to it meanwhile is lost",
+        _freeze,
+    ),
+)

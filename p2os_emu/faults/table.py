@@ -1,0 +1,9 @@
+"""All the faults there are."""
+
+from collections.abc import Mapping
+
+from p2os_emu.faults import lines, machine, power
+from p2os_emu.faults.kind import FaultKind
+
+FAULTS: Mapping[str, FaultKind] = {kind.name: kind for kind in (*machine.KINDS, *power.KINDS, *lines.KINDS)}
+"""By name."""
