@@ -16,6 +16,7 @@ GROUPS = {
     "emulator": "processor time of one robot and of twenty, and readiness",
     "latency": "from the port to the bus and from the bus to the port",
     "gateway": "processor time and memory of the gateway",
+    "stop_proof": "time and distance until the wheels stand, whatever dies; writes stop-proof.md",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

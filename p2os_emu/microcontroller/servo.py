@@ -121,10 +121,10 @@ class Servo:
         self._emergency = False
 
     def stop(self, emergency: bool = False) -> None:
-        """Brake to a stand and hold it; in an emergency as hard as the axis can."""
+        """Brake to a stand and hold it; in an emergency as hard as the axis can, which a plain stop does not soften."""
         self.target = None
         self._goal = 0.0
-        self._emergency = emergency
+        self._emergency = self._emergency or emergency
 
     def restart(self, speed: float) -> None:
         """Go on with the same commands from another speed: the wheels had no power meanwhile."""

@@ -210,6 +210,17 @@ def test_estop_ignores_the_deceleration_limit_and_stays_stopped(robot: Bench, co
     assert robot.body.velocity == pytest.approx(0.2)
 
 
+def test_a_plain_stop_does_not_soften_an_emergency_stop(robot: Bench) -> None:
+    robot.send(Command.VEL, 0.6)
+    robot.run(3.0)
+    start = robot.body.travel
+    robot.send(Command.ESTOP)
+    robot.run(0.05)
+    robot.send(Command.STOP)
+    robot.run(5.0)
+    assert robot.body.travel - start == pytest.approx(0.6**2 / (2 * 2.0), abs=2 * 0.6 * STEP)
+
+
 def test_stop_ends_rotation_as_well(robot: Bench) -> None:
     robot.send(Command.HEAD, radians(170))
     robot.run(1.0)
