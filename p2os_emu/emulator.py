@@ -190,7 +190,7 @@ class Emulator:
             chance = Random(self._chance(robot.name, part))
             bench = Bench(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
             if part in robot.fit.cables:
-                line = Line(cables[part], self._profile, self._chance(robot.name, f"{part} line"))
+                line = Line(cables[part], self._profile.of_accessories, self._chance(robot.name, f"{part} line"))
                 robot.cables[part] = Cable(partial(cabled, part, bench), line)
             else:
                 plug_in(part, bench)

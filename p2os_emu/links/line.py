@@ -1,111 +1,99 @@
 """The line between firmware and port: what a cable does to bytes on their way.
 
 A line is a list of stages in each direction. The ideal line has none: a frame leaves in the step that made it, in one
-write. Time is an argument, and every chance is drawn from the line's own seed.
+write. Faults are stages that come and go. Time is an argument, and every chance is drawn from the line's own seed.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from random import Random
-from typing import NamedTuple, Protocol
+from typing import Literal
 
+from p2os_emu.links.adapter import Blocks
+from p2os_emu.links.impairments import BitErrors, Freeze, Noise, Silence
 from p2os_emu.links.link import Link
+from p2os_emu.links.modem import Dialling, Slot
+from p2os_emu.links.pacing import BaudCheck, HostQueue, RobotQueue
+from p2os_emu.links.profile import LinkProfile
+from p2os_emu.links.stage import Rates, Stage, split_frames
 
-BITS_PER_BYTE = 10  # a start bit, eight data bits, a stop bit
-_SYNC = b"\xfa\xfb"
-_HEADER_SIZE = 3
-# A step seldom ends exactly where a byte does; without this, rounding holds a complete byte back for a step.
-_ROUNDING = 1e-6
+__all__ = ["LINE_FAULTS", "Line", "LinkProfile", "Source", "Toward", "split_frames"]
+
+Toward = Literal["robot", "host", "both"]
+"""Which way bytes travel."""
+Source = Literal["host", "robot"]
+"""Who sent them."""
 
 
-@dataclass(frozen=True, slots=True)
-class LinkProfile:
-    """How a line treats bytes, as a file in configs/links says.
+class _Way:
+    """One direction.
 
-    summary: one line for people.
-    enforces_baud: whether bytes arrive as garbage when the client's rate is not the robot's.
-    paces: whether bytes take their time, ten bits each at the line's rate.
-    buffer_bytes: how many bytes wait for a paced line before whole frames are dropped.
+    stages: what the profile puts there. faults: what has gone wrong, by name.
+    late: bytes that a fault has kept and now lets go.
     """
 
-    summary: str
-    enforces_baud: bool = False
-    paces: bool = False
-    buffer_bytes: int = 4096
+    def __init__(self) -> None:
+        self.stages: list[Stage] = []
+        self.faults: dict[str, Stage] = {}
+        self.late = b""
 
-
-class Rates(NamedTuple):
-    """The rates of the two ends at one moment, bit/s; the client's is None where the port knows no rate."""
-
-    host: int
-    client: int | None
-
-
-class Stage(Protocol):
-    """One thing that happens to the bytes of one direction."""
+    @property
+    def is_plain(self) -> bool:
+        """Whether bytes leave as they enter."""
+        return not (self.stages or self.faults or self.late)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """Take the bytes that enter now and give those that leave now; called every step, also without bytes."""
-        ...
-
-
-class Pacing:
-    """Bytes leave no faster than the line's rate; frames that find the buffer full are dropped whole.
-
-    dropped: frames lost to a full buffer.
-    """
-
-    def __init__(self, capacity: int) -> None:
-        self.dropped = 0
-        self._capacity = capacity
-        self._waiting = bytearray()
-        self._sent_until = 0.0
-
-    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`; the rate is the robot's."""
-        if not self._waiting:
-            self._sent_until = now
-        for frame in split_frames(data):
-            if len(self._waiting) + len(frame) > self._capacity:
-                self.dropped += 1
-            else:
-                self._waiting += frame
-        seconds_per_byte = BITS_PER_BYTE / rates.host
-        count = min(len(self._waiting), int((now - self._sent_until) / seconds_per_byte + _ROUNDING))
-        self._sent_until += count * seconds_per_byte
-        sent = bytes(self._waiting[:count])
-        del self._waiting[:count]
-        return sent
-
-
-class BaudCheck:
-    """Bytes become noise while the two ends disagree on the rate.
-
-    On iron the number of bytes changes as well; for whoever listens, noise is noise.
-    """
-
-    def __init__(self, chance: Random) -> None:
-        self._chance = chance
-
-    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
-        if not data or rates.client is None or rates.client == rates.host:
-            return data
-        return self._chance.randbytes(len(data))
+        """As `Stage.carry`, through all of them."""
+        for stage in self.stages:
+            data = stage.carry(data, now, rates)
+        data, self.late = self.late + data, b""
+        for stage in self.faults.values():
+            data = stage.carry(data, now, rates)
+        return data
 
 
 class Line:
     """One robot's line to its port.
 
     is_cut: while set, nothing gets through in either direction.
+    tap: called with time, sender and bytes for whatever the port carries; None if nobody listens.
     """
 
     def __init__(self, link: Link, profile: LinkProfile, seed: int = 0) -> None:
-        chance = Random(seed)
         self.link = link
         self.is_cut = False
-        self._to_robot = _stages(profile, chance)
-        self._to_client = _stages(profile, chance)
+        self.tap: Callable[[float, Source, bytes], None] | None = None
+        self._seed = seed
+        self._to_robot = _Way()
+        self._to_host = _Way()
+        self._lay(profile)
+
+    @property
+    def faults(self) -> list[str]:
+        """The names of what has gone wrong with `impair`."""
+        return [name for name in LINE_FAULTS if name in self._to_robot.faults or name in self._to_host.faults]
+
+    def impair(self, name: str, *, toward: Toward = "both", rate: float = 1e-3) -> None:
+        """Let something go wrong, until `mend`; again with other values if it already has.
+
+        Args:
+            name: One of `LINE_FAULTS`.
+            toward: Which way the bytes travel that it befalls; "half-duplex" loses those toward one end.
+            rate: Of "noisy": fraction of bits turned round.
+        Raises:
+            KeyError: There is no such fault.
+        """
+        make = LINE_FAULTS[name]
+        self.mend(name)
+        for end, way in (("robot", self._to_robot), ("host", self._to_host)):
+            if toward in (end, "both"):
+                way.faults[name] = make(Random(f"{self._seed} {name} {end}"), rate)
+
+    def mend(self, name: str) -> None:
+        """Let a fault end; what it only held back arrives with the next bytes."""
+        for way in (self._to_robot, self._to_host):
+            fault = way.faults.pop(name, None)
+            if isinstance(fault, Freeze):
+                way.late += bytes(fault.held)
 
     def receive(self, now: float, host_baud: int) -> bytes:
         """Take the bytes that reach the firmware now.
@@ -115,48 +103,61 @@ class Line:
             host_baud: The rate the firmware has set, bit/s.
         """
         data = self.link.read()
-        if self._to_robot:
-            data = self._through(self._to_robot, data, now, host_baud)
+        if data and self.tap is not None:
+            self.tap(now, "host", data)
+        if not self._to_robot.is_plain:
+            data = self._to_robot.carry(data, now, Rates(host_baud, self.link.client_baud))
         return b"" if self.is_cut else data
 
     def send(self, data: bytes, now: float, host_baud: int) -> None:
         """Take whole frames from the firmware and write to the port what leaves the line now; call it every step.
 
         Args:
-            data: Frames, one after another; each is its own write where nothing paces them.
+            data: Frames, one after another; each is its own write where nothing treats them on the way.
             now: Steady time, s; never less than at the call before.
             host_baud: The rate the firmware has set, bit/s.
         """
-        if self._to_client:
-            data = self._through(self._to_client, data, now, host_baud)
+        if not self._to_host.is_plain:
+            data = self._to_host.carry(data, now, Rates(host_baud, self.link.client_baud))
             if data and not self.is_cut:
-                self.link.write(data)
+                self._write(data, now)
         elif data and not self.is_cut:
             for frame in split_frames(data):
-                self.link.write(frame)
+                self._write(frame, now)
 
-    def _through(self, stages: list[Stage], data: bytes, now: float, host_baud: int) -> bytes:
-        rates = Rates(host_baud, self.link.client_baud)
-        for stage in stages:
-            data = stage.carry(data, now, rates)
-        return data
+    def _write(self, data: bytes, now: float) -> None:
+        if self.tap is not None:
+            self.tap(now, "robot", data)
+        self.link.write(data)
+
+    def _lay(self, profile: LinkProfile) -> None:
+        """Put the profile's stages in the order in which the bytes of each direction meet them."""
+        modem = profile.modem
+        baud = modem.baud if modem else None
+        if profile.paces:
+            self._to_robot.stages.append(HostQueue(profile.host_buffer_bytes, baud))
+            self._to_host.stages.append(RobotQueue(profile.buffer_bytes, baud))
+        if profile.enforces_baud:
+            self._to_robot.stages.append(BaudCheck(Random(f"{self._seed} baud robot"), baud))
+            self._to_host.stages.append(BaudCheck(Random(f"{self._seed} baud host"), baud))
+        dialling = Dialling(modem) if modem else None
+        if dialling:
+            self._to_robot.stages.append(dialling.to_robot)
+        if modem and modem.slot:
+            self._to_robot.stages.append(Slot(modem.slot, 0))
+            self._to_host.stages.append(Slot(modem.slot, 1))
+        self._to_robot.stages += profile.to_robot.stages(f"{self._seed} robot")
+        self._to_host.stages += profile.to_host.stages(f"{self._seed} host")
+        if dialling:
+            self._to_host.stages.append(dialling.to_host)
+        if profile.adapter:
+            self._to_host.stages.append(Blocks(profile.adapter))
 
 
-def split_frames(data: bytes) -> Iterator[bytes]:
-    """Cut a run of whole frames into frames; what does not begin as a frame stays in one piece."""
-    start = 0
-    while start < len(data):
-        end = len(data)
-        if data.startswith(_SYNC, start) and start + _HEADER_SIZE <= end:
-            end = min(end, start + _HEADER_SIZE + data[start + 2])
-        yield data[start:end]
-        start = end
-
-
-def _stages(profile: LinkProfile, chance: Random) -> list[Stage]:
-    stages: list[Stage] = []
-    if profile.paces:
-        stages.append(Pacing(profile.buffer_bytes))
-    if profile.enforces_baud:
-        stages.append(BaudCheck(chance))
-    return stages
+LINE_FAULTS: Mapping[str, Callable[[Random, float], Stage]] = {
+    "half-duplex": lambda chance, rate: Silence(),
+    "frozen": lambda chance, rate: Freeze(),
+    "noisy": lambda chance, rate: BitErrors(rate, chance),
+    "garbled": lambda chance, rate: Noise(chance),
+}
+"""What may go wrong with a line, by name."""

@@ -1,0 +1,201 @@
+"""Impairments: what distance, noise and bad contacts do to bytes. Each is a stage; chance is an argument.
+
+None of them knows a frame, apart from `Duplication`: a line carries bytes.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from random import Random
+
+from p2os_emu.links.stage import Rates, Stage, split_frames
+
+_ROUNDING = 1e-9  # s; times are sums of steps
+
+
+@dataclass(frozen=True, slots=True)
+class Impairments:
+    """What goes wrong in one direction; nothing unless a file says so.
+
+    delay: s that every byte takes. jitter: s, at most so much more, drawn for each piece; the order is kept.
+    loss: fraction of bytes lost between bursts. burst_start, burst_end: chance for each byte that a burst of loss
+        begins or ends before it. burst_loss: fraction of bytes lost in a burst.
+        Source: Gilbert and Elliott's two-state channel.
+    bit_errors: fraction of bits turned round.
+    damage: fraction of bytes replaced by another value.
+    duplication: fraction of frames that come twice.
+    """
+
+    delay: float = 0.0
+    jitter: float = 0.0
+    loss: float = 0.0
+    burst_start: float = 0.0
+    burst_end: float = 1.0
+    burst_loss: float = 1.0
+    bit_errors: float = 0.0
+    damage: float = 0.0
+    duplication: float = 0.0
+
+    def stages(self, seed: str) -> Iterator[Stage]:
+        """Make the stages that are needed, in the order of a line; each draws by its own name."""
+        if self.duplication:
+            yield Duplication(self.duplication, Random(f"{seed} duplication"))
+        if self.delay or self.jitter:
+            yield Delay(self.delay, self.jitter, Random(f"{seed} delay"))
+        if self.loss or self.burst_start:
+            yield Loss(self, Random(f"{seed} loss"))
+        if self.bit_errors:
+            yield BitErrors(self.bit_errors, Random(f"{seed} bit errors"))
+        if self.damage:
+            yield ByteDamage(self.damage, Random(f"{seed} damage"))
+
+
+class Delay:
+    """Every piece of bytes arrives later, and none overtakes another."""
+
+    def __init__(self, delay: float, jitter: float, chance: Random) -> None:
+        self._delay = delay
+        self._jitter = jitter
+        self._chance = chance
+        self._on_its_way: deque[tuple[float, bytes]] = deque()
+        self._last_due = 0.0
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        if data:
+            self._last_due = max(self._last_due, now + self._delay + self._jitter * self._chance.random())
+            self._on_its_way.append((self._last_due, data))
+        arrived = b""
+        while self._on_its_way and self._on_its_way[0][0] <= now + _ROUNDING:
+            arrived += self._on_its_way.popleft()[1]
+        return arrived
+
+
+class Loss:
+    """Bytes vanish: seldom in good times, often in bursts."""
+
+    def __init__(self, impairments: Impairments, chance: Random) -> None:
+        self._rates = (impairments.loss, impairments.burst_loss)
+        self._leave = (impairments.burst_start, impairments.burst_end)
+        self._chance = chance
+        self._in_burst = False
+        self._stay = distance(self._leave[False], chance)
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        kept = b""
+        while data:
+            while self._stay == 0:
+                self._in_burst = not self._in_burst
+                self._stay = distance(self._leave[self._in_burst], self._chance)
+            count = int(min(self._stay, len(data)))
+            kept += self._thin(data[:count], self._rates[self._in_burst])
+            data = data[count:]
+            self._stay -= count
+        return kept
+
+    def _thin(self, data: bytes, rate: float) -> bytes:
+        if rate >= 1.0:
+            return b""
+        kept = bytearray(data)
+        for index in reversed(list(hits(len(data), rate, self._chance))):
+            del kept[index]
+        return bytes(kept)
+
+
+class BitErrors:
+    """Bits turn round, each by itself."""
+
+    def __init__(self, rate: float, chance: Random) -> None:
+        self._rate = rate
+        self._chance = chance
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        if not data:
+            return data
+        heard = bytearray(data)
+        for bit in hits(8 * len(data), self._rate, self._chance):
+            heard[bit // 8] ^= 1 << bit % 8
+        return bytes(heard)
+
+
+class ByteDamage:
+    """Bytes become other bytes; a byte that is hit never stays what it was."""
+
+    def __init__(self, rate: float, chance: Random) -> None:
+        self._rate = rate
+        self._chance = chance
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        if not data:
+            return data
+        heard = bytearray(data)
+        for index in hits(len(data), self._rate, self._chance):
+            heard[index] ^= self._chance.randint(1, 255)
+        return bytes(heard)
+
+
+class Duplication:
+    """Frames come twice."""
+
+    def __init__(self, rate: float, chance: Random) -> None:
+        self._rate = rate
+        self._chance = chance
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        return b"".join(frame * (1 + (self._chance.random() < self._rate)) for frame in split_frames(data))
+
+
+class Noise:
+    """Every byte becomes noise; their number stays."""
+
+    def __init__(self, chance: Random) -> None:
+        self._chance = chance
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        return self._chance.randbytes(len(data)) if data else data
+
+
+class Silence:
+    """Nothing gets through, and nothing is kept."""
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        return b""
+
+
+class Freeze:
+    """Nothing gets through while it lasts; what came meanwhile is kept.
+
+    held: the bytes kept.
+    """
+
+    def __init__(self) -> None:
+        self.held = bytearray()
+
+    def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
+        """As `Stage.carry`."""
+        self.held += data
+        return b""
+
+
+def hits(count: int, rate: float, chance: Random) -> Iterator[int]:
+    """Indices below `count`, rising, each drawn with a chance of `rate`; costs time by the hit, not by the index."""
+    index = distance(rate, chance)
+    while index < count:
+        yield int(index)
+        index += 1 + distance(rate, chance)
+
+
+def distance(rate: float, chance: Random) -> float:
+    """How many trials fail before the next success; infinite if none ever succeeds."""
+    if rate <= 0.0:
+        return math.inf
+    if rate >= 1.0:
+        return 0
+    return int(math.log(1.0 - chance.random()) / math.log1p(-rate))
