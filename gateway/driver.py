@@ -16,7 +16,7 @@ from math import inf, isfinite
 from typing import TypeVar
 
 from gateway.configurator import Configurator
-from gateway.connector import CLOSE, Connector
+from gateway.connector import CLOSE, STOP, Connector
 from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
@@ -134,6 +134,16 @@ class Driver:
             *(element.deadline for element in self._elements.values()),
         )
 
+    @property
+    def stopping_words(self) -> bytes:
+        """What to say first on leaving."""
+        return STOP
+
+    @property
+    def last_words(self) -> bytes:
+        """What to say once the robot stands: CLOSE takes the power off its motors, and it would coast."""
+        return CLOSE
+
     def port_opened(self, now: float) -> None:
         """There is a line to talk on; begin."""
         self._last_run = now
@@ -200,6 +210,11 @@ class Driver:
     def is_asked_to_move(self) -> bool:
         """A velocity or a long motion is in force."""
         return self._motion.is_asked_to_move
+
+    @property
+    def faults(self) -> list[str]:
+        """What the robot's elements say is wrong with them, a sentence each."""
+        return [fault for element in self._elements.values() for fault in element.faults]
 
     def set_velocity(self, linear: float, angular: float, now: float) -> None:
         """Drive at m/s forward and rad/s counter-clockwise, until 0.5 s pass without a new velocity.

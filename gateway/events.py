@@ -52,6 +52,21 @@ class InputsOutputsReceived(NamedTuple):
     ports: InputsOutputs
 
 
+class GripperSeen(NamedTuple):
+    """What the gripper does. Where both of a pair are false, it is in between, or nobody knows."""
+
+    paddles_open: bool
+    paddles_closed: bool
+    paddles_moving: bool
+    lift_up: bool
+    lift_down: bool
+    lift_moving: bool
+    outer_beam: bool
+    inner_beam: bool
+    left_contact: bool
+    right_contact: bool
+
+
 class LinkLost(NamedTuple):
     """The robot was connected and is no more; the driver begins anew."""
 
@@ -72,6 +87,29 @@ class RobotRejected(NamedTuple):
     """A robot answered that this gateway cannot serve."""
 
     error: GatewayError
+
+
+class ElementFound(NamedTuple):
+    """An element on a cable of its own answers as it should.
+
+    element: its name, as on the bus. baud: bit/s at which it answers, 0 for a line without a rate.
+    """
+
+    element: str
+    baud: int
+
+
+class ElementLost(NamedTuple):
+    """An element on a cable of its own answered and does so no more; its driver begins anew."""
+
+    element: str
+    reason: str
+
+
+class ElementSilent(NamedTuple):
+    """Nothing on the cable answered as the element does, at any rate, once round."""
+
+    element: str
 
 
 class End(StrEnum):
@@ -107,8 +145,12 @@ Event = (
     | ConfigurationReceived
     | EncodersReceived
     | InputsOutputsReceived
+    | GripperSeen
     | LinkLost
     | SweepFailed
     | RobotRejected
+    | ElementFound
+    | ElementLost
+    | ElementSilent
     | MotionEnded
 )

@@ -1,20 +1,26 @@
 """How the robot, its cable and its commands are doing: state, faults, diagnostics."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from bus.keys import frame
 from bus.messages import DiagnosticArray, DiagnosticStatus, KeyValue, RobotState, header
+from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
+from gateway.faces.cable_face import CableFace
 from p2os import StandardSip
 
 
-def faults(driver: Driver, sip: StandardSip | None, refusal: str | None) -> list[str]:
+def faults(
+    driver: Driver, sip: StandardSip | None, refusal: str | None, cable_faces: Sequence[CableFace[Any]] = ()
+) -> list[str]:
     """What is wrong, a sentence each.
 
     Args:
         driver: Of the robot.
         sip: The last one, None while the robot is not connected.
         refusal: Why a command was just refused.
+        cable_faces: Of the elements on cables of their own.
     """
     found = [] if driver.is_connected else ["the robot is not connected"]
     if driver.is_estopped:
@@ -30,6 +36,9 @@ def faults(driver: Driver, sip: StandardSip | None, refusal: str | None) -> list
             f"the battery is low, below {low:.1f} V": sip.best_battery < low,
         }
         found += [claim for claim, is_so in claims.items() if is_so]
+        found += driver.faults
+    for face in cable_faces:
+        found += face.driver.faults()
     if refusal is not None:
         found.append(refusal)
     return found
@@ -50,7 +59,12 @@ def robot_state(name: str, driver: Driver, sip: StandardSip | None, found: Seque
 
 
 def diagnostics(
-    name: str, driver: Driver, found: Sequence[str], refused: Mapping[str, int], stamp: int
+    name: str,
+    driver: Driver,
+    found: Sequence[str],
+    refused: Mapping[str, int],
+    stamp: int,
+    cable_faces: Sequence[CableFace[Any]] = (),
 ) -> DiagnosticArray:
     """Counters since the gateway's start: damaged frames, SIPs not believed, lost links, refused commands."""
     robot = name if driver.identity is None else driver.identity.subtype
@@ -68,6 +82,7 @@ def diagnostics(
             },
         ),
         "commands": (DiagnosticStatus.OK, f"{sum(refused.values())} refused", _labelled("refused", refused)),
+        **{face.name: _element_status(face.driver) for face in cable_faces},
     }
     return DiagnosticArray(
         header=header(stamp, ""),
@@ -84,5 +99,18 @@ def diagnostics(
     )
 
 
+def _element_status(driver: ElementDriver) -> tuple[int, str, dict[str, Any]]:
+    """Level, message and values of an element on a cable of its own."""
+    found = driver.faults()
+    level = DiagnosticStatus.WARN if found else DiagnosticStatus.OK
+    values = {
+        "baud": driver.baud,
+        **driver.figures(),
+        **_labelled("damaged", driver.damaged),
+        **_labelled("lost", driver.lost),
+    }
+    return level if driver.is_connected else DiagnosticStatus.ERROR, "; ".join(found) or "all is well", values
+
+
 def _labelled(label: str, counts: Mapping[str, int]) -> dict[str, int]:
-    return {f"{label}: {reason}": count for reason, count in sorted(counts.items())}
+    return {f"{label}: {reason}": count for reason, count in sorted(dict(counts).items())}

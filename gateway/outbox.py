@@ -1,6 +1,8 @@
 """Frames on their way to the robot: one at a time, and only the latest of each kind.
 
-A robot's command processor wants a pause between commands (source: fact sheet section 3, command pacing).
+What moves the robot goes before what merely asks it something; yet a stream of speeds that fills a slow line lets a
+request pass now and then. A robot's command processor wants a pause between commands (source: fact sheet section 3,
+command pacing).
 """
 
 from collections.abc import Hashable
@@ -9,6 +11,8 @@ from math import inf
 PACE = 0.005
 """Least seconds between two frames."""
 BITS_PER_BYTE = 10
+MOST_AHEAD = 8
+"""Frames that may overtake a request before it leaves all the same."""
 
 
 class Outbox:
@@ -22,6 +26,8 @@ class Outbox:
         self.baud = 0
         self.last_sent: float | None = None
         self._waiting: dict[Hashable, bytes] = {}
+        self._requests: dict[Hashable, bytes] = {}
+        self._ahead = 0  # frames that have left before the oldest request
         self._free_at = -inf
 
     def put(self, kind: Hashable, frame: bytes) -> None:
@@ -34,27 +40,41 @@ class Outbox:
         self._waiting = {kind: frame, **self._waiting}
         self._free_at = -inf
 
+    def ask(self, kind: Hashable, frame: bytes) -> None:
+        """Queue a request: a frame that can wait until those of `put` have left."""
+        self._requests[kind] = frame
+
     def drop(self, *kinds: Hashable) -> None:
         """Take back what has not left yet."""
         for kind in kinds:
             self._waiting.pop(kind, None)
+            self._requests.pop(kind, None)
 
     def clear(self) -> None:
         """Take everything back."""
         self._waiting.clear()
+        self._requests.clear()
         self._free_at = -inf
 
     @property
     def deadline(self) -> float:
         """When the next frame may leave, s; infinite while none waits."""
-        return self._free_at if self._waiting else inf
+        return self._free_at if self._waiting or self._requests else inf
 
     def due(self, now: float) -> bytes:
         """Take the frame that leaves now: empty while there is none, or the pause after the last is not over."""
-        if not self._waiting or now < self._free_at:
+        if now < self._free_at or not (self._waiting or self._requests):
             return b""
-        frame = self._waiting.pop(next(iter(self._waiting)))
+        queue = self._next_queue()
+        frame = queue.pop(next(iter(queue)))
         on_the_line = len(frame) * BITS_PER_BYTE / self.baud if self.baud else 0.0
         self._free_at = now + max(PACE, on_the_line)
         self.last_sent = now
         return frame
+
+    def _next_queue(self) -> dict[Hashable, bytes]:
+        if self._waiting and (not self._requests or self._ahead < MOST_AHEAD):
+            self._ahead = self._ahead + 1 if self._requests else 0
+            return self._waiting
+        self._ahead = 0
+        return self._requests

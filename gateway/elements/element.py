@@ -5,14 +5,14 @@ out it announces as an event of `gateway.events`; its face (`gateway.faces`) bri
 are arguments here as in the driver.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Sequence
 from math import inf
 from typing import ClassVar
 
 from gateway.events import Event
 from gateway.outbox import Outbox
 from gateway.settings import Settings
-from p2os import Configuration, RobotModel, StandardSip
+from p2os import Command, CommandValue, Configuration, RobotModel, StandardSip, encode_command
 
 
 class Element:
@@ -39,6 +39,11 @@ class Element:
         self.is_present = False
         self.deadline = inf
 
+    @property
+    def faults(self) -> Sequence[str]:
+        """What is wrong with it, a sentence each; asked while the robot is connected."""
+        return ()
+
     def begin_link(self, model: RobotModel, now: float) -> None:
         """The robot has just been opened: ask it for what is needed."""
 
@@ -56,3 +61,15 @@ class Element:
 
     def watch(self, now: float) -> None:
         """Time has passed."""
+
+    def _ask(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
+        """Queue a command that can wait until those that move the robot have left.
+
+        Args:
+            command: Which.
+            value: Its argument, as `encode_command` takes it.
+            kind: What it replaces while it waits; by itself those of the same number.
+        Raises:
+            EncodeError: The value does not fit the command's argument.
+        """
+        self._outbox.ask(command if kind is None else kind, encode_command(command, value))

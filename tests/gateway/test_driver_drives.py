@@ -48,6 +48,7 @@ def test_robot_stops_when_velocities_cease_for_half_a_second(bench: "Bench") -> 
 
 def test_unchanged_velocity_is_repeated_only_to_keep_the_robot_alive(bench: "Bench") -> None:
     bench.connect()
+    bench.run(2.0)  # until the robot has been asked everything
     at = bench.now
 
     def drive() -> None:

@@ -1,0 +1,134 @@
+"""The gripper on the microcontroller: two paddles on a lift.
+
+Source: gripper manual (commands, state byte, digital inputs), and the client libraries for which byte of the SIP means
+what: the state byte follows the sonar readings, and again in the byte after it; on the PeopleBot that second byte is
+laid out as the digital inputs are.
+"""
+
+from collections.abc import Sequence
+from enum import IntEnum, IntFlag
+
+from gateway.elements.asked import AskedElement
+from gateway.errors import CommandRefused
+from gateway.events import GripperSeen
+from p2os import Command, Configuration, GripperReport, StandardSip
+
+
+class GripperState(IntFlag):
+    """Bits of the state byte; a pair of which both are set is where nobody knows."""
+
+    PADDLES_OPEN = 1 << 0
+    PADDLES_CLOSED = 1 << 1
+    PADDLES_MOVING = 1 << 2
+    PADDLES_ERROR = 1 << 3
+    LIFT_UP = 1 << 4
+    LIFT_DOWN = 1 << 5
+    LIFT_MOVING = 1 << 6
+    LIFT_ERROR = 1 << 7
+
+
+class GripperInput(IntFlag):
+    """Bits of the digital inputs with a gripper on them; contacts are 0 when something presses.
+
+    What moves is said here by a PeopleBot's gripper only.
+    """
+
+    OUTER_BEAM = 1 << 2
+    INNER_BEAM = 1 << 3
+    LEFT_CONTACT = 1 << 4
+    RIGHT_CONTACT = 1 << 5
+    LIFT_MOVING = 1 << 6
+    PADDLES_MOVING = 1 << 7
+
+
+class GripperKind(IntEnum):
+    """What a GRIPPERpac calls the gripper."""
+
+    NONE = 0
+    PIONEER = 1
+    PEOPLEBOT = 2
+
+
+ORDERS = {
+    "open": (1,),
+    "close": (2,),
+    "stop": (3, 6),
+    "up": (4,),
+    "down": (5,),
+    "store": (7,),
+    "deploy": (8,),
+    "halt": (15,),
+}
+"""What it can be told, and the arguments of GRIPPER that say so: to stop, paddles and lift are told one by one."""
+
+
+class Gripper(AskedElement):
+    """Asks once whether there is one; SIPs bring its state."""
+
+    takes = (GripperReport,)
+    question = Command.GRIPREQUEST, 1
+    _kind = GripperKind.NONE
+    _has_failed = False
+
+    @property
+    def faults(self) -> Sequence[str]:
+        """The firmware says so itself."""
+        return ("the gripper reports an error of its paddles or its lift",) if self._has_failed else ()
+
+    def configure(self, configuration: Configuration, now: float) -> None:
+        """An older firmware has no GRIPPERpac, and says here that there is one."""
+        if configuration.gripper and not self.is_present:
+            self._meet(configuration.gripper)
+
+    def take(self, packet: object, now: float) -> None:
+        """The robot says which gripper it has."""
+        super().take(packet, now)
+        assert isinstance(packet, GripperReport)
+        self._meet(packet.kind)
+
+    def see(self, sip: StandardSip, now: float) -> None:
+        """Every SIP carries the gripper's state."""
+        if not self.is_present:
+            return
+        state = GripperState(sip.gripper_state or sip.analog_port)
+        inputs = GripperInput(sip.digital_in)
+        moving = bool(state & GripperState.PADDLES_MOVING), bool(state & GripperState.LIFT_MOVING)
+        if self._kind is GripperKind.PEOPLEBOT and sip.analog_port != sip.gripper_state:
+            inputs = GripperInput(sip.analog_port)
+            moving = bool(inputs & GripperInput.PADDLES_MOVING), bool(inputs & GripperInput.LIFT_MOVING)
+        self._has_failed = bool(state & (GripperState.PADDLES_ERROR | GripperState.LIFT_ERROR))
+        self._announce(
+            GripperSeen(
+                paddles_open=_only(state, GripperState.PADDLES_OPEN, GripperState.PADDLES_CLOSED),
+                paddles_closed=_only(state, GripperState.PADDLES_CLOSED, GripperState.PADDLES_OPEN),
+                paddles_moving=moving[0],
+                lift_up=_only(state, GripperState.LIFT_UP, GripperState.LIFT_DOWN),
+                lift_down=_only(state, GripperState.LIFT_DOWN, GripperState.LIFT_UP),
+                lift_moving=moving[1],
+                outer_beam=bool(inputs & GripperInput.OUTER_BEAM),
+                inner_beam=bool(inputs & GripperInput.INNER_BEAM),
+                left_contact=not inputs & GripperInput.LEFT_CONTACT,
+                right_contact=not inputs & GripperInput.RIGHT_CONTACT,
+            )
+        )
+
+    def order(self, what: str) -> None:
+        """Move it.
+
+        Raises:
+            CommandRefused: There is no such order.
+        """
+        if what not in ORDERS:
+            raise CommandRefused(f"a gripper cannot {what!r}; say {', '.join(ORDERS)}")
+        for argument in ORDERS[what]:
+            kind = Command.GRIPPER, argument
+            self._outbox.drop(kind)  # the latest order comes last
+            self._ask(Command.GRIPPER, argument, kind)
+
+    def _meet(self, kind: int) -> None:
+        self._kind = GripperKind.PEOPLEBOT if kind == GripperKind.PEOPLEBOT else GripperKind.PIONEER
+        self.is_present = kind != GripperKind.NONE
+
+
+def _only(state: GripperState, this: GripperState, other: GripperState) -> bool:
+    return bool(state & this) and not state & other
