@@ -4,16 +4,19 @@ import argparse
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from configs import ConfigError
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
+from gateway.cables.all_cables import CABLES
+from gateway.cables.cable import ElementDriver
+from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
 from gateway.errors import GatewayError, NoSuchPort
 from gateway.gateway import Gateway, Options
 from gateway.search import model_finder, rates_to_try
-from gateway.serial_port import Port, open_port
+from gateway.serial_port import Port, has_rate, open_port
 from gateway.settings import Settings, load_settings
 from p2os import BAUD_CODES
 
@@ -47,7 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             is_quiet=arguments.quiet,
             is_json=arguments.json,
         )
-        _serve(options, settings, arguments.baud)
+        ports = {name: port for name in CABLES if (port := getattr(arguments, name)) is not None}
+        _serve(options, settings, arguments.baud, ports)
     except ConfigError as error:
         return _fail(error, EXIT_USAGE)
     except GatewayError as error:
@@ -55,20 +59,37 @@ def main(argv: Sequence[str] | None = None) -> int:
     return EXIT_OK
 
 
-def _serve(options: Options, settings: Settings, baud: int | None) -> None:
+def _serve(options: Options, settings: Settings, baud: int | None, ports: Mapping[str, str]) -> None:
     find_model = model_finder(settings)
     port = _open_first(options)
+    cables = [_cable(name, at, settings, options.waits) for name, at in ports.items()]
     driver = Driver(find_model, rates_to_try(port, baud), settings)
     bridge = Bridge(driver, port, lambda: open_port(options.port))
-    gateway = Gateway(options, settings, driver, bridge, steady_clock())
+    gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
     before = {number: signal.signal(number, lambda *_: bridge.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
+        for cable in cables:
+            cable.start()
         bridge.run(gateway)
     finally:
+        for cable in cables:
+            cable.halt()
         bridge.close()  # first of all the robot stops
         gateway.close()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _cable(name: str, port_name: str, settings: Settings, waits: bool) -> CableThread[ElementDriver]:
+    """Begin to talk to an element on a cable of its own; its port may come later only if asked to wait."""
+    try:
+        port: Port | None = open_port(port_name)
+    except NoSuchPort:
+        if not waits:
+            raise
+        port = None
+    driver = CABLES[name].make(has_rate(port_name), settings)
+    return CableThread(name, driver, port, lambda: open_port(port_name))
 
 
 def _open_first(options: Options) -> Port:
@@ -92,6 +113,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
     parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
     parser.add_argument("--baud", type=_baud, metavar="auto|N", help="the only rate to try, bit/s (default: auto)")
+    for name, part in CABLES.items():
+        parser.add_argument(f"--{name}", metavar="PORT", help=part.help)
     parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")
     parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
     parser.add_argument("--wait", action="store_true", help="look for port and robot until they are there")

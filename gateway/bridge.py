@@ -11,22 +11,24 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import inf
-from typing import Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
-from gateway.connector import CLOSE, STOP
-from gateway.driver import Driver
+from gateway.cables.cable import CableDriver
 from gateway.errors import GatewayError, PortLost
-from gateway.events import Event, LinkLost, SweepFailed
+from gateway.events import ElementLost, ElementSilent, Event, LinkLost, SweepFailed
 from gateway.serial_port import Port, SocketPort
 
 T = TypeVar("T")
+D = TypeVar("D", bound=CableDriver)
 
 REOPEN_PERIOD = 0.15
 """Seconds between two tries to open a port that is gone."""
 BRAKING_TIME = 1.0
-"""Seconds for a robot to stop before its motors are switched off on leaving."""
+"""Seconds for a robot or an arm to stop before its motors are switched off on leaving."""
 LONGEST_WAIT = 0.4
 """Seconds; often enough that the driver does not take an idle moment for a freeze."""
+
+SIGNS_OF_A_DEAD_LINE = (LinkLost, SweepFailed, ElementLost, ElementSilent)
 
 
 def steady_clock() -> float:
@@ -56,25 +58,25 @@ class Listener(Protocol):
         ...
 
 
-class Bridge:
+class Bridge(Generic[D]):
     """One driver on one port, which may vanish and return."""
 
     def __init__(
-        self, driver: Driver, port: Port, reopen: Callable[[], Port], clock: Callable[[], float] = steady_clock
+        self, driver: D, port: Port | None, reopen: Callable[[], Port], clock: Callable[[], float] = steady_clock
     ) -> None:
         """Begin to talk: the first bytes leave before this returns.
 
         Args:
             driver: Nobody else may call it from now on, but through `command`.
-            port: Open; the bridge closes it.
+            port: Open, and the bridge closes it; None begins by opening one.
             reopen: Opens it again after it was lost; raises GatewayError while it cannot.
             clock: Steady, s.
         """
         self._driver = driver
-        self._port: Port | None = port
+        self._port = port
         self._reopen = reopen
         self._lost: PortLost | None = None
-        self._reopen_at = inf
+        self._reopen_at = -inf if port is None else inf
         self._clock = clock
         self._lock = threading.Lock()
         self._wake_reader, self._wake_writer = os.pipe()
@@ -82,11 +84,12 @@ class Bridge:
         os.set_blocking(self._wake_reader, False)
         self._waits_until = -inf
         self._is_stopped = self._is_closed = False
-        with self._lock:
-            driver.port_opened(clock())
-            self._flush()
+        if port is not None:
+            with self._lock:
+                driver.port_opened(clock())
+                self._flush()
 
-    def command(self, give: Callable[[Driver, float], T]) -> T:
+    def command(self, give: Callable[[D, float], T]) -> T:
         """Give the driver a command from any thread; what follows is written before this returns.
 
         Args:
@@ -119,13 +122,13 @@ class Bridge:
         self.wake()
 
     def close(self) -> None:
-        """Stop the robot, close its servers and let go of the port."""
+        """Bring what hangs on the cable to rest, say goodbye and let go of the port."""
         with self._lock:
             if self._port is not None:
                 with suppress(PortLost):  # nobody may be there to say goodbye to
-                    self._port.write(STOP)
+                    self._port.write(self._driver.stopping_words)
                     self._let_it_brake(self._port)
-                    self._port.write(CLOSE)
+                    self._port.write(self._driver.last_words)
                 self._port.close()
                 self._port = None
             if not self._is_closed:
@@ -134,7 +137,7 @@ class Bridge:
                 os.close(self._wake_writer)
 
     def _let_it_brake(self, port: Port) -> None:
-        """Wait for a moving robot to stop: CLOSE takes the power off its motors, and it would coast."""
+        """Wait for what moves to stop: the last words may take the power off its motors."""
         until = self._clock() + BRAKING_TIME
         while self._driver.is_moving and (left := until - self._clock()) > 0.0:
             if select.select([port], (), (), left)[0]:
@@ -165,7 +168,7 @@ class Bridge:
         if self._lost is not None:
             self._lose_port(self._lost, now)
         events = self._driver.receive(data, now)
-        if isinstance(self._port, SocketPort) and any(isinstance(event, LinkLost | SweepFailed) for event in events):
+        if isinstance(self._port, SocketPort) and any(isinstance(e, SIGNS_OF_A_DEAD_LINE) for e in events):
             # A dead connection gives no sign, and one that revives would bring old bytes.
             self._lose_port(PortLost("the connection is dead"), now)
         self._flush()

@@ -1,5 +1,6 @@
 """What a robot is, as JSON: model, elements, geometry, versions. Agents are made from it."""
 
+from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -7,11 +8,14 @@ from bus import keys
 from bus.keys import Topic
 from gateway.driver import Driver
 from gateway.faces.all_faces import FACES
+from gateway.faces.cable_face import CableFace
 from gateway.settings import Settings
 from p2os import Configuration, RobotModel
 
 
-def describe(name: str, driver: Driver, settings: Settings) -> dict[str, Any]:
+def describe(
+    name: str, driver: Driver, settings: Settings, cable_faces: Sequence[CableFace[Any]] = ()
+) -> dict[str, Any]:
     """Describe one robot.
 
     Lengths in m, angles in rad, in `<name>/base_link`. `emulated` is false unless the settings say that it is true:
@@ -28,7 +32,7 @@ def describe(name: str, driver: Driver, settings: Settings) -> dict[str, Any]:
         "class": identity.robot_type,
         "emulated": bool(settings.emulated),
         "connected": driver.is_connected,
-        "elements": _elements(name, driver, model, settings),
+        "elements": [*_elements(name, driver, model, settings), *_cabled(name, cable_faces)],
         "geometry": _geometry(model),
         "limits": {"linear": driver.max_linear, "angular": driver.max_angular},
         "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
@@ -75,6 +79,15 @@ def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) 
             commands = tuple(row.topic for row in kind.commands)
             elements.append({**_element(name, kind.name, kind.streams, commands), **face.describe(driver)})
     return elements
+
+
+def _cabled(name: str, faces: Sequence[CableFace[Any]]) -> list[dict[str, Any]]:
+    """Elements on cables of their own, as long as they answer."""
+    return [
+        {**_element(name, face.name, face.streams, tuple(row.topic for row in face.commands)), **face.describe()}
+        for face in faces
+        if face.driver.is_connected
+    ]
 
 
 def _element(name: str, kind: str, streams: tuple[Topic, ...], commands: tuple[Topic, ...] = ()) -> dict[str, Any]:

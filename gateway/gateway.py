@@ -9,6 +9,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from gateway.bridge import Bridge
+from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
 from gateway.errors import NameNotValid
 from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
@@ -47,11 +48,20 @@ class Gateway:
     The bus is opened on a thread of its own: loading Zenoh and the message types takes longer than the handshake.
     """
 
-    def __init__(self, options: Options, settings: Settings, driver: Driver, bridge: Bridge, now: float) -> None:
+    def __init__(
+        self,
+        options: Options,
+        settings: Settings,
+        driver: Driver,
+        bridge: Bridge[Driver],
+        now: float,
+        cables: Sequence[CableThread[Any]] = (),
+    ) -> None:
         self._options = options
         self._settings = settings
         self._driver = driver
         self._bridge = bridge
+        self._cables = cables
         self._search = Search(options.port, now)
         self._kept: list[Event] = []
         self._complaint = ""
@@ -90,7 +100,9 @@ class Gateway:
         self._robot.happened(events, now, stamp_ns)
 
     def close(self) -> None:
-        """Leave the bus."""
+        """Let go of the cables and leave the bus."""
+        for cable in self._cables:
+            cable.close()
         self._is_closed.set()
         self._opener.join()
         if self._robot is not None:
@@ -101,9 +113,9 @@ class Gateway:
     def _open_bus(self) -> None:
         try:
             # Here and not at the top: loading them takes longer than the whole handshake.
+            import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
             from bus import BusUnavailable, KeyNotValid, ZenohBus
             from bus.keys import robot_name
-            from gateway.robot_on_bus import RobotOnBus
 
             try:
                 robot_name(self._options.name or "robot")
@@ -117,10 +129,26 @@ class Gateway:
                     self._is_closed.wait(BUS_PERIOD)
             bus = self._bus
             if bus is not None:
-                self._join = lambda: RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings)
+                self._join = lambda: self._join_robot(bus)
         except Exception as error:  # of any kind: the bridge's thread raises it, and the program ends
             self._bus_error = error
         self._bridge.wake()
+
+    def _join_robot(self, bus: "Bus") -> "RobotOnBus":
+        """Bring the robot to the bus, and the elements on cables of their own with it."""
+        from gateway.faces.all_faces import CABLE_FACES
+        from gateway.robot_on_bus import RobotOnBus
+
+        model = self._driver.model
+        assert model is not None  # known with the identity
+        faces = [
+            CABLE_FACES[cable.name](self._name, model, self._settings, cable.driver, cable.bridge)
+            for cable in self._cables
+        ]
+        robot = RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces)
+        for cable, face in zip(self._cables, faces, strict=True):
+            cable.join(robot, face)
+        return robot
 
     @property
     def _name(self) -> str:

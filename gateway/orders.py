@@ -4,7 +4,7 @@ Handlers run on threads of the bus and reach the driver through a `Commander`; e
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, TypeVar
 
 from bus import Bus, MessageError, Refused, Sample, Subscription, keys
@@ -14,6 +14,7 @@ from gateway.commands import COMMANDS, TOKEN, CommandRow, check_arguments
 from gateway.driver import Driver
 from gateway.errors import CommandRefused
 from gateway.faces.all_faces import FACES
+from gateway.faces.cable_face import CableFace
 from gateway.lease import DEFAULT_SECONDS, Lease
 from gateway.motion import CMD_VEL_SILENCE
 
@@ -55,18 +56,22 @@ class Orders(Subscription):
         commander: Commander,
         new_token: Callable[[], str],
         wall_clock: Callable[[], int],
+        cable_faces: Sequence[CableFace[Any]] = (),
     ) -> None:
+        self._cable_faces = cable_faces
         self._commander = commander
         self._wall_clock = wall_clock
         self._last_refusal: tuple[float, str] | None = None
         self.lease = Lease(new_token)
         self.lease_has_changed = True
         self.refused: Counter[str] = Counter()
+        # An element on a cable of its own obeys the key that one of its kind on the robot's cable would.
+        rows = {row.topic: row for row in (*_ROWS, *(row for face in cable_faces for row in face.commands))}
         self._declared = [
             bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel, urgent=True),
             bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped, urgent=True),
             bus.serve(keys.LEASE.key(name), self._answerer(keys.LEASE, self._lease)),
-            *(bus.serve(row.topic.key(name), self._answerer(row.topic, _handler(row, self._pass))) for row in _ROWS),
+            *(bus.serve(row.topic.key(name), self._answerer(row.topic, self._handler(row))) for row in rows.values()),
         ]
 
     def recent_refusal(self, now: float) -> str | None:
@@ -141,6 +146,7 @@ class Orders(Subscription):
 
     def _change_holder(self, driver: Driver, now: float) -> None:
         driver.halt(now)  # what the one before set going ends here
+        self._halt_elements()
         self.lease_has_changed = True
 
     def _lease(self, given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
@@ -166,14 +172,20 @@ class Orders(Subscription):
                 raise CommandRefused(f"a lease cannot {what!r}; say take, renew, release or show")
         return lease.state(now)
 
+    def _handler(self, row: CommandRow) -> Handler:
+        name = row.topic.suffix.rpartition("/")[2]
 
-def _handler(row: CommandRow, let_pass: Callable[[str, Driver, float], None]) -> Handler:
-    name = row.topic.suffix.rpartition("/")[2]
+        def handle(given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
+            arguments = check_arguments(name, given, row.takes, {TOKEN: str, **row.may_take})
+            if row.moves:
+                self._pass(arguments.get(TOKEN, ""), driver, now)
+            answer = row.give(driver, arguments, now) or {}
+            if row.topic in (keys.STOP, keys.ESTOP):
+                self._halt_elements()
+            return {"accepted": True, **answer}
 
-    def handle(given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
-        arguments = check_arguments(name, given, row.takes, {TOKEN: str, **row.may_take})
-        if row.moves:
-            let_pass(arguments.get(TOKEN, ""), driver, now)
-        return {"accepted": True, **(row.give(driver, arguments, now) or {})}
+        return handle
 
-    return handle
+    def _halt_elements(self) -> None:
+        for face in self._cable_faces:
+            face.halt()

@@ -13,6 +13,7 @@ from bus import Bus, BusUnavailable, Subscription, keys
 from gateway.description import describe
 from gateway.driver import Driver
 from gateway.events import Event
+from gateway.faces.cable_face import CableFace
 from gateway.orders import Commander, Orders
 from gateway.settings import Settings
 from gateway.streams import Streams
@@ -32,6 +33,7 @@ class RobotOnBus(Subscription):
         commander: Commander,
         settings: Settings,
         *,
+        cable_faces: Sequence[CableFace[Any]] = (),
         new_token: Callable[[], str] = lambda: secrets.token_hex(16),
         wall_clock: Callable[[], int] = time.time_ns,
     ) -> None:
@@ -43,6 +45,7 @@ class RobotOnBus(Subscription):
             driver: Of a robot that has said who it is.
             commander: The way to the driver from the bus's threads.
             settings: What the robot's description says besides.
+            cable_faces: Of the elements on cables of their own.
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
         Raises:
@@ -53,8 +56,9 @@ class RobotOnBus(Subscription):
         self.name = name
         self._driver = driver
         self._settings = settings
-        self._orders = Orders(name, bus, commander, new_token, wall_clock)
-        self._streams = Streams(name, bus, driver, driver.model)
+        self._cable_faces = cable_faces
+        self._orders = Orders(name, bus, commander, new_token, wall_clock, cable_faces)
+        self._streams = Streams(name, bus, driver, driver.model, cable_faces)
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
             self._orders,
@@ -87,10 +91,22 @@ class RobotOnBus(Subscription):
                 self._lease_state.put(self._orders.lease.state(now))
             self._streams.publish_status(self._orders.refused, self._orders.recent_refusal(now), now, stamp_ns)
 
+    def element_happened(self, face: CableFace[Any], events: Sequence[Event], stamp_ns: int) -> None:
+        """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
+
+        Args:
+            face: The element's.
+            events: In their order.
+            stamp_ns: Wall clock when the bytes came that brought the events about.
+        """
+        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+            for event in events:
+                self._streams.publish_element(face, event, stamp_ns)
+
     def close(self) -> None:
         """Withdraw everything."""
         while self._declared:
             self._declared.pop().close()
 
     def _on_description(self, given: dict[str, Any]) -> dict[str, Any]:
-        return describe(self.name, self._driver, self._settings)
+        return describe(self.name, self._driver, self._settings, self._cable_faces)

@@ -21,6 +21,7 @@ import serial
 from gateway.errors import GatewayError, NoSuchPort, NotAPort, PortBusy, PortForbidden, PortLost
 
 READ_SIZE = 4096
+SOCKET = "socket"
 CONNECT_TIMEOUT = 2.0
 """Seconds for a TCP connection to come about."""
 PUMP_TIMEOUT = 0.1
@@ -93,9 +94,14 @@ def open_port(name: str) -> Port:
     scheme = urlsplit(name).scheme if "://" in name else ""
     if not scheme:
         return DevicePort(name)
-    if scheme == "socket":
+    if scheme == SOCKET:
         return SocketPort(name)
     return PumpedPort(name)
+
+
+def has_rate(name: str) -> bool:
+    """Whether the port of this name or URL has a rate to set; a socket has none."""
+    return urlsplit(name).scheme != SOCKET
 
 
 class DevicePort(Port):

@@ -1,6 +1,7 @@
 """What a robot publishes: from the driver's events and from time to messages on its keys."""
 
-from collections.abc import Mapping
+import threading
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from bus import Bus, Publisher, Subscription, keys
@@ -8,6 +9,7 @@ from bus.keys import Topic
 from gateway.driver import Driver
 from gateway.events import EncodersReceived, Event, InputsOutputsReceived, LinkLost, MotionEnded, SipReceived
 from gateway.faces.all_faces import FACES
+from gateway.faces.cable_face import CableFace
 from gateway.health import diagnostics, faults, robot_state
 from gateway.telemetry import Telemetry
 from p2os import RobotModel, StandardSip
@@ -35,7 +37,9 @@ class Streams(Subscription):
     due_at: when something is to be published even if nothing happens, s.
     """
 
-    def __init__(self, name: str, bus: Bus, driver: Driver, model: RobotModel) -> None:
+    def __init__(
+        self, name: str, bus: Bus, driver: Driver, model: RobotModel, cable_faces: Sequence[CableFace[Any]] = ()
+    ) -> None:
         self._name = name
         self._bus = bus
         self._driver = driver
@@ -49,7 +53,9 @@ class Streams(Subscription):
             topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
         }
         self._faces = [kind(name, model) for kind in FACES]
+        self._cable_faces = cable_faces
         self._face_streams: dict[Topic, Publisher] = {}  # declared when they are first needed
+        self._declaring = threading.Lock()  # elements on cables of their own publish on threads of their own
         self.due_at = 0.0
 
     def publish(self, event: Event, stamp: int) -> None:
@@ -78,6 +84,11 @@ class Streams(Subscription):
                 self._has_io_packets = False
                 telemetry.forget_ticks()
 
+    def publish_element(self, face: CableFace[Any], event: Event, stamp: int) -> None:
+        """Publish what follows from an event of an element on a cable of its own; from any thread. stamp: as above."""
+        for topic, message in face.messages(event, stamp):
+            self._stream(topic).put(message)
+
     def _publish_changes(self, sip: StandardSip, stamp: int) -> None:
         self._sip = sip
         self._telemetry.note_wheels(sip)
@@ -105,24 +116,32 @@ class Streams(Subscription):
             stamp: Wall clock, ns.
         """
         is_due = now >= self.due_at
-        found = faults(self._driver, self._sip, refusal)
+        found = faults(self._driver, self._sip, refusal, self._cable_faces)
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
             self._state_shown = shown
             self._streams[keys.STATE].put(robot_state(self._name, self._driver, self._sip, found, stamp))
         if is_due:
             self.due_at = now + PERIOD
-            self._streams[keys.TF_STATIC].put(self._telemetry.static_transforms(stamp))
-            self._streams[keys.DIAGNOSTICS].put(diagnostics(self._name, self._driver, found, refused, stamp))
+            transforms = self._telemetry.static_transforms(stamp)
+            for face in self._cable_faces:
+                transforms.transforms.extend(face.transforms(stamp))
+            self._streams[keys.TF_STATIC].put(transforms)
+            self._streams[keys.DIAGNOSTICS].put(
+                diagnostics(self._name, self._driver, found, refused, stamp, self._cable_faces)
+            )
             if self._sip is not None:
                 self._publish_battery(self._sip, stamp)
                 self._publish_user_ports(self._sip, stamp)
 
     def _stream(self, topic: Topic) -> Publisher:
         known = self._streams.get(topic) or self._face_streams.get(topic)
-        if known is None:
-            known = self._face_streams[topic] = self._bus.publisher(topic.key(self._name), topic.type_name)
-        return known
+        if known is not None:
+            return known
+        with self._declaring:
+            if topic not in self._face_streams:
+                self._face_streams[topic] = self._bus.publisher(topic.key(self._name), topic.type_name)
+            return self._face_streams[topic]
 
     def close(self) -> None:
         """Withdraw the publishers."""
