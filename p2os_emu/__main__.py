@@ -22,7 +22,7 @@ from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
-from p2os_emu.links.poller import Poller
+from p2os_emu.links.poller import HUNG_UP, Poller
 from p2os_emu.lists import listing
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PHYSICS, EXIT_PORT, Options, parse
 from p2os_emu.ports import Ports
@@ -85,6 +85,8 @@ def _emulate(options: Options) -> None:
         control = ControlSocket(_control_path(options, stack), poller, desk.answer)
         stack.callback(control.close)
         runner.between_steps = control.serve
+        if options.until_stdin_closes:
+            _end_with_stdin(poller, runner)
         _announce(options, [team.entry(robot) for robot in robots], control.path)
         # What the start has made lives to the end: the collector need not walk through it while robots are driving.
         gc.collect()
@@ -121,6 +123,14 @@ def _make_world(options: Options) -> "World":
         return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
     except WorldError as error:
         raise PhysicsError(str(error)) from error
+
+
+def _end_with_stdin(poller: Poller, runner: Runner) -> None:
+    """Whoever holds the other end of the pipe on standard input need not be able to say goodbye."""
+    try:
+        poller.watch(sys.stdin.fileno(), lambda events: runner.leave(), HUNG_UP)
+    except PermissionError as error:
+        raise PortError("--until-stdin-closes: standard input is a file; give it a pipe that stays open") from error
 
 
 def _control_path(options: Options, stack: ExitStack) -> Path:

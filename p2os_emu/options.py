@@ -52,6 +52,7 @@ class Options:
     gui: bool
     perfect: bool
     hangup_stops: bool
+    until_stdin_closes: bool
     json: bool
     quiet: bool
     listing: str | None
@@ -81,6 +82,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         gui=given.gui,
         perfect=given.perfect,
         hangup_stops=given.hangup_stops,
+        until_stdin_closes=given.until_stdin_closes,
         json=given.json,
         quiet=given.quiet,
         listing=given.listing,
@@ -155,6 +157,11 @@ def _add_ports(parser: argparse.ArgumentParser) -> None:
 def _add_run(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("run")
     group.add_argument("--duration", type=_positive, metavar="SECONDS", help="end after so much emulated time")
+    group.add_argument(
+        "--until-stdin-closes",
+        action="store_true",
+        help="end when the pipe on standard input is closed: so that no program leaves its emulator behind",
+    )
     group.add_argument(
         "--speed",
         type=_positive,

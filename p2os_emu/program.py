@@ -1,0 +1,106 @@
+"""`p2os-emu` as a child process, for tests and programs that need a robot for a while.
+
+It loads neither physics nor numbers into the program that uses it. The child ends with the block that started it, and
+by itself when the program that started it is gone, however that ended.
+"""
+
+import json
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ENDING_TIMEOUT_S = 5.0
+_SPEAKER = "p2os-emu: "
+
+
+class ChildFailed(RuntimeError):
+    """A program that was started ended before it was ready, or does not answer; the message holds what it said."""
+
+
+@dataclass(frozen=True, slots=True)
+class EmulatedRobots:
+    """A running `p2os-emu`: its process, its robots as it announced them, and its control socket."""
+
+    process: subprocess.Popen[str]
+    robots: tuple[dict[str, Any], ...]
+    control: str
+
+    @property
+    def port(self) -> str:
+        """The first robot's port."""
+        return str(self.robots[0]["port"])
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        """Put one request to the control socket.
+
+        Raises:
+            ChildFailed: The emulator refused, or is gone.
+        """
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as control, control.makefile("rw") as stream:
+                control.settimeout(ENDING_TIMEOUT_S)
+                control.connect(self.control)
+                stream.write(json.dumps({"do": do, **arguments}) + "\n")
+                stream.flush()
+                answer = json.loads(stream.readline())
+        except (OSError, ValueError) as error:
+            raise ChildFailed(f"the emulator does not answer '{do}' any more: {error}") from error
+        if not answer.get("ok"):
+            raise ChildFailed(f"the emulator refused '{do}': {answer.get('error')}")
+        return dict(answer)
+
+
+@contextmanager
+def emulator(*arguments: str) -> Iterator[EmulatedRobots]:
+    """Run `p2os-emu` with these arguments until the block ends; yields once every robot is ready.
+
+    Raises:
+        ChildFailed: It could not start; the message is its own.
+    """
+    with tempfile.TemporaryDirectory(prefix="p2os-emu-") as folder:  # ours, so that it goes also after a kill
+        said = Path(folder, "stderr")
+        command = [sys.executable, "-m", "p2os_emu", "--json", "--control", f"{folder}/control", *arguments]
+        # Standard input is held open and never written to: its end tells the child that this program is gone.
+        with (
+            said.open("w") as stderr,
+            subprocess.Popen(
+                [*command, "--until-stdin-closes"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=stderr,
+                text=True,
+            ) as process,
+        ):
+            try:
+                yield _announced(process, said)
+            finally:
+                end(process)
+                print(said.read_text(), end="", file=sys.stderr)
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    """Ask a process to end, and make it end when it does not listen."""
+    process.terminate()
+    try:
+        process.wait(ENDING_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _announced(process: subprocess.Popen[str], said: Path) -> EmulatedRobots:
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    if line:
+        announced = json.loads(line)
+        return EmulatedRobots(process, tuple(announced["robots"]), announced["control"])
+    process.wait(ENDING_TIMEOUT_S)
+    complaint = said.read_text().strip().rpartition(_SPEAKER)[2]
+    said.write_text("")  # it is told with the error
+    raise ChildFailed(complaint or f"p2os-emu ended with exit code {process.returncode} before its robots were ready")
