@@ -3,8 +3,25 @@
 Bytes and time come from the caller; everything above is in SI and radians.
 """
 
+from p2os.accessory_packets import (
+    ArmInformation,
+    ArmJoint,
+    ArmReport,
+    AuxData,
+    BatteryReport,
+    CompassReport,
+    GripperReport,
+    GyroReport,
+    GyroSample,
+    InfraredScan,
+    JoystickReport,
+    MtxPacket,
+    PlaylistEntry,
+    Reset,
+)
 from p2os.command_table import COMMANDS, Argument, Command, CommandSpec
 from p2os.commands import CommandValue, ReceivedCommand, decode_command, encode_command
+from p2os.configuration import Configuration
 from p2os.errors import DecodeError, EncodeError, LocalProtocolError, P2OSError
 from p2os.fields import Field, Quantity, Scales
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family, Firmware, FlashDefaults
@@ -12,7 +29,6 @@ from p2os.framing import PARTIAL_TIMEOUT, Damage, Damaged, Frame, FrameDecoder, 
 from p2os.handshake import ConnectionState, HostHandshake, Identity, RobotHandshake
 from p2os.odometry import OdometryUnwrapper
 from p2os.packets import (
-    Configuration,
     Encoders,
     InputsOutputs,
     Packet,
@@ -22,6 +38,14 @@ from p2os.packets import (
     encode_packet,
 )
 from p2os.robot_model import InfraredSensor, LaserMount, RobotModel, SonarDisc
+from p2os.simulator_packets import (
+    ExtendedLaser,
+    LaserReading,
+    MapChanged,
+    SimulatedLaser,
+    SimulatorDevice,
+    SimulatorState,
+)
 from p2os.sip import SipCodec, SipFlag, StandardSip, stall_word
 
 __all__ = [
@@ -30,9 +54,15 @@ __all__ = [
     "FIRMWARES",
     "PARTIAL_TIMEOUT",
     "Argument",
+    "ArmInformation",
+    "ArmJoint",
+    "ArmReport",
+    "AuxData",
+    "BatteryReport",
     "Command",
     "CommandSpec",
     "CommandValue",
+    "CompassReport",
     "Configuration",
     "ConnectionState",
     "Damage",
@@ -40,27 +70,41 @@ __all__ = [
     "DecodeError",
     "EncodeError",
     "Encoders",
+    "ExtendedLaser",
     "Family",
     "Field",
     "Firmware",
     "FlashDefaults",
     "Frame",
     "FrameDecoder",
+    "GripperReport",
+    "GyroReport",
+    "GyroSample",
     "HostHandshake",
     "Identity",
+    "InfraredScan",
     "InfraredSensor",
     "InputsOutputs",
+    "JoystickReport",
     "LaserMount",
+    "LaserReading",
     "LocalProtocolError",
+    "MapChanged",
+    "MtxPacket",
     "OdometryUnwrapper",
     "P2OSError",
     "Packet",
     "PacketType",
+    "PlaylistEntry",
     "Quantity",
     "ReceivedCommand",
+    "Reset",
     "RobotHandshake",
     "RobotModel",
     "Scales",
+    "SimulatedLaser",
+    "SimulatorDevice",
+    "SimulatorState",
     "SipCodec",
     "SipFlag",
     "SonarDisc",

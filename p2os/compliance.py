@@ -1,11 +1,12 @@
 """The compliance page: what of the protocol is decoded, encoded, emulated and tested, from the packet tables."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from p2os.command_table import COMMANDS
+from p2os.configuration import CONFIGURATION_VARIANTS
 from p2os.fields import Field, Quantity
 from p2os.firmware import FIRMWARES
-from p2os.packets import CONFIGURATION, CONFIGURATION_VARIANTS, ENCODERS, INPUTS_OUTPUTS, TABLES, PacketType
+from p2os.packets import LAYOUTS, MTX_TYPES, TABLES, PacketType
 from p2os.sip import COUNT, HEAD, SONAR, TAIL
 
 INTRODUCTION = """\
@@ -24,10 +25,10 @@ numbers are little-endian. Quantities are in SI and radians everywhere above the
 """
 
 SOURCES = {
+    **dict.fromkeys((*TABLES, *MTX_TYPES), "client library"),
     PacketType.SYNC0: "P3 manual",
     PacketType.SYNC1: "P3 manual",
     PacketType.SYNC2: "P3 manual",
-    PacketType.INFRARED: "client library",
     PacketType.CONFIGURATION: "H8 manual, client library",
     PacketType.SIP_STOPPED: "P3 manual, client library",
     PacketType.SIP_MOVING: "P3 manual, client library",
@@ -43,9 +44,12 @@ SOURCES = {
     PacketType.INPUTS_OUTPUTS: "P3 manual, client library",
     PacketType.JOYSTICK: "Pioneer LX guide, client library",
 }
-"""Where a packet is described, if not in a client library only."""
+"""Where a packet is described."""
 
+ACCESSORY_TEST = "tests/p2os/test_accessory_packets.py"
 TESTS = {
+    **dict.fromkeys(TABLES, ACCESSORY_TEST),
+    **dict.fromkeys(MTX_TYPES, ACCESSORY_TEST),
     PacketType.SYNC0: "tests/p2os/test_handshake.py",
     PacketType.SYNC1: "tests/p2os/test_handshake.py",
     PacketType.SYNC2: "tests/p2os/test_handshake.py",
@@ -66,9 +70,16 @@ _CODES = {
     "i": "i32",
     "I": "u32",
     "z": "text, NUL",
-    "*B": "count u8, u8 each",
-    "*H": "count u8, u16 each",
+    "s": "bytes",
 }
+
+
+_PRINTED = (
+    *((f"{layout.name} (0x{kind:02X})", layout.fields) for kind, layout in sorted(LAYOUTS.items())),
+    ("SIMSTAT packet (0x62)", TABLES[PacketType.SIMULATOR_STATE]),
+    ("SERAUXpacs (0xB0, 0xB8, 0xC8)", TABLES[PacketType.AUX1]),
+    ("Reset (0xFE, 0xFF)", TABLES[PacketType.RESET]),
+)
 
 
 def render(emulated_commands: Collection[int], emulated_packets: Collection[int]) -> str:
@@ -88,12 +99,7 @@ def render(emulated_commands: Collection[int], emulated_packets: Collection[int]
         _fields(SONAR),
         "Then, as far as the packet goes; a decoder accepts an end after any field:\n",
         _fields(TAIL),
-        "## CONFIGpac (0x20)\n",
-        _fields(CONFIGURATION),
-        "## ENCODERpac (0x90)\n",
-        _fields(ENCODERS),
-        "## IOpac (0xF0)\n",
-        _fields(INPUTS_OUTPUTS),
+        *(section for title, fields in _PRINTED for section in (f"## {title}\n", _fields(fields))),
         "## Where packets end\n",
         _ends(),
         "## Commands to the robot\n",
@@ -105,12 +111,12 @@ def render(emulated_commands: Collection[int], emulated_packets: Collection[int]
 def _packets(emulated: Collection[int]) -> str:
     rows = []
     for kind in PacketType:
-        known = kind in TABLES or kind in HANDSHAKE
+        known = "handed on" if kind in MTX_TYPES else _yes(kind in TABLES or kind in HANDSHAKE)
         rows.append(
             (
                 f"0x{kind:02X} {kind.name.replace('_', ' ')}",
-                _yes(known),
-                _yes(known),
+                known,
+                known,
                 _yes(kind in emulated),
                 SOURCES.get(kind, "client library"),
                 TESTS.get(kind, "-"),
@@ -140,8 +146,33 @@ def _commands(emulated: Collection[int]) -> str:
 
 
 def _fields(fields: Sequence[Field]) -> str:
-    rows = [(field.name, _CODES[field.code], _quantity(field.quantity), field.meaning or "-") for field in fields]
+    rows = [
+        (name, _on_the_wire(field.code), _quantity(field.quantity), field.meaning or "-")
+        for name, field in _flat(fields, "")
+    ]
     return _table(("field", "on the wire", "above the wire", "notes"), rows)
+
+
+def _flat(fields: Sequence[Field], prefix: str) -> Iterator[tuple[str, Field]]:
+    """The fields of a table by name, those of records behind the field that holds them."""
+    for field in fields:
+        yield prefix + field.name, field
+        yield from _flat(field.items, f"{field.name}: ")
+
+
+def _on_the_wire(code: str) -> str:
+    """A field's code in words."""
+    item = code.lstrip("*+0123456789")
+    kind = _CODES.get(item, "record")
+    if code.startswith("**"):
+        return f"rows u8, columns u8, {kind} each"
+    if code.startswith("*"):
+        return f"count u8, {kind}" + ("" if item == "s" else " each")
+    if code.startswith("+"):
+        return f"{kind} to the end"
+    if item == "s":
+        return f"text, {code[:-1]} bytes"
+    return f"{code[:-1]} of {kind}" if len(code) > 1 else kind
 
 
 def _ends() -> str:

@@ -1,14 +1,14 @@
 """Fields: how a count on the wire becomes a quantity in SI, and back. The one place where units are scaled.
 
-A packet is a tuple of `Field`; `pack` and `unpack` are mirrors, so the two ends of a cable cannot drift apart.
+A packet is a tuple of `Field`; `pack` and `unpack` of the module `packing` read it, one at each end of a cable.
 """
 
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from p2os.errors import EncodeError
 
@@ -22,6 +22,7 @@ class Quantity(Enum):
     """What a wire count measures: its name in messages, and its unit above the wire."""
 
     COUNT = "count", ""
+    FLAG = "yes or no", ""
     TEXT = "text", ""
     # These scale with the robot: see `Scales`.
     DISTANCE = "distance", "m"
@@ -43,6 +44,16 @@ class Quantity(Enum):
     TIME = "controller time", "s"
     TEMPERATURE = "temperature", "°C"
     FRACTION = "fraction", "1"
+    FINE_ANGLE = "fine angle", "rad"
+    FINE_TEMPERATURE = "fine temperature", "°C"
+    MAGNETIC_FIELD = "magnetic field", "T"
+    LEVER = "lever", "1"
+    LEVEL = "level", "1"
+    GRASP_TIME = "grasp time", "s"
+    TRIANGULATED_RANGE = "infrared range", "m"
+    POSITION_ON_EARTH = "latitude or longitude", "rad"
+    ALTITUDE = "altitude", "m"
+    RATIO = "ratio", "1"
 
     @property
     def label(self) -> str:
@@ -60,6 +71,7 @@ _DEGREE = math.pi / 180
 
 FIXED_SCALES: Mapping[Quantity, float] = {
     Quantity.COUNT: 1,
+    Quantity.FLAG: 1,
     Quantity.TEXT: 1,
     Quantity.HEADING: 2 * math.pi / HEADING_UNITS,
     Quantity.LENGTH: _MILLI,
@@ -76,6 +88,16 @@ FIXED_SCALES: Mapping[Quantity, float] = {
     Quantity.TIME: 1e-6,
     Quantity.TEMPERATURE: 1,
     Quantity.FRACTION: 0.01,
+    Quantity.FINE_ANGLE: _DEGREE / 10,
+    Quantity.FINE_TEMPERATURE: 0.1,
+    Quantity.MAGNETIC_FIELD: 1e-8,
+    Quantity.LEVER: 1 / 512,
+    Quantity.LEVEL: 1 / 1023,
+    Quantity.GRASP_TIME: 0.02,
+    Quantity.TRIANGULATED_RANGE: _MILLI / 2.88,
+    Quantity.POSITION_ON_EARTH: _DEGREE * 1e-7,
+    Quantity.ALTITUDE: 0.01,
+    Quantity.RATIO: 1e-7,
 }
 
 
@@ -127,9 +149,13 @@ class Field:
     """One row of a packet table.
 
     name: used everywhere above the wire.
-    code: struct code, little-endian; `z` is a NUL-terminated string; `*B` is a count byte, then that many B.
+    code: struct code, little-endian; `z` is a NUL-terminated string, `16s` one in so many bytes, `6B` so many counts.
+        What begins with `*` has a byte in front that says how many follow, what begins with `+` goes to the end of the
+        packet: `*B` counts, `*s` bytes, `*` alone records of `items`, `**B` rows of so many counts.
     bound: what happens to a count that does not fit; without one it is an error.
     meaning: for the documentation.
+    zero: the count that stands for zero.
+    items: the fields of one record. record: what makes one of them, from their values.
     """
 
     name: str
@@ -137,35 +163,9 @@ class Field:
     quantity: Quantity = Quantity.COUNT
     bound: Ring | Ceiling | None = None
     meaning: str = ""
-
-
-STRING = "z"
-LIST = "*"
-
-Value = float | str | tuple[float, ...]
-
-
-def pack(fields: Sequence[Field], values: Sequence[Value], scales: Scales) -> bytes:
-    """Turn SI values into the bytes of a packet.
-
-    Raises:
-        EncodeError: A value does not fit its field.
-    """
-    return b"".join(_pack_field(field, value, scales) for field, value in zip(fields, values, strict=True))
-
-
-def unpack(fields: Sequence[Field], body: bytes, scales: Scales) -> list[Value]:
-    """Turn the bytes of a packet into SI values, one per field.
-
-    Fields that the body ends before read as zero or empty, bytes after the last field are ignored: firmware has grown
-    its packets at the end, and clients have always read them so.
-    """
-    values: list[Value] = []
-    offset = 0
-    for field in fields:
-        value, offset = _unpack_field(field, body, offset, scales)
-        values.append(value)
-    return values
+    zero: int = 0
+    items: tuple["Field", ...] = ()
+    record: Callable[..., tuple[Any, ...]] | None = None
 
 
 def to_count(field: Field, value: float, scales: Scales) -> int:
@@ -189,12 +189,20 @@ def misfit(field: Field, value: float, scales: Scales) -> EncodeError:
     """The error for a value that does not fit its field."""
     low, high = limits(field.code)
     scale, unit = scales[field.quantity], field.quantity.unit
-    most = f"{low * scale:.8g} to {high * scale:.8g} {unit}".rstrip()
-    return EncodeError(f"{field.name} {value} {unit}".rstrip() + f" does not fit its field, which carries {most}")
+    least, most = (low - field.zero) * scale, (high - field.zero) * scale
+    carried = f"{least:.8g} to {most:.8g} {unit}".rstrip()
+    return EncodeError(f"{field.name} {value} {unit}".rstrip() + f" does not fit its field, which carries {carried}")
+
+
+def to_value(field: Field, count: int, scales: Scales) -> float:
+    """What a wire count means, in SI."""
+    if field.quantity is Quantity.FLAG:
+        return count != 0
+    return ((field.bound.fit(count) if field.bound else count) - field.zero) * scales[field.quantity]
 
 
 def _nearest(field: Field, value: float, scales: Scales) -> int:
-    count = round(value / scales[field.quantity])
+    count = round(value / scales[field.quantity]) + field.zero
     return field.bound.fit(count) if field.bound else count
 
 
@@ -202,37 +210,3 @@ def limits(code: str) -> tuple[int, int]:
     """The lowest and highest count of a struct code."""
     bits = 8 * struct.calcsize("<" + code)
     return (0, 2**bits - 1) if code.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-
-
-def _pack_field(field: Field, value: Value, scales: Scales) -> bytes:
-    if isinstance(value, str):
-        return value.encode("latin-1", "replace").replace(b"\0", b"") + b"\0"
-    if isinstance(value, tuple):
-        item = Field(field.name, field.code.removeprefix(LIST), field.quantity)
-        if len(value) > 255:
-            raise EncodeError(f"{field.name} has {len(value)} items, a packet carries at most 255")
-        return bytes([len(value)]) + b"".join(_pack_field(item, each, scales) for each in value)
-    return struct.pack("<" + field.code, to_count(field, value, scales))
-
-
-def _unpack_field(field: Field, body: bytes, offset: int, scales: Scales) -> tuple[Value, int]:
-    if field.code == STRING:
-        end = body.find(b"\0", offset)
-        end = len(body) if end < 0 else end
-        return body[offset:end].decode("latin-1"), end + 1
-    if field.code.startswith(LIST):
-        return _unpack_list(field, body, offset, scales)
-    end = offset + struct.calcsize("<" + field.code)
-    count = struct.unpack_from("<" + field.code, body, offset)[0] if end <= len(body) else 0
-    return (field.bound.fit(count) if field.bound else count) * scales[field.quantity], end
-
-
-def _unpack_list(field: Field, body: bytes, offset: int, scales: Scales) -> tuple[Value, int]:
-    item = Field(field.name, field.code.removeprefix(LIST), field.quantity)
-    announced = body[offset] if offset < len(body) else 0
-    offset += 1
-    size = struct.calcsize("<" + item.code)
-    present = min(announced, max(0, len(body) - offset) // size)
-    counts = struct.unpack_from(f"<{present}{item.code}", body[offset:])
-    scale = scales[field.quantity]
-    return tuple(count * scale for count in counts), offset + announced * size

@@ -1,17 +1,58 @@
-"""Packets from the robot: types, and the tables of those that are not the standard SIP.
+"""Packets from the robot: their types, and one table of how each of them is laid out.
 
-Source: Pioneer 3/2 H8-series manual (CONFIGpac, its later fields as client libraries read them), Pioneer 3 operations
-manual (ENCODERpac, IOpac).
+Source: Pioneer 3 operations manual (ENCODERpac, IOpac); the other packets say theirs where their classes are.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
+from p2os.accessory_packets import (
+    ARM,
+    ARM_INFORMATION,
+    AUX,
+    BATTERY,
+    COMPASS,
+    GRIPPER,
+    GYRO,
+    INFRARED,
+    JOYSTICK,
+    PLAYLIST,
+    RESET,
+    ArmInformation,
+    ArmReport,
+    AuxData,
+    BatteryReport,
+    CompassReport,
+    GripperReport,
+    GyroReport,
+    InfraredScan,
+    JoystickReport,
+    MtxPacket,
+    PlaylistEntry,
+    Reset,
+)
+from p2os.configuration import CONFIGURATION, Configuration
 from p2os.errors import DecodeError
-from p2os.fields import Field, Quantity, pack, unpack
+from p2os.fields import Field, Quantity
 from p2os.firmware import FIRMWARES
+from p2os.packing import pack, unpack
 from p2os.robot_model import RobotModel
+from p2os.simulator_packets import (
+    EXTENDED_LASER,
+    MAP_CHANGED,
+    SIMULATED_LASER,
+    SIMULATOR_DEVICE,
+    SIMULATOR_STATE,
+    ExtendedLaser,
+    MapChanged,
+    SimulatedLaser,
+    SimulatorDevice,
+    SimulatorState,
+    simulator_state,
+    simulator_state_fields,
+)
 from p2os.sip import COUNT, HEAD, SIP_TYPES, SONAR, TAIL, SipCodec, StandardSip
 
 
@@ -28,7 +69,12 @@ class PacketType(IntEnum):
     LASER = 0x60
     LASER_EXTENDED = 0x61
     SIMULATOR_STATE = 0x62
+    SIMULATOR_DEVICE = 0x64
+    MAP_CHANGED = 0x66
+    ACCELERATION = 0x7B
+    TORQUE = 0x7C
     ENCODERS = 0x90
+    HEADING = 0x95
     GYRO = 0x98
     IMU = 0x9A
     ARM = 0xA0
@@ -38,6 +84,11 @@ class PacketType(IntEnum):
     COMPASS = 0xC0
     AUX3 = 0xC8
     PLAYLIST = 0xD0
+    DEBUG_TEXT = 0xD3
+    ABSOLUTE_MAXES = 0xD5
+    SAFETY_STATE = 0xD6
+    SAFETY_WARNING = 0xD9
+    WHEELS = 0xDA
     GRIPPER = 0xE0
     INPUTS_OUTPUTS = 0xF0
     JOYSTICK = 0xF8
@@ -46,173 +97,14 @@ class PacketType(IntEnum):
     RESET = 0xFF
 
 
-CONFIGURATION = (
-    Field("robot_type", "z", Quantity.TEXT),
-    Field("subtype", "z", Quantity.TEXT),
-    Field("serial", "z", Quantity.TEXT),
-    Field("four_motors", "B", meaning="antique"),
-    Field("rotation_top", "H", Quantity.ROTATION),
-    Field("velocity_top", "H", Quantity.SPEED),
-    Field("rotational_acceleration_top", "H", Quantity.ANGULAR_ACCELERATION),
-    Field("acceleration_top", "H", Quantity.ACCELERATION),
-    Field("pwm_max", "H"),
-    Field("name", "z", Quantity.TEXT),
-    Field("sip_cycle", "B", Quantity.DURATION),
-    Field("host_baud", "B", meaning="code as in HOSTBAUD"),
-    Field("aux1_baud", "B", meaning="likewise"),
-    Field("gripper", "H"),
-    Field("front_sonar", "H"),
-    Field("rear_sonar", "B"),
-    Field("low_battery", "H", Quantity.VOLTAGE),
-    Field("rev_count", "H"),
-    Field("watchdog", "H", Quantity.DURATION),
-    Field("alternative_sip", "B"),
-    Field("stall_value", "H"),
-    Field("stall_count", "H", Quantity.DURATION),
-    Field("joystick_velocity", "H", Quantity.SPEED),
-    Field("joystick_rotation", "H", Quantity.ROTATION),
-    Field("rotation_max", "H", Quantity.ROTATION),
-    Field("velocity_max", "H", Quantity.SPEED),
-    Field("rotational_acceleration", "H", Quantity.ANGULAR_ACCELERATION),
-    Field("rotational_deceleration", "H", Quantity.ANGULAR_ACCELERATION),
-    Field("rot_kp", "H"),
-    Field("rot_kv", "H"),
-    Field("rot_ki", "H"),
-    Field("acceleration", "H", Quantity.ACCELERATION),
-    Field("deceleration", "H", Quantity.ACCELERATION),
-    Field("trans_kp", "H"),
-    Field("trans_kv", "H"),
-    Field("trans_ki", "H", meaning="P2OS packets end here"),
-    Field("front_bumpers", "B"),
-    Field("rear_bumpers", "B", meaning="AROS 1.6 ends here"),
-    Field("charger", "B", meaning="0 none, 1 Pioneer 3, 2 PowerBot; AROS 1.7 ends here"),
-    Field("sonar_cycle", "B", Quantity.DURATION),
-    Field("auto_baud", "B", meaning="1 can change, 2 automatic"),
-    Field("has_gyro", "B", meaning="1 by packets, 2 inside the controller; AROS 1.8 ends here"),
-    Field("drift_factor", "h"),
-    Field("aux2_baud", "B"),
-    Field("aux3_baud", "B"),
-    Field("ticks_per_mm", "H"),
-    Field("shutdown_voltage", "H", Quantity.VOLTAGE),
-    Field("firmware_version", "z", Quantity.TEXT),
-    Field("gyro_cw", "H"),
-    Field("gyro_ccw", "H"),
-    Field("kinematics_delay", "B", Quantity.DURATION),
-    Field("lateral_velocity_top", "H", Quantity.SPEED),
-    Field("lateral_acceleration_top", "H", Quantity.ACCELERATION),
-    Field("lateral_velocity_max", "H", Quantity.SPEED),
-    Field("lateral_acceleration", "H", Quantity.ACCELERATION),
-    Field("lateral_deceleration", "H", Quantity.ACCELERATION),
-    Field("charge_threshold", "H"),
-    Field("pdb_port", "B"),
-    Field("gyro_rate_limit", "H"),
-    Field("high_temperature_shutdown", "b", Quantity.TEMPERATURE),
-    Field("power_bits", "H"),
-    Field("battery_type", "B"),
-    Field("charge_low", "H"),
-    Field("charge_shutdown", "H"),
-    Field("bootloader_version", "z", Quantity.TEXT),
-    Field("configuration_flags", "I"),
-    Field("gyro_firmware_version", "h"),
-)
-ENCODERS = (Field("left", "i", meaning="ticks"), Field("right", "i", meaning="ticks"))
-INPUTS_OUTPUTS = (
-    Field("digital_in", "*B"),
-    Field("digital_out", "*B"),
-    Field("analog", "*H", Quantity.ANALOG_10),
-)
-
-
-TABLES: Mapping[int, tuple[Field, ...]] = {
-    PacketType.CONFIGURATION: CONFIGURATION,
-    PacketType.SIP_STOPPED: (*HEAD, COUNT, *SONAR, *TAIL),
-    PacketType.SIP_MOVING: (*HEAD, COUNT, *SONAR, *TAIL),
-    PacketType.ENCODERS: ENCODERS,
-    PacketType.INPUTS_OUTPUTS: INPUTS_OUTPUTS,
-}
-"""The packets that this package reads and writes, by type; in a SIP the two rows of a sonar reading repeat."""
-
-
-class Configuration(NamedTuple):
-    """CONFIGpac: what the controller is and is set to; SI.
-
-    The packets of older firmware end earlier: what they lack is zero or empty. Baud rates are codes as in HOSTBAUD.
-    """
-
-    robot_type: str = "Pioneer"
-    subtype: str = ""
-    serial: str = ""
-    four_motors: int = 0
-    rotation_top: float = 0.0
-    velocity_top: float = 0.0
-    rotational_acceleration_top: float = 0.0
-    acceleration_top: float = 0.0
-    pwm_max: int = 0
-    name: str = ""
-    sip_cycle: float = 0.0
-    host_baud: int = 0
-    aux1_baud: int = 0
-    gripper: int = 0
-    front_sonar: int = 0
-    rear_sonar: int = 0
-    low_battery: float = 0.0
-    rev_count: int = 0
-    watchdog: float = 0.0
-    alternative_sip: int = 0
-    stall_value: int = 0
-    stall_count: float = 0.0
-    joystick_velocity: float = 0.0
-    joystick_rotation: float = 0.0
-    rotation_max: float = 0.0
-    velocity_max: float = 0.0
-    rotational_acceleration: float = 0.0
-    rotational_deceleration: float = 0.0
-    rot_kp: int = 0
-    rot_kv: int = 0
-    rot_ki: int = 0
-    acceleration: float = 0.0
-    deceleration: float = 0.0
-    trans_kp: int = 0
-    trans_kv: int = 0
-    trans_ki: int = 0
-    front_bumpers: int = 0
-    rear_bumpers: int = 0
-    charger: int = 0
-    sonar_cycle: float = 0.0
-    auto_baud: int = 0
-    has_gyro: int = 0
-    drift_factor: int = 0
-    aux2_baud: int = 0
-    aux3_baud: int = 0
-    ticks_per_mm: int = 0
-    shutdown_voltage: float = 0.0
-    firmware_version: str = ""
-    gyro_cw: int = 0
-    gyro_ccw: int = 0
-    kinematics_delay: float = 0.0
-    lateral_velocity_top: float = 0.0
-    lateral_acceleration_top: float = 0.0
-    lateral_velocity_max: float = 0.0
-    lateral_acceleration: float = 0.0
-    lateral_deceleration: float = 0.0
-    charge_threshold: int = 0
-    pdb_port: int = 0
-    gyro_rate_limit: int = 0
-    high_temperature_shutdown: float = 0.0
-    power_bits: int = 0
-    battery_type: int = 0
-    charge_low: int = 0
-    charge_shutdown: int = 0
-    bootloader_version: str = ""
-    configuration_flags: int = 0
-    gyro_firmware_version: int = 0
-
-
 class Encoders(NamedTuple):
     """ENCODERpac: accumulated encoder ticks, 32 bits with sign, rolling over."""
 
     left: int
     right: int
+
+
+ENCODERS = (Field("left", "i", meaning="ticks"), Field("right", "i", meaning="ticks"))
 
 
 class InputsOutputs(NamedTuple):
@@ -226,6 +118,13 @@ class InputsOutputs(NamedTuple):
     analog: tuple[float, ...]
 
 
+INPUTS_OUTPUTS = (
+    Field("digital_in", "*s"),
+    Field("digital_out", "*s"),
+    Field("analog", "*H", Quantity.ANALOG_10),
+)
+
+
 class UnknownPacket(NamedTuple):
     """A sound frame of a type that this package does not read."""
 
@@ -233,16 +132,99 @@ class UnknownPacket(NamedTuple):
     body: bytes
 
 
-Packet = StandardSip | Configuration | Encoders | InputsOutputs | UnknownPacket
+Packet = (
+    StandardSip
+    | Configuration
+    | Encoders
+    | InputsOutputs
+    | GyroReport
+    | JoystickReport
+    | GripperReport
+    | CompassReport
+    | ArmReport
+    | ArmInformation
+    | AuxData
+    | PlaylistEntry
+    | BatteryReport
+    | InfraredScan
+    | SimulatedLaser
+    | ExtendedLaser
+    | SimulatorState
+    | SimulatorDevice
+    | MapChanged
+    | Reset
+    | MtxPacket
+    | UnknownPacket
+)
 
-CONFIGURATION_VARIANTS: Mapping[str, str] = {
-    "P2OS 1.4": "trans_ki",
-    "AROS 1.6": "rear_bumpers",
-    "AROS 1.7": "charger",
-    "AROS 1.8": "has_gyro",
-    "ARCOS": "gyro_firmware_version",
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How one packet is laid out.
+
+    packet: its class, whose fields are those of the table. name: for people. grows: firmware has lengthened it, so one
+    that ends early is read all the same.
+    """
+
+    packet: Any
+    name: str
+    fields: tuple[Field, ...]
+    grows: bool = False
+
+
+LAYOUTS: Mapping[int, Layout] = {
+    PacketType.INFRARED: Layout(InfraredScan, "IRRF packet", INFRARED),
+    PacketType.CONFIGURATION: Layout(Configuration, "CONFIGpac", CONFIGURATION, grows=True),
+    PacketType.LASER: Layout(SimulatedLaser, "simulated laser packet", SIMULATED_LASER),
+    PacketType.LASER_EXTENDED: Layout(ExtendedLaser, "extended laser packet", EXTENDED_LASER),
+    PacketType.SIMULATOR_DEVICE: Layout(SimulatorDevice, "simulator device packet", SIMULATOR_DEVICE),
+    PacketType.MAP_CHANGED: Layout(MapChanged, "map packet", MAP_CHANGED),
+    PacketType.ENCODERS: Layout(Encoders, "ENCODERpac", ENCODERS),
+    PacketType.GYRO: Layout(GyroReport, "GYROpac", GYRO),
+    PacketType.ARM: Layout(ArmReport, "ARMpac", ARM),
+    PacketType.ARM_INFO: Layout(ArmInformation, "ARMINFOpac", ARM_INFORMATION),
+    PacketType.COMPASS: Layout(CompassReport, "TCM2pac", COMPASS),
+    PacketType.PLAYLIST: Layout(PlaylistEntry, "PLAYLISTpac", PLAYLIST),
+    PacketType.GRIPPER: Layout(GripperReport, "GRIPPERpac", GRIPPER),
+    PacketType.INPUTS_OUTPUTS: Layout(InputsOutputs, "IOpac", INPUTS_OUTPUTS, grows=True),
+    PacketType.JOYSTICK: Layout(JoystickReport, "JOYSTICKpac", JOYSTICK),
+    PacketType.BATTERY: Layout(BatteryReport, "battery packet", BATTERY),
 }
-"""Firmware to the last field of its CONFIGpac."""
+"""The packets that are no more than their table, by type."""
+
+AUX_PORTS: Mapping[int, int] = {PacketType.AUX1: 1, PacketType.AUX2: 2, PacketType.AUX3: 3}
+"""SERAUXpacs by type: the port that the bytes came in at."""
+
+RESETS = frozenset({PacketType.RESET, PacketType.RESET_WITH_DATA})
+
+MTX_TYPES = frozenset(
+    {
+        PacketType.ACCELERATION,
+        PacketType.TORQUE,
+        PacketType.HEADING,
+        PacketType.IMU,
+        PacketType.DEBUG_TEXT,
+        PacketType.ABSOLUTE_MAXES,
+        PacketType.SAFETY_STATE,
+        PacketType.SAFETY_WARNING,
+        PacketType.WHEELS,
+    }
+)
+"""Packets of MTX and Seekur controllers, which are handed on unread."""
+
+TABLES: Mapping[int, tuple[Field, ...]] = {
+    **{packet_type: layout.fields for packet_type, layout in LAYOUTS.items()},
+    PacketType.SIP_STOPPED: (*HEAD, COUNT, *SONAR, *TAIL),
+    PacketType.SIP_MOVING: (*HEAD, COUNT, *SONAR, *TAIL),
+    PacketType.SIMULATOR_STATE: simulator_state_fields(~0),
+    **dict.fromkeys(AUX_PORTS, AUX),
+    PacketType.RESET_WITH_DATA: RESET,
+    PacketType.RESET: RESET,
+}
+"""The packets that this package reads and writes, by type; in a SIP the two rows of a sonar reading repeat."""
+
+_BY_CLASS = {layout.packet: (packet_type, layout) for packet_type, layout in LAYOUTS.items()}
+_AUX_TYPE = {port: packet_type for packet_type, port in AUX_PORTS.items()}
 
 
 def encode_configuration(configuration: Configuration, model: RobotModel, last_field: str) -> bytes:
@@ -268,13 +250,18 @@ def encode_packet(packet: Packet, model: RobotModel) -> bytes:
             return SipCodec(model).encode(packet)
         case Configuration():
             return encode_configuration(packet, model, FIRMWARES[model.firmware].last_configuration_field)
-        case Encoders():
-            return bytes([PacketType.ENCODERS]) + pack(ENCODERS, packet, model.scales)
-        case InputsOutputs(digital_in, digital_out, analog):
-            values = tuple(digital_in), tuple(digital_out), analog
-            return bytes([PacketType.INPUTS_OUTPUTS]) + pack(INPUTS_OUTPUTS, values, model.scales)
-        case UnknownPacket(packet_type, body):
+        case AuxData(port, data):
+            return bytes([_AUX_TYPE[port]]) + data
+        case Reset(data):
+            return bytes([PacketType.RESET_WITH_DATA if data else PacketType.RESET]) + data
+        case SimulatorState():
+            fields = simulator_state_fields(packet.flags)
+            values = [getattr(packet, field.name) for field in fields]
+            return bytes([PacketType.SIMULATOR_STATE]) + pack(fields, values, model.scales)
+        case UnknownPacket(packet_type, body) | MtxPacket(packet_type, body):
             return bytes([packet_type]) + body
+    packet_type, layout = _BY_CLASS[type(packet)]
+    return bytes([packet_type]) + pack(layout.fields, packet, model.scales)
 
 
 def decode_packet(payload: bytes, model: RobotModel, codec: SipCodec | None = None) -> Packet:
@@ -285,29 +272,32 @@ def decode_packet(payload: bytes, model: RobotModel, codec: SipCodec | None = No
         model: Gives the scales.
         codec: The model's SIP codec; keep one where SIPs come often, it compiles their layouts once.
     Raises:
-        DecodeError: A SIP or an ENCODERpac ends too early.
+        DecodeError: A packet of a fixed size ends too early.
     """
     packet_type, body = payload[0], payload[1:]
     if packet_type in SIP_TYPES:
         return (codec or SipCodec(model)).decode(payload)
-    match packet_type:
-        case PacketType.CONFIGURATION:
-            return Configuration._make(unpack(CONFIGURATION, body, model.scales))
-        case PacketType.ENCODERS:
-            return _decode_encoders(body, model)
-        case PacketType.INPUTS_OUTPUTS:
-            return _decode_inputs_outputs(body, model)
-    return UnknownPacket(packet_type, body)
+    layout = LAYOUTS.get(packet_type)
+    if layout is not None:
+        packet: Packet = layout.packet(*_unpacked(layout.fields, body, model, layout.name, layout.grows))
+        return packet
+    if packet_type in AUX_PORTS:
+        return AuxData(AUX_PORTS[packet_type], body)
+    if packet_type in RESETS:
+        return Reset(body)
+    if packet_type == PacketType.SIMULATOR_STATE:
+        return _decode_simulator_state(body, model)
+    return MtxPacket(packet_type, body) if packet_type in MTX_TYPES else UnknownPacket(packet_type, body)
 
 
-def _decode_encoders(body: bytes, model: RobotModel) -> Encoders:
-    if len(body) < 8:
-        raise DecodeError(f"an ENCODERpac of {len(body)} bytes ends before both encoders are in")
-    values: list[Any] = unpack(ENCODERS, body, model.scales)
-    return Encoders._make(values)
+def _decode_simulator_state(body: bytes, model: RobotModel) -> SimulatorState:
+    head = simulator_state(SIMULATOR_STATE, unpack(SIMULATOR_STATE, body, model.scales).values)
+    fields = simulator_state_fields(head.flags)
+    return simulator_state(fields, _unpacked(fields, body, model, "SIMSTAT packet", grows=False))
 
 
-def _decode_inputs_outputs(body: bytes, model: RobotModel) -> InputsOutputs:
-    values: list[Any] = unpack(INPUTS_OUTPUTS, body, model.scales)
-    digital_in, digital_out, analog = values
-    return InputsOutputs(bytes(digital_in), bytes(digital_out), analog)
+def _unpacked(fields: tuple[Field, ...], body: bytes, model: RobotModel, name: str, grows: bool) -> list[Any]:
+    values, is_whole = unpack(fields, body, model.scales)
+    if not (is_whole or grows):
+        raise DecodeError(f"{name} of {len(body)} bytes ends before its last field does")
+    return values

@@ -1,0 +1,228 @@
+"""Packets of what can be fitted to a robot: gyro, compass, joystick, gripper, arm, AUX ports, sounds, batteries.
+
+Each class has its table beside it; the values are SI and in the wire's own sense of direction.
+Sources: manuals of the accessories (gripper, arm, compass), Amigo manual (PLAYLISTpac), Pioneer LX guide (JOYSTICKpac);
+the rest as client libraries read it.
+"""
+
+from typing import NamedTuple
+
+from p2os.fields import Ceiling, Field, Quantity
+
+_TEN_BITS = Ceiling(1023)
+
+
+class GyroSample(NamedTuple):
+    """One reading of an analog gyro.
+
+    rate: raw count, 0 to 1023; at rest about 512, more is clockwise. temperature: raw count.
+    """
+
+    rate: int
+    temperature: int
+
+
+class GyroReport(NamedTuple):
+    """GYROpac: the readings since the last one, 25 ms apart."""
+
+    samples: tuple[GyroSample, ...]
+
+
+GYRO = (
+    Field(
+        "samples",
+        "*",
+        items=(
+            Field("rate", "h", meaning="0 to 1023, at rest about 512, clockwise above"),
+            Field("temperature", "B", meaning="raw count"),
+        ),
+        record=GyroSample,
+        meaning="one every 25 ms",
+    ),
+)
+
+
+class JoystickReport(NamedTuple):
+    """JOYSTICKpac: buttons, x from -1 (left) to 1 (right), y from -1 (back) to 1 (forward), throttle from 0 to 1.
+
+    Ten bits around a centre of 512 make the far right and the far front read as 0.998.
+    """
+
+    button1: bool
+    button2: bool
+    x: float
+    y: float
+    throttle: float
+
+
+JOYSTICK = (
+    Field("button1", "B", Quantity.FLAG),
+    Field("button2", "B", Quantity.FLAG),
+    Field("x", "H", Quantity.LEVER, _TEN_BITS, "0 left, 512 centre, 1023 right", zero=512),
+    Field("y", "H", Quantity.LEVER, _TEN_BITS, "0 back, 512 centre, 1023 forward", zero=512),
+    Field("throttle", "H", Quantity.LEVEL, _TEN_BITS, "0 to 1023"),
+)
+
+
+class GripperReport(NamedTuple):
+    """GRIPPERpac.
+
+    kind: 0 none, 1 Pioneer, 2 PeopleBot. state: as `StandardSip.gripper_state`. grasp_time: s.
+    """
+
+    kind: int
+    state: int
+    grasp_time: float
+
+
+GRIPPER = (
+    Field("kind", "B", meaning="0 none, 1 Pioneer, 2 PeopleBot"),
+    Field("state", "B", meaning="as gripper_state in the SIP"),
+    Field("grasp_time", "B", Quantity.GRASP_TIME, meaning="20 ms a count"),
+)
+
+
+class CompassReport(NamedTuple):
+    """TCM2pac: what the compass module measures.
+
+    heading, pitch, roll: rad; heading clockwise from north, as on the wire. field_x, field_y, field_z: T in the
+    module's axes. temperature: °C. errors: the module's error bits. h_score, v_score, m_score: how well the last
+    calibration went.
+    """
+
+    heading: float
+    pitch: float
+    roll: float
+    field_x: float
+    field_y: float
+    field_z: float
+    temperature: float
+    errors: int
+    h_score: int
+    v_score: int
+    m_score: float
+
+
+COMPASS = (
+    Field("heading", "h", Quantity.FINE_ANGLE, meaning="clockwise from north"),
+    Field("pitch", "h", Quantity.FINE_ANGLE),
+    Field("roll", "h", Quantity.FINE_ANGLE),
+    Field("field_x", "h", Quantity.MAGNETIC_FIELD, meaning="0.01 microtesla a count"),
+    Field("field_y", "h", Quantity.MAGNETIC_FIELD),
+    Field("field_z", "h", Quantity.MAGNETIC_FIELD),
+    Field("temperature", "h", Quantity.FINE_TEMPERATURE),
+    Field("errors", "h", meaning="bits"),
+    Field("h_score", "B"),
+    Field("v_score", "B"),
+    Field("m_score", "h", Quantity.FRACTION),
+)
+
+
+class ArmReport(NamedTuple):
+    """ARMpac, in the order of bytes that the most used client library reads.
+
+    moving: bit i is set while joint i + 1 moves. status: see `ArmStatus`. positions: of each joint, raw counts.
+    """
+
+    moving: int
+    status: int
+    positions: tuple[int, ...]
+
+
+ARM = (
+    Field("moving", "B", meaning="bit 0 to 5: joint 1 to 6"),
+    Field("status", "B", meaning="bit 0 good, 1 initialised, 2 powered, 3 homing"),
+    Field("positions", "6B"),
+)
+
+
+class ArmJoint(NamedTuple):
+    """One joint of an ARMINFOpac, in raw counts of its servo; speed in ms a count."""
+
+    speed: int
+    home: int
+    minimum: int
+    centre: int
+    maximum: int
+    ticks_per_90: int
+
+
+class ArmInformation(NamedTuple):
+    """ARMINFOpac. version: "No arm" where there is none."""
+
+    version: str
+    joints: tuple[ArmJoint, ...]
+
+
+ARM_INFORMATION = (
+    Field("version", "z", Quantity.TEXT),
+    Field("joints", "*", items=tuple(Field(name, "B") for name in ArmJoint._fields), record=ArmJoint),
+)
+
+
+class AuxData(NamedTuple):
+    """SERAUXpac: bytes that came in at an AUX port, 1 to 3."""
+
+    port: int
+    data: bytes
+
+
+AUX = (Field("data", "+s", meaning="as they came in at the port"),)
+
+
+class PlaylistEntry(NamedTuple):
+    """PLAYLISTpac: one sound.
+
+    number: of the sound; of all sounds, in the first packet of a list. on: sound is on. name: a leading ~ marks a
+    group. offset, length: in the sound memory, bytes.
+    """
+
+    number: int
+    on: bool
+    name: str
+    offset: int
+    length: int
+
+
+PLAYLIST = (
+    Field("number", "B", meaning="how many there are, in the first packet of a list"),
+    Field("on", "B", Quantity.FLAG),
+    Field("name", "16s", Quantity.TEXT, meaning="~ in front marks a group"),
+    Field("offset", "I"),
+    Field("length", "I"),
+)
+
+
+class BatteryReport(NamedTuple):
+    """Battery packet: for each battery three bytes of flags, relative and absolute charge in percent."""
+
+    batteries: tuple[tuple[int, ...], ...]
+
+
+BATTERY = (Field("batteries", "**B", meaning="flags 1 to 3, relative and absolute charge in percent"),)
+
+
+class InfraredScan(NamedTuple):
+    """Ranges of the infrared range finder, m, from -81° to 81° in steps of 1.8°. port: where it is plugged in."""
+
+    port: int
+    ranges: tuple[float, ...]
+
+
+INFRARED = (Field("port", "H"), Field("ranges", "+H", Quantity.TRIANGULATED_RANGE))
+
+
+class Reset(NamedTuple):
+    """The controller has been reset. data: why, where it says so."""
+
+    data: bytes = b""
+
+
+RESET = (Field("data", "+s", meaning="why; type 0xFF has none"),)
+
+
+class MtxPacket(NamedTuple):
+    """A packet of a controller that no robot here has (MTX, Seekur): known, and ignored."""
+
+    packet_type: int
+    body: bytes
