@@ -9,10 +9,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from configs.parameter_file import ParameterError, parse
+
 T = TypeVar("T")
 
 SUFFIX = ".toml"
-KINDS = ("robots", "worlds", "links", "bus")
+PARAMETER_SUFFIX = ".p"
+KINDS = ("robots", "worlds", "links", "bus", "accessories")
 
 
 class ConfigError(ValueError):
@@ -20,7 +23,7 @@ class ConfigError(ValueError):
 
 
 def names(kind: str) -> list[str]:
-    """The names of the files of one kind ("robots", "worlds", "links", "bus"), sorted."""
+    """The names of the files of one kind ("robots", "worlds", "links", "bus", "accessories"), sorted."""
     return sorted(path.stem if path.suffix == SUFFIX else path.name for path in _files(kind))
 
 
@@ -28,7 +31,7 @@ def find(kind: str, name: str) -> Path:
     """The file that a name means.
 
     Args:
-        kind: "robots", "worlds", "links" or "bus".
+        kind: "robots", "worlds", "links", "bus" or "accessories".
         name: Of a file in this package, or a path to one elsewhere.
     Raises:
         ConfigError: There is no such file; the message gives the nearest names.
@@ -47,15 +50,19 @@ def find(kind: str, name: str) -> Path:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Parse a TOML file.
+    """Parse a TOML file, or a robot's parameter file (`.p`) as ARIA's programs keep them.
 
     Raises:
-        ConfigError: The file cannot be read or is not TOML; the message names file, line and reason.
+        ConfigError: The file cannot be read or has an error; the message names file, line and reason.
     """
     try:
+        if path.suffix == PARAMETER_SUFFIX:
+            return parse(path.read_text(encoding="latin-1"), lambda name: read(find("robots", name)), names("robots"))
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as err:
         raise ConfigError(f"{path} cannot be read: {err.strerror}") from err
+    except ParameterError as err:
+        raise ConfigError(f"{path}: {err}") from err
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as err:
         raise ConfigError(f"{path} is not TOML: {err}") from err
 
