@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Mapping
 
+from p2os.configuration import Configuration
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family
-from p2os.packets import Configuration, Encoders, InputsOutputs, Packet, PacketType
+from p2os.packets import Encoders, InputsOutputs, Packet, PacketType
 from p2os.sip import SipFlag, StandardSip, stall_word
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.board import Board

@@ -128,9 +128,10 @@ def test_the_state_of_a_simulator_holds_what_its_flags_announce(
     full = SimulatorState(flags, 0.1, 0.1, 0.1, 1.0, 2.0, 0.0, 0.0, radians(42.5), radians(-71), 12.5, 0.01, 0.02, 0.03)
     payload = encode_packet(full, p3dx)
     assert len(payload) == 1 + 28 + 12 * flags.bit_count()
-    if flags != 6:
-        without = ("latitude", "longitude", "altitude") if flags == 4 else ("error_x", "error_y", "error_heading")
-        full = full._replace(**dict.fromkeys(without, 0.0))
+    if not flags & 2:
+        full = full._replace(latitude=0.0, longitude=0.0, altitude=0.0)
+    if not flags & 4:
+        full = full._replace(error_x=0.0, error_y=0.0, error_heading=0.0)
     assert decode_packet(payload, p3dx) == near(full)
 
 

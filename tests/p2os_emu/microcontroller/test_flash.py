@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from p2os.command_table import Command
+from p2os.configuration import Configuration
 from p2os.errors import EncodeError
-from p2os.packets import Configuration
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.testing import Bench
 

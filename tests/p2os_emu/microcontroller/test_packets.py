@@ -7,7 +7,8 @@ from math import radians
 import pytest
 
 from p2os.command_table import Command
-from p2os.packets import Configuration, Encoders, InputsOutputs
+from p2os.configuration import Configuration
+from p2os.packets import Encoders, InputsOutputs
 from p2os.sip import StandardSip
 from p2os_emu.microcontroller.testing import STEP, Bench
 
