@@ -63,6 +63,7 @@ class Line:
         self.is_cut = False
         self.tap: Callable[[float, Source, bytes], None] | None = None
         self._seed = seed
+        self._impaired: dict[str, tuple[Toward, float]] = {}
         self._to_robot = _Way()
         self._to_host = _Way()
         self._lay(profile)
@@ -70,10 +71,10 @@ class Line:
     @property
     def faults(self) -> list[str]:
         """The names of what has gone wrong with `impair`."""
-        return [name for name in LINE_FAULTS if name in self._to_robot.faults or name in self._to_host.faults]
+        return [name for name in LINE_FAULTS if name in self._impaired]
 
     def impair(self, name: str, *, toward: Toward = "both", rate: float = 1e-3) -> None:
-        """Let something go wrong, until `mend`; again with other values if it already has.
+        """Let something go wrong, until `mend`; again only if it has with other values.
 
         Args:
             name: One of `LINE_FAULTS`.
@@ -83,13 +84,17 @@ class Line:
             KeyError: There is no such fault.
         """
         make = LINE_FAULTS[name]
+        if self._impaired.get(name) == (toward, rate):
+            return
         self.mend(name)
+        self._impaired[name] = toward, rate
         for end, way in (("robot", self._to_robot), ("host", self._to_host)):
             if toward in (end, "both"):
                 way.faults[name] = make(Random(f"{self._seed} {name} {end}"), rate)
 
     def mend(self, name: str) -> None:
         """Let a fault end; what it only held back arrives with the next bytes."""
+        self._impaired.pop(name, None)
         for way in (self._to_robot, self._to_host):
             fault = way.faults.pop(name, None)
             if isinstance(fault, Freeze):

@@ -48,4 +48,4 @@ def test_demo_whose_emulator_does_not_start_fails_in_one_sentence(
 ) -> None:
     monkeypatch.setattr(demo, "MODEL", "no-such-robot")
     assert demo.run(options(tmp_path)) == 1
-    assert "acromovi demo: p2os-emu ended with exit code 3" in capsys.readouterr().err
+    assert "acromovi demo: there is no 'no-such-robot' among the robots" in capsys.readouterr().err
