@@ -34,6 +34,7 @@ FLOOR_FRICTION = 0.01
 WHEEL_FRICTION = 100.0
 HULL_FRICTION = 0.3
 WALL_FRICTION = 1.0
+OBJECT_FLOOR_FRICTION = 1.0  # so that a movable object's own friction is what its file says
 
 # What both motors together can give, as an acceleration of robot and wheels: it follows every profile that the firmware
 # allows (2 m/s2), and at a wall the motors stall long before the wheels slip.
@@ -67,7 +68,10 @@ class Imperfections:
 
 @dataclass(frozen=True, slots=True)
 class Chassis:
-    """One robot's machine: lengths in m, masses in kg, torques of one motor in N m; x = 0 is the axle."""
+    """One robot's machine: lengths in m, masses in kg, torques of one motor in N m; x = 0 is the axle.
+
+    overhang: how far accessories stick out ahead of the hull.
+    """
 
     front: float
     rear: float
@@ -76,6 +80,7 @@ class Chassis:
     wheel_track: float
     mass: float
     imperfections: Imperfections
+    overhang: float = 0.0
 
     @classmethod
     def of(cls, model: RobotModel, imperfections: Imperfections) -> "Chassis":
@@ -134,9 +139,13 @@ class Chassis:
 
     @property
     def sweep(self) -> float:
-        """Radius of the circle that the hull needs to turn in place, m."""
-        return float(abs(complex(max(self.front, self.rear), self.width / 2)))
+        """Radius of the circle that the robot needs to turn in place, m."""
+        return float(abs(complex(max(self.front + self.overhang, self.rear), self.width / 2)))
 
     def footprint(self, pose: Pose2D) -> Polygon:
-        """Corners of the hull on the floor when the robot is at a pose, m."""
+        """What a robot at a pose takes up on the floor, with what sticks out of it, m."""
+        return rectangle(pose, self.front + self.overhang, self.rear, self.width)
+
+    def hull(self, pose: Pose2D) -> Polygon:
+        """Corners of the hull when the robot is at a pose, m."""
         return rectangle(pose, self.front, self.rear, self.width)

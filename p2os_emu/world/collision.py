@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from enum import IntFlag
+from math import atan2
 
 from geometry import Pose2D
 from p2os_emu.world.chassis import (
@@ -13,12 +14,14 @@ from p2os_emu.world.chassis import (
     HULL_FRICTION,
     HULL_TOP,
     MASS_HEIGHT,
+    OBJECT_FLOOR_FRICTION,
     WALL_FRICTION,
     WHEEL_FRICTION,
     Chassis,
 )
 from p2os_emu.world.engine import engine
 from p2os_emu.world.links import FIRST, Joint, Link
+from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.spec import Block
 
 HULL = -1  # link indices of a robot
@@ -26,30 +29,46 @@ WHEELS = (0, 1)  # left, right
 
 
 class Group(IntFlag):
-    """Collision groups. Wheels touch the floor only; hulls touch everything but wheels."""
+    """Collision groups. Wheels touch the floor only; hulls touch everything but wheels.
+
+    Movable objects have a floor of their own: the robots' is as slippery as their casters want it.
+    """
 
     RAY = 1  # the group the engine gives its rays
     FLOOR = 2
     BLOCK = 4
     HULL = 8
     WHEEL = 16
+    OBJECT = 32
+    OBJECT_FLOOR = 64
 
 
-SEEN_BY_RAYS = int(Group.BLOCK | Group.HULL)
+SEEN_BY_RAYS = int(Group.BLOCK | Group.HULL | Group.OBJECT)
 _TOUCHES = {
     Group.FLOOR: Group.HULL | Group.WHEEL,  # of a hull only the casters reach down
-    Group.BLOCK: Group.RAY | Group.HULL,
-    Group.HULL: Group.RAY | Group.FLOOR | Group.BLOCK | Group.HULL,
+    Group.BLOCK: Group.RAY | Group.HULL | Group.OBJECT,
+    Group.HULL: Group.RAY | Group.FLOOR | Group.BLOCK | Group.HULL | Group.OBJECT,
     Group.WHEEL: Group.FLOOR,
+    Group.OBJECT: Group.RAY | Group.BLOCK | Group.HULL | Group.OBJECT | Group.OBJECT_FLOOR,
+    Group.OBJECT_FLOOR: Group.OBJECT,
 }
 
 
 def build_floor(client: int) -> int:
-    """An endless floor at z = 0; returns its body id."""
+    """An endless floor at z = 0 for robots; returns its body id."""
+    return _plane(client, FLOOR_FRICTION, Group.FLOOR)
+
+
+def build_object_floor(client: int) -> int:
+    """An endless floor at z = 0 for movable objects; returns its body id."""
+    return _plane(client, OBJECT_FLOOR_FRICTION, Group.OBJECT_FLOOR)
+
+
+def _plane(client: int, friction: float, group: Group) -> int:
     shape = engine.createCollisionShape(engine.GEOM_PLANE, physicsClientId=client)
     body: int = engine.createMultiBody(0.0, shape, physicsClientId=client)
-    engine.changeDynamics(body, HULL, lateralFriction=FLOOR_FRICTION, physicsClientId=client)
-    _join(client, body, HULL, Group.FLOOR)
+    engine.changeDynamics(body, HULL, lateralFriction=friction, physicsClientId=client)
+    _join(client, body, HULL, group)
     return body
 
 
@@ -74,6 +93,28 @@ def build_blocks(client: int, blocks: Iterable[Block]) -> list[int]:
         _join(client, body, HULL, Group.BLOCK)
         bodies.append(body)
     return bodies
+
+
+def build_object(client: int, movable: Movable) -> int:
+    """Something that can be pushed and gripped; returns its body id. Its base frame lies in its middle."""
+    if movable.shape is Shape.CYLINDER:
+        shape = engine.createCollisionShape(
+            engine.GEOM_CYLINDER, radius=movable.length / 2, height=movable.height, physicsClientId=client
+        )
+    else:
+        half = [movable.length / 2, movable.width / 2, movable.height / 2]
+        shape = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client)
+    pose = movable.pose
+    body: int = engine.createMultiBody(
+        movable.mass,
+        shape,
+        basePosition=[pose.x, pose.y, movable.height / 2],
+        baseOrientation=upright(pose.heading),
+        physicsClientId=client,
+    )
+    engine.changeDynamics(body, HULL, lateralFriction=movable.friction, physicsClientId=client)
+    _join(client, body, HULL, Group.OBJECT)
+    return body
 
 
 def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[Link] = ()) -> int:
@@ -164,6 +205,12 @@ def upright(heading: float) -> tuple[float, float, float, float]:
     """The engine's orientation of something that stands upright and looks along a heading."""
     quaternion: tuple[float, float, float, float] = engine.getQuaternionFromEuler([0.0, 0.0, heading])
     return quaternion
+
+
+def heading_of(quaternion: Sequence[float]) -> float:
+    """Which way something looks that has an orientation of the engine's, rad."""
+    x, y, z, w = quaternion
+    return atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def _hull_shape(client: int, chassis: Chassis) -> int:

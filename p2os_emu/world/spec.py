@@ -11,6 +11,7 @@ from pathlib import Path
 import configs
 from geometry import MapError, MapFile, Point, Polygon, Pose2D, Segment, read_map
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.movable import Drop, DropEntry, Movable, ObjectEntry
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
@@ -47,6 +48,7 @@ class WorldSpec:
     walls, furniture: boxes that do not move.
     starts: where robots begin, best place first; never empty.
     routes: named lists of waypoints, m; a round trip ends where it begins.
+    objects: what can be pushed and gripped. drops: where the floor ends.
     """
 
     name: str
@@ -55,6 +57,8 @@ class WorldSpec:
     furniture: tuple[Block, ...] = ()
     starts: tuple[Pose2D, ...] = (Pose2D(),)
     routes: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
+    objects: tuple[Movable, ...] = ()
+    drops: tuple[Drop, ...] = ()
 
 
 def rectangle(pose: Pose2D, front: float, rear: float, width: float) -> Polygon:
@@ -150,6 +154,8 @@ class WorldFile:
     about: str = ""
     walls: tuple[WallEntry, ...] = ()
     furniture: tuple[FurnitureEntry, ...] = ()
+    objects: tuple[ObjectEntry, ...] = ()
+    drops: tuple[DropEntry, ...] = ()
     starts: tuple[StartEntry, ...] = (StartEntry((0.0, 0.0)),)
     routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
 
@@ -161,6 +167,8 @@ class WorldFile:
         """
         walls: list[Block] = []
         furniture: list[Block] = []
+        objects: list[Movable] = []
+        drops: list[Drop] = []
         entry = ""
         try:
             for i, wall in enumerate(self.walls):
@@ -169,12 +177,29 @@ class WorldFile:
             for i, piece in enumerate(self.furniture):
                 entry = f"furniture[{i}] {piece.name}"
                 furniture.append(piece.block())
+            for i, thing in enumerate(self.objects):
+                entry = f"objects[{i}] {thing.name}"
+                if thing.name in (each.name for each in objects):
+                    raise ValueError("there is one of this name already; give each its own")
+                objects.append(thing.movable())
+            for i, drop in enumerate(self.drops):
+                entry = f"drops[{i}] {drop.name}"
+                drops.append(drop.drop())
         except ValueError as err:
             raise WorldError(f"{source}: {entry.strip()}: {err}") from err
         if not self.starts:
             raise WorldError(f"{source}: starts must hold at least one place for a robot")
         starts = tuple(Pose2D(*start.at_m, math.radians(start.heading_deg)) for start in self.starts)
-        return WorldSpec(name, self.about, tuple(walls), tuple(furniture), starts, self.routes_m)
+        return WorldSpec(
+            name,
+            self.about,
+            tuple(walls),
+            tuple(furniture),
+            starts,
+            self.routes_m,
+            objects=tuple(objects),
+            drops=tuple(drops),
+        )
 
 
 def _from_map(file: MapFile, name: str) -> WorldSpec:

@@ -1,6 +1,6 @@
 """The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from math import isfinite
 from random import Random
@@ -10,10 +10,12 @@ from geometry import Polygon, Pose2D
 from p2os.robot_model import RobotModel
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.world import window
-from p2os_emu.world.chassis import GRAVITY, Chassis, Imperfections
+from p2os_emu.world.chassis import GRAVITY, HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
 from p2os_emu.world.collision import build_blocks, build_floor
+from p2os_emu.world.colours import COLOURS
 from p2os_emu.world.engine import engine
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.objects import Moving, Objects
 from p2os_emu.world.placement import Obstacles, free_pose, overlapping
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sonar import Sonar
@@ -64,6 +66,7 @@ class World:
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture))
         self._robots: dict[str, RobotBody] = {}
+        self._moving: tuple[Moving, ...] | None = None
         self._has_window = gui
         self._client = _connect(gui)
         engine.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self._client)
@@ -78,10 +81,13 @@ class World:
         self._floor_id = build_floor(self._client)
         walls = build_blocks(self._client, spec.walls)
         furniture = build_blocks(self._client, spec.furniture)
+        self.objects = Objects(self._client, spec.objects)
         if gui:
             window.arrange(self._client, spec)
             window.paint(self._client, walls, window.WALL_COLOUR)
             window.paint(self._client, furniture, window.FURNITURE_COLOUR)
+            for body, movable in self.objects.bodies.items():
+                window.paint(self._client, [body], COLOURS[movable.colour])
 
     @property
     def time(self) -> float:
@@ -92,6 +98,17 @@ class World:
     def robots(self) -> tuple[str, ...]:
         """Names of the robots in the world, first come first."""
         return tuple(self._robots)
+
+    @property
+    def moving(self) -> Iterable[Moving]:
+        """Everything that may be elsewhere after the next step: objects, then robots, at their present poses."""
+        if self._moving is None:
+            robots = (
+                Moving(name, robot.chassis.hull(robot.pose), HULL_BOTTOM, HULL_TOP)
+                for name, robot in self._robots.items()
+            )
+            self._moving = (*self.objects.moving(), *robots)
+        return self._moving
 
     def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> RobotBody:
         """Put a robot into the world, at rest and without power.
@@ -114,6 +131,7 @@ class World:
             self._check_free(name, chassis, pose)
         robot = RobotBody(self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose)
         self._robots[name] = robot
+        self._moving = None
         if self._has_window:
             window.paint_robot(self._client, robot.body_id)
         return robot
@@ -126,11 +144,13 @@ class World:
         """
         engine.removeBody(self._robot(name).body_id, physicsClientId=self._client)
         del self._robots[name]
+        self._moving = None
 
     def step(self) -> None:
         """Let `STEP` seconds pass."""
         engine.stepSimulation(physicsClientId=self._client)
         self.steps += 1
+        self._moving = None
         for robot in self._robots.values():
             robot.refresh()
 
@@ -152,6 +172,7 @@ class World:
         robot = self._robot(name)
         self._check_free(name, robot.chassis, pose)
         robot.move_to(pose)
+        self._moving = None
 
     def close(self) -> None:
         """End the world; no robot of it can be used any more. Closing twice does nothing."""
@@ -185,6 +206,7 @@ class World:
 
     def _free_pose(self, name: str, chassis: Chassis) -> Pose2D:
         others = [(pose.x, pose.y, robot.chassis.sweep) for robot in self._robots.values() for pose in (robot.pose,)]
+        others += self.objects.circles()
         pose = free_pose(self.spec.starts, self._obstacles, others, chassis.sweep)
         if pose is None:
             raise WorldError(f"world {self.spec.name!r} has no free place left for robot {name!r}; give it a pose")
@@ -199,6 +221,7 @@ class World:
             for other, robot in self._robots.items()
             if other != name
         ]
+        others += ((thing.name, thing.footprint) for thing in self.objects.moving())
         in_the_way = self._obstacles.overlapping(footprint) or overlapping(footprint, others)
         if in_the_way:
             raise WorldError(
