@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import configs
 from p2os_emu.control import ControlSocket
 from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.factory import Factory
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
 from p2os_emu.links.line import LinkProfile
@@ -72,7 +73,7 @@ def _emulate(options: Options) -> None:
         poller = stack.enter_context(contextlib.closing(Poller()))
         emulator = Emulator(world, profile, seed=options.seed, hangup_stops=options.hangup_stops)
         stack.callback(emulator.close)
-        ports = Ports(poller, pty=options.pty, tcp=options.tcp, robots=len(options.robots))
+        ports = Ports(poller, pty=options.pty, tcp=_first_tcp_port(options), robots=len(options.robots))
         team = Team(emulator, ports, options.link, flash, str(options.flash), options.fits)
         robots = [team.add(text) for text in options.robots]
         team.check_fits()
@@ -84,10 +85,13 @@ def _emulate(options: Options) -> None:
         desk = Desk(team, faults, runner)
         control = ControlSocket(_control_path(options, stack), poller, desk.answer)
         stack.callback(control.close)
-        runner.between_steps = control.serve
+        runner.between_steps.append(control.serve)
+        factory = _open_factory(options, poller, team, stack)
+        if factory is not None:
+            runner.between_steps.append(factory.tend)
         if options.until_stdin_closes:
             _end_with_stdin(poller, runner)
-        _announce(options, [team.entry(robot) for robot in robots], control.path)
+        _announce(options, [team.entry(robot) for robot in robots], factory, control.path)
         # What the start has made lives to the end: the collector need not walk through it while robots are driving.
         gc.collect()
         gc.freeze()
@@ -125,6 +129,20 @@ def _make_world(options: Options) -> "World":
         raise PhysicsError(str(error)) from error
 
 
+def _first_tcp_port(options: Options) -> int | None:
+    """Of the robots there are from the start; a factory's port comes before theirs."""
+    return options.tcp + 1 if options.tcp and options.factory else options.tcp
+
+
+def _open_factory(options: Options, poller: Poller, team: Team, stack: ExitStack) -> Factory | None:
+    if options.factory is None:
+        return None
+    team.check_model(options.factory)
+    factory = Factory(poller, team, options.factory, options.tcp or 0)
+    stack.callback(factory.close)
+    return factory
+
+
 def _end_with_stdin(poller: Poller, runner: Runner) -> None:
     """Whoever holds the other end of the pipe on standard input need not be able to say goodbye."""
     try:
@@ -139,16 +157,22 @@ def _control_path(options: Options, stack: ExitStack) -> Path:
     return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="p2os-emu-"))) / "control"
 
 
-def _announce(options: Options, robots: list[dict[str, Any]], control: Path) -> None:
+def _announce(options: Options, robots: list[dict[str, Any]], factory: Factory | None, control: Path) -> None:
     if options.json:
-        print(json.dumps({"robots": robots, "control": str(control)}), flush=True)
+        ready = {"robots": robots, "control": str(control)}
+        if factory is not None:
+            ready["factory_port"] = factory.port
+        print(json.dumps(ready), flush=True)
     elif not options.quiet:
         for robot in robots:
             print(f"{robot['name']}, a {robot['model']}, is on {robot['port']}")
             for part in ("laser", "arm"):
                 if robot[f"{part}_port"]:
                     print(f"{robot['name']}'s {part} is on {robot[f'{part}_port']}")
-        print(f"\nConnect any client to it, or drive it from the bus:  p2os-gateway {robots[0]['port']}")
+        if factory is not None:
+            print(f"Every client of {factory.port} finds a {factory.model} of its own")
+        if robots:
+            print(f"\nConnect any client to it, or drive it from the bus:  p2os-gateway {robots[0]['port']}")
         print(f"Control socket: {control}")
         print("Ctrl-C ends it.", flush=True)
     if options.speed != 1.0 and not options.quiet:

@@ -13,6 +13,8 @@ EXIT_USAGE = 2  # argparse's own
 EXIT_CONFIG = 3
 EXIT_PORT = 4
 EXIT_PHYSICS = 5
+MOBILESIM_PORT = 8101
+"""Where clients look for a simulator."""
 
 _EXAMPLES = """\
 examples:
@@ -21,6 +23,7 @@ examples:
   p2os-emu --robot p3dx --robot p2dx --tcp 8101      two robots, on TCP ports 8101 and 8102
   p2os-emu --robot p3dx --fit gripper,laser,ptz:vcc4 with accessories; the laser has a port of its own
   p2os-emu --robot p3dx --world lab.map --link rs232 in a world of an ARIA map, on a cable of 9600 baud
+  p2os-emu -m lab.map -r p3dx:happy -p 8101          as with MobileSim; -R p3dx makes a robot for every client
   p2os-emu --robot p3dx --fault line-cut:robot=p3dx@5+10
                                                      5 s after the start the cable is cut for 10 s
 
@@ -38,6 +41,7 @@ class Options:
     """What was asked for on the command line. speed: emulated s per s. duration: s of emulated time."""
 
     robots: tuple[str, ...]
+    factory: str | None
     fits: tuple[str, ...]
     world: str
     pty: Path | None
@@ -62,12 +66,17 @@ def parse(argv: Sequence[str] | None = None) -> Options:
     """Read the command line; ends the program with exit code 2 and a message where it is wrong."""
     parser = _parser()
     given = parser.parse_args(argv)
-    if given.listing is None and not given.robot:
+    if given.listing is None and not (given.robot or given.tcp_robot or given.factory):
         parser.error("which robot? give --robot MODEL[:NAME]; --list-robots shows the models")
+    if given.factory and given.pty is not None:
+        parser.error("-R serves its clients on TCP: give -p PORT, not --pty")
+    if (given.tcp_robot or given.factory) and given.pty is None and given.tcp is None:
+        given.tcp = MOBILESIM_PORT
     if given.pty is not None and given.tcp is not None:
         parser.error("a robot has one port: give --pty or --tcp, not both")
     return Options(
-        robots=tuple(given.robot),
+        robots=(*given.robot, *given.tcp_robot),
+        factory=given.factory,
         fits=tuple(given.fit),
         world=given.world,
         pty=given.pty,
@@ -114,6 +123,21 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         help="a robot of this model; repeat for more; without a name it is called as its model, then MODEL-2 and so on",
     )
     group.add_argument(
+        "-r",
+        dest="tcp_robot",
+        action="append",
+        default=[],
+        metavar="MODEL[:NAME]",
+        help=f"the same on TCP, as MobileSim has it: at port {MOBILESIM_PORT} unless -p says otherwise",
+    )
+    group.add_argument(
+        "-R",
+        "--robot-factory",
+        dest="factory",
+        metavar="MODEL",
+        help="a robot of this model for every client that connects, on TCP; it goes with its client",
+    )
+    group.add_argument(
         "--fit",
         action="append",
         default=[],
@@ -121,7 +145,13 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         help="accessories for every robot or for the one named; no-PART takes one off; --list-parts shows them",
     )
     group.add_argument(
-        "--world", default="office", metavar="NAME|FILE", help="a world, or a .toml or .map file (office)"
+        "-m",
+        "--map",
+        "--world",
+        dest="world",
+        default="office",
+        metavar="NAME|FILE",
+        help="a world, or a .toml or .map file (office)",
     )
     group.add_argument("--perfect", action="store_true", help="no imperfections: exact wheels, sonar without noise")
     group.add_argument(
@@ -140,7 +170,9 @@ def _add_ports(parser: argparse.ArgumentParser) -> None:
         "--pty", type=Path, metavar="PATH", help="a symbolic link to the port; of several robots each has PATH-NAME"
     )
     group.add_argument(
+        "-p",
         "--tcp",
+        dest="tcp",
         type=_tcp_port,
         metavar="PORT",
         help="listen on TCP instead, on this machine only; the next robots get the next ports; 0: any free ones",

@@ -12,7 +12,7 @@ _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met withi
 class Runner:
     """Steps an emulator, lets it hear its ports before every step, and lets somebody speak between steps.
 
-    between_steps: called after the ports were heard, also while paused.
+    between_steps: all called after the ports were heard, also while paused.
     is_paused: emulated time stands still; ports are still heard, what comes waits.
     """
 
@@ -34,7 +34,7 @@ class Runner:
             sleep: Waits for so many s of that clock.
             speed: Emulated seconds per second of the clock.
         """
-        self.between_steps: Callable[[], None] = _nothing
+        self.between_steps: list[Callable[[], None]] = []
         self.is_paused = False
         self._emulator = emulator
         self._poller = poller
@@ -79,7 +79,8 @@ class Runner:
         while not self._is_leaving and (end is None or self._emulator.time < end):
             self._wait()
             self._poller.poll()
-            self.between_steps()
+            for turn in self.between_steps:
+                turn()
             if not (self.is_paused or self._is_leaving):
                 self._pacer.begin(self._clock())
                 self._emulator.step()
@@ -88,7 +89,3 @@ class Runner:
         wait = STEP if self.is_paused else self._pacer.deadline - self._clock()
         if wait > 0:
             self._sleep(wait)
-
-
-def _nothing() -> None:
-    """Between steps, when nobody has anything to say."""

@@ -10,8 +10,9 @@ from configs import ConfigError
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.emulator import EmulatedRobot, Emulator
-from p2os_emu.fit import FitError, read_fit
+from p2os_emu.fit import Fit, FitError, read_fit
 from p2os_emu.hints import nearest
+from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
@@ -60,26 +61,34 @@ class Team:
             if name and name not in self.emulator.robots:
                 raise TeamError(f"--fit {name}=...: there is no robot {name!r}; {nearest(name, self.emulator.robots)}")
 
-    def add(self, text: str, pose: Pose2D | None = None) -> EmulatedRobot:
+    def check_model(self, text: str) -> None:
+        """See that robots can be made of a model.
+
+        Raises:
+            TeamError, ConfigError: As `add`.
+        """
+        name, model = read_robot(text, ())
+        self._fitted(name, model)
+
+    def add(self, text: str, pose: Pose2D | None = None, link: Link | None = None) -> EmulatedRobot:
         """Make a robot.
 
         Args:
             text: MODEL or MODEL:NAME; a model is one of `configs/robots` or a path to a file.
             pose: Where, m, m, rad; None leaves the choice to the world.
+            link: Its cable; None opens a port for it.
         Raises:
             TeamError: The name will not do, or the world has no room there.
             ConfigError: There is no such model, or a file has an error.
             PortError: Its port cannot be opened.
         """
         name, model = read_robot(text, self.emulator.robots)
-        try:
-            model, fit = read_fit([part for meant, parts in self._fits if meant in ("", name) for part in parts], model)
-        except FitError as error:
-            raise TeamError(f"robot {name}: {error}") from error
+        model, fit = self._fitted(name, model)
         flash = self._flash_of(model, name)
         with ExitStack() as opened:
-            link = self._ports.open(name)
-            opened.callback(link.close)
+            if link is None:
+                link = self._ports.open(name)
+                opened.callback(link.close)
             cables = {}
             for part in fit.cables:
                 cables[part] = self._ports.open_cable(name, part)
@@ -102,6 +111,12 @@ class Team:
             "arm_port": _cable_port(robot, "arm"),
             "camera_url": None,
         }
+
+    def _fitted(self, name: str, model: RobotModel) -> tuple[RobotModel, Fit]:
+        try:
+            return read_fit([part for meant, parts in self._fits if meant in ("", name) for part in parts], model)
+        except FitError as error:
+            raise TeamError(f"robot {name}: {error}") from error
 
     def _flash_of(self, model: RobotModel, name: str) -> Flash:
         try:

@@ -14,6 +14,61 @@ HOST = "127.0.0.1"
 _READ_SIZE = 4096
 
 
+class Connection:
+    """One client's TCP connection. is_open: it lasts."""
+
+    def __init__(self, poller: Poller, connection: socket.socket) -> None:
+        self.is_open = True
+        self._poller = poller
+        self._socket = connection
+        self._inbox = bytearray()
+        self._outlet = Outlet()
+        connection.setblocking(False)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        poller.watch(connection.fileno(), self._on_ready)
+
+    def take(self) -> bytes:
+        """The bytes that have come since the last call."""
+        data = bytes(self._inbox)
+        self._inbox.clear()
+        return data
+
+    def write(self, data: bytes) -> bool:
+        """Hand bytes to the client; False when they were dropped because it does not read."""
+        if not self.is_open:
+            return True
+        try:
+            return self._outlet.write(self._socket.fileno(), data)
+        except OSError:
+            self.close()
+            return True
+
+    def hear(self) -> bool:
+        """Read once; False when there is nothing to read now or ever again."""
+        if not self.is_open:
+            return False
+        try:
+            data = os.read(self._socket.fileno(), _READ_SIZE)
+        except BlockingIOError:
+            return False
+        except OSError:
+            data = b""
+        if not data:
+            self.close()
+        self._inbox += data
+        return bool(data)
+
+    def close(self) -> None:
+        """Cut it."""
+        if self.is_open:
+            self.is_open = False
+            self._poller.forget(self._socket.fileno())
+            self._socket.close()
+
+    def _on_ready(self, events: int) -> None:
+        self.hear()
+
+
 class TcpLink(Link):
     """A robot on a listening TCP port of this machine.
 
@@ -26,43 +81,36 @@ class TcpLink(Link):
 
     def __init__(self, poller: Poller, port: int) -> None:
         self._poller = poller
-        self._inbox = bytearray()
-        self._outlet = Outlet()
-        self._connection: socket.socket | None = None
+        self._inbox = b""  # what a client that has gone said last
+        self._connection: Connection | None = None
         self._plugged = True
-        self._listener = _listen(port)
-        self.port = f"socket://{HOST}:{self._listener.getsockname()[1]}"
+        self._listener = listen(port)
+        self.port = address(self._listener)
         poller.watch(self._listener.fileno(), self._on_knock)
 
     @property
     def attached(self) -> bool:
         """Whether a client is connected."""
-        return self._connection is not None
+        return self._connection is not None and self._connection.is_open
 
     def read(self) -> bytes:
         """Take the bytes that have come."""
-        if not self._inbox:
+        if self._connection is None:
             return b""
-        data = bytes(self._inbox)
-        self._inbox.clear()
+        data, self._inbox = self._inbox + self._connection.take(), b""
         return data
 
     def write(self, data: bytes) -> None:
         """Hand bytes to the client; nobody there loses them, a client that does not read loses whole frames."""
-        if self._connection is None:
-            return
-        try:
-            sent = self._outlet.write(self._connection.fileno(), data)
-        except OSError:
-            self._disconnect()
-            return
-        if not sent:
+        if self._connection is not None and not self._connection.write(data):
             self.dropped += 1
 
     def unplug(self) -> None:
         """Cut the connection; whoever connects is closed at once until `plug_in`."""
-        self._disconnect()
-        self._inbox.clear()
+        if self._connection is not None:
+            self._connection.close()
+        self._connection = None
+        self._inbox = b""
         self._plugged = False
 
     def plug_in(self) -> None:
@@ -83,42 +131,62 @@ class TcpLink(Link):
             # It was gone before it was let in.
             return
         # The old client's farewell may wait beside the new client's knock: hear it first.
-        while self._connection is not None and self._take_bytes():
+        while self._connection is not None and self._connection.hear():
             continue
-        if self._connection is not None or not self._plugged:
+        if self.attached or not self._plugged:
             knocking.close()
             return
-        knocking.setblocking(False)
-        knocking.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._connection = knocking
-        self._outlet.clear()
-        self._poller.watch(knocking.fileno(), self._on_ready)
-
-    def _on_ready(self, events: int) -> None:
-        self._take_bytes()
-
-    def _take_bytes(self) -> bool:
-        """Read once; False when there is nothing to read now or ever again."""
-        assert self._connection is not None
-        try:
-            data = os.read(self._connection.fileno(), _READ_SIZE)
-        except BlockingIOError:
-            return False
-        except OSError:
-            data = b""
-        if not data:
-            self._disconnect()
-        self._inbox += data
-        return bool(data)
-
-    def _disconnect(self) -> None:
         if self._connection is not None:
-            self._poller.forget(self._connection.fileno())
-            self._connection.close()
-            self._connection = None
+            self._inbox += self._connection.take()
+        self._connection = Connection(self._poller, knocking)
 
 
-def _listen(port: int) -> socket.socket:
+class VisitorLink(Link):
+    """The cable of a robot that was made for one client and goes with it."""
+
+    def __init__(self, poller: Poller, connection: socket.socket) -> None:
+        self.port = address(connection)
+        self._connection = Connection(poller, connection)
+
+    @property
+    def attached(self) -> bool:
+        """Whether the client is still there."""
+        return self._connection.is_open
+
+    def read(self) -> bytes:
+        """Take the bytes that have come."""
+        return self._connection.take()
+
+    def write(self, data: bytes) -> None:
+        """Hand bytes to the client; one that does not read loses whole frames."""
+        if not self._connection.write(data):
+            self.dropped += 1
+
+    def unplug(self) -> None:
+        """Cut the connection: the robot goes."""
+        self._connection.close()
+
+    def plug_in(self) -> None:
+        """Nothing: the client that comes back gets another robot."""
+
+    def close(self) -> None:
+        """Cut the connection."""
+        self._connection.close()
+
+
+def address(connection: socket.socket) -> str:
+    """What a client opens to reach this end."""
+    return f"socket://{HOST}:{connection.getsockname()[1]}"
+
+
+def listen(port: int) -> socket.socket:
+    """Listen on this machine.
+
+    Args:
+        port: 0 lets the system choose a free one.
+    Raises:
+        PortError: It is in use or not allowed.
+    """
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         # A port whose last connection is still fading away may be taken again; one with a live listener may not.

@@ -55,7 +55,7 @@ def test_foreign_load_below_a_second_loses_no_emulated_time(machine: Machine) ->
         if hiccups and machine.emulator.time > hiccups[0][0]:
             machine.now += hiccups.pop(0)[1]
 
-    machine.runner.between_steps = between_steps
+    machine.runner.between_steps.append(between_steps)
     machine.runner.run(10.0)
     assert machine.now - start == pytest.approx(10.0, abs=2 * STEP)
     assert machine.runner.late_dropped == 0
@@ -68,7 +68,7 @@ def test_longer_standstill_is_dropped_beyond_a_second_and_counted(machine: Machi
     def between_steps() -> None:
         machine.now += next(standstill, 0.0) if machine.emulator.time > 1.0 else 0.0
 
-    machine.runner.between_steps = between_steps
+    machine.runner.between_steps.append(between_steps)
     machine.runner.run(10.0)
     assert machine.runner.late_dropped * STEP == pytest.approx(4.0, abs=2 * STEP)
     assert machine.now - start == pytest.approx(14.0, abs=2 * STEP)
@@ -86,13 +86,13 @@ def test_pause_stands_still_while_others_are_still_served(machine: Machine) -> N
         if turns == 620:
             machine.runner.leave()
 
-    machine.runner.between_steps = between_steps
+    machine.runner.between_steps.append(between_steps)
     machine.runner.run()
     assert machine.emulator.time == pytest.approx(120 * STEP)
     assert machine.runner.late_dropped == 0
 
 
 def test_leaving_ends_the_run_before_the_next_step(machine: Machine) -> None:
-    machine.runner.between_steps = machine.runner.leave
+    machine.runner.between_steps.append(machine.runner.leave)
     machine.runner.run()
     assert machine.emulator.time == 0.0

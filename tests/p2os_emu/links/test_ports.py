@@ -431,7 +431,7 @@ class TestTcp:
         tcp.come()
         connection = tcp.link._connection
         assert connection is not None
-        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        assert connection._socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
     def test_port_in_use_is_refused_by_number(self, tcp: TcpCable) -> None:
         number = int(tcp.link.port.rsplit(":", 1)[1])
