@@ -176,9 +176,10 @@ def _link_shape(client: int, link: Link) -> int:
 
 
 def _finish_link(client: int, body: int, index: int, link: Link) -> None:
-    """Give a link what its creation could not: inertia of an even box, friction, the joint's ends, and no motor."""
+    """Give a link what its creation could not: inertia of an even box and a rotor, friction, ends, and no motor."""
     x, y, z = (edge**2 for edge in link.size)
-    inertia = [link.mass / 12 * edges for edges in (y + z, x + z, x + y)]
+    box = (link.mass / 12 * edges for edges in (y + z, x + z, x + y))
+    inertia = [part + link.rotor * abs(share) for part, share in zip(box, link.axis, strict=True)]
     engine.changeDynamics(body, index, localInertiaDiagonal=inertia, physicsClientId=client)
     engine.changeDynamics(body, index, lateralFriction=link.friction, physicsClientId=client)
     if link.lower < link.upper:

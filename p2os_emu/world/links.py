@@ -28,6 +28,7 @@ class Link:
     place: of the joint, m: from the parent's joint, or from the floor under the middle of the axle.
     parent: index of the part that carries it, among those of one accessory; None for the hull.
     axis: of the joint. lower, upper: its ends, rad or m; no ends where lower is not below upper.
+    rotor: kg m2 about the axis: of a motor, as felt behind its gear.
     friction: of its surface. collides: it touches walls, furniture, floor and other robots.
     """
 
@@ -40,6 +41,7 @@ class Link:
     axis: Triple = (0.0, 0.0, 1.0)
     lower: float = 0.0
     upper: float = -1.0
+    rotor: float = 0.0
     friction: float = 0.3
     collides: bool = True
 

@@ -4,13 +4,18 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from configs import load
 from geometry import Point, Pose2D
+from p2os.accessories.arm_model import ArmModel
 from p2os.robot_model import RobotModel
 from p2os_emu.body import Arm, BodyState, Gripper
+from p2os_emu.fit import BARE, Fit
+from p2os_emu.world.arm import JointedArm, arm_links
 from p2os_emu.world.bumpers import Bumper
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
 from p2os_emu.world.engine import engine
+from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import Sonar
 
@@ -22,11 +27,21 @@ class RobotBody:
     arm: Arm | None = None
 
     def __init__(
-        self, client: int, floor_id: int, model: RobotModel, chassis: Chassis, sonar: Sonar, pose: Pose2D
+        self,
+        client: int,
+        floor_id: int,
+        model: RobotModel,
+        chassis: Chassis,
+        sonar: Sonar,
+        pose: Pose2D,
+        fit: Fit = BARE,
     ) -> None:
         self.model = model
         self.chassis = chassis
-        self.body_id = build_robot(client, chassis, pose)
+        arm = load(ArmModel, "accessories", f"{fit.parts['arm']}-arm") if fit.has("arm") else None
+        self.body_id = build_robot(client, chassis, pose, joined([arm_links(arm) if arm else ()]))
+        if arm is not None:
+            self.arm = JointedArm(client, self.body_id, FIRST, arm)
         self._client = client
         self._floor_id = floor_id
         self._sonar = sonar

@@ -23,6 +23,8 @@ from p2os_emu.world.spec import WorldSpec
 
 STEP = 1 / 120  # s
 SOLVER_ITERATIONS = 20
+CHAIN_ITERATIONS = 60
+"""Where there are chains of joints: with fewer, an arm sags by a degree and the robot under it creeps 5 mm a minute."""
 
 
 class Truth(NamedTuple):
@@ -129,7 +131,9 @@ class World:
             pose = self._free_pose(name, chassis)
         else:
             self._check_free(name, chassis, pose)
-        robot = RobotBody(self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose)
+        robot = RobotBody(self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose, fit)
+        if fit.has("arm"):
+            engine.setPhysicsEngineParameter(numSolverIterations=CHAIN_ITERATIONS, physicsClientId=self._client)
         self._robots[name] = robot
         self._moving = None
         if self._has_window:

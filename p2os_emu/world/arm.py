@@ -1,0 +1,150 @@
+"""An arm on a robot: its parts as links, and the servos that move them; implements `p2os_emu.body.Arm`.
+
+The engine's own motors hold and move the joints, with no more torque than the model gives them: a joint that is asked
+for more lags or sinks. Nothing is computed here in a step.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from p2os.accessories.arm_model import ArmModel, GripperModel
+from p2os_emu.world.engine import engine
+from p2os_emu.world.links import Joint, Link, Triple
+
+GAIN = 0.2
+"""Of what is left to go, the part that a servo wants to be rid of in one step; its speed bounds it before."""
+FINGERS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class _Servo:
+    """One joint: its links, which share the way evenly, its ends (rad or m), and what its motor and friction give."""
+
+    links: tuple[int, ...]
+    lower: float
+    upper: float
+    strength: float
+    friction: float
+
+
+class JointedArm:
+    """The arm of one robot."""
+
+    def __init__(self, client: int, body: int, first: int, model: ArmModel) -> None:
+        """Take hold of an arm that is part of a body.
+
+        Args:
+            client, body: Of the engine.
+            first: Index of its first link.
+            model: The same that its links were made of; they are put at home, without power.
+        """
+        self._client = client
+        self._body = body
+        joints = [
+            _Servo((first + number,), joint.lower, joint.upper, joint.torque_nm, joint.friction_nm)
+            for number, joint in enumerate(model.joints)
+        ]
+        fingers = tuple(range(first + len(joints), first + len(joints) + FINGERS))
+        force = model.gripper.force_n
+        self._servos = (*joints, _Servo(fingers, 0.0, model.gripper.opening_m, force, force))
+        self._links = [link for servo in self._servos for link in servo.links]
+        for number, place in enumerate(model.home):
+            for link in self._servos[number].links:
+                share = place / len(self._servos[number].links)
+                engine.resetJointState(body, link, share, 0.0, physicsClientId=client)
+            self.release(number)
+
+    @property
+    def positions(self) -> Sequence[float]:
+        """Of each joint after the last physics step, rad; of the gripper, m between its fingers."""
+        return self._shared(0)
+
+    @property
+    def velocities(self) -> Sequence[float]:
+        """Of each joint, rad/s; of the gripper, m/s."""
+        return self._shared(1)
+
+    def move(self, joint: int, position: float, speed: float) -> None:
+        """Let a joint, counted from 0, go to a position, rad (m), or its end, no faster than `speed`, rad/s (m/s)."""
+        servo = self._servos[joint]
+        share = len(servo.links)
+        for link in servo.links:
+            engine.setJointMotorControl2(
+                self._body,
+                link,
+                engine.POSITION_CONTROL,
+                targetPosition=min(max(position, servo.lower), servo.upper) / share,
+                maxVelocity=speed / share,
+                positionGain=GAIN,
+                velocityGain=1.0,
+                force=servo.strength,
+                physicsClientId=self._client,
+            )
+
+    def release(self, joint: int) -> None:
+        """Take the power off a joint: it sinks as its friction lets it."""
+        servo = self._servos[joint]
+        for link in servo.links:
+            engine.setJointMotorControl2(
+                self._body,
+                link,
+                engine.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=servo.friction,
+                physicsClientId=self._client,
+            )
+
+    def _shared(self, value: int) -> list[float]:
+        states: Sequence[tuple[Any, ...]] = engine.getJointStates(self._body, self._links, physicsClientId=self._client)
+        row = [state[value] for state in states]
+        return [*row[:-FINGERS], sum(row[-FINGERS:])]
+
+
+def arm_links(model: ArmModel) -> tuple[Link, ...]:
+    """The parts of an arm, each carried by the one before, and the two fingers, which slide apart."""
+    parts = [
+        Link(
+            mass=joint.mass_kg,
+            size=joint.size_m,
+            centre=joint.centre_m,
+            place=joint.offset_m if number else _sum(model.base_m, joint.offset_m),
+            parent=number - 1 if number else None,
+            joint=Joint.TURNS,
+            axis=joint.axis,
+            lower=joint.lower,
+            upper=joint.upper,
+            rotor=joint.rotor_kg_m2,
+        )
+        for number, joint in enumerate(model.joints)
+    ]
+    return (*parts, *(_finger(model.gripper, len(parts) - 1, side) for side in (1.0, -1.0)))
+
+
+def _finger(gripper: GripperModel, parent: int, side: float) -> Link:
+    """One finger, on one side of the middle: at zero both touch there."""
+    outward = _scaled(gripper.axis, side)
+    return Link(
+        mass=gripper.mass_kg,
+        size=gripper.finger_m,
+        centre=_sum(gripper.centre_m, _scaled(outward, _along(gripper.finger_m, gripper.axis) / 2)),
+        place=gripper.offset_m,
+        parent=parent,
+        joint=Joint.SLIDES,
+        axis=outward,
+        lower=0.0,
+        upper=gripper.opening_m / FINGERS,
+        friction=gripper.friction,
+    )
+
+
+def _sum(one: Triple, other: Triple) -> Triple:
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+
+
+def _scaled(one: Triple, by: float) -> Triple:
+    return one[0] * by, one[1] * by, one[2] * by
+
+
+def _along(one: Triple, axis: Triple) -> float:
+    return sum(abs(part * share) for part, share in zip(one, axis, strict=True))
