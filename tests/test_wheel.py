@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from configparser import ConfigParser
 from pathlib import Path
 
 import pytest
@@ -50,10 +51,12 @@ def test_wheel_holds_every_source_and_data_file_of_its_packages(unpacked: Path) 
                 assert (unpacked / within).is_file(), f"{within} is not in the wheel"
 
 
-def test_wheel_names_the_three_commands(unpacked: Path) -> None:
-    (points,) = unpacked.glob("*.dist-info/entry_points.txt")
-    names = {line.split("=")[0].strip() for line in points.read_text().splitlines() if "=" in line}
-    assert names == {"p2os-emu", "p2os-gateway", "acromovi"}
+def test_wheel_names_the_three_commands_and_the_pytest_plugin(unpacked: Path) -> None:
+    (path,) = unpacked.glob("*.dist-info/entry_points.txt")
+    points = ConfigParser()
+    points.read(path)
+    assert set(points["console_scripts"]) == {"p2os-emu", "p2os-gateway", "acromovi"}
+    assert dict(points["pytest11"]) == {"p2os_emu": "p2os_emu.pytest_plugin"}
 
 
 def test_wheel_is_what_runs_when_it_is_installed(unpacked: Path) -> None:
