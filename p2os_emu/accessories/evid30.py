@@ -1,0 +1,233 @@
+"""The Sony EVI-D30 camera head: VISCA commands with acknowledgement and completion, inquiries with replies.
+
+A command that moves something holds one of two sockets until the motion is over; one that moves the same axes takes the
+place of the one before, which is completed at once. Inquiries are answered in the same step.
+
+Source: fact sheet of accessories, section 3. Where that is silent: without power everything but the power command and
+inquiry is not executable; a value outside its range is a syntax error; commands for another address pass by unheard.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from p2os.accessories import visca
+from p2os.accessories.head_model import HeadModel
+from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage, encode, nibbles, number
+from p2os_emu.accessories.head import Head
+
+HEADER = visca.reply_header(visca.CAMERA)
+TO_CAMERA = 0x80 | visca.CAMERA
+DIRECTIONS: Mapping[int, int] = {visca.LEFT: 1, visca.RIGHT: -1, visca.STAY: 0}
+"""Of a pan drive, as REP 103 has it."""
+ELEVATIONS: Mapping[int, int] = {visca.UP: 1, visca.DOWN: -1, visca.STAY: 0}
+NARROWER, WIDER = 0x02, 0x03
+_ZOOMS: Mapping[int, int] = {0: 0, NARROWER: 1, WIDER: -1}
+
+
+class Busy(Enum):
+    """What a command keeps busy."""
+
+    TURNING = auto()
+    ZOOMING = auto()
+    SWITCHING = auto()
+
+
+@dataclass(slots=True)
+class _Motion:
+    """A command in a socket. time_left: s, where it is not the mechanics that say when it is over."""
+
+    busy: Busy
+    time_left: float
+
+
+class EviD30:
+    """A head on a line of 9600 bit/s; implements `Device`.
+
+    head: where it looks. is_on: it has power.
+    """
+
+    def __init__(self, model: HeadModel) -> None:
+        self.head = Head(model)
+        self.is_on = model.starts_on
+        self.has_backlight = False
+        self._model = model
+        self._decoder = ViscaDecoder()
+        self._out = bytearray()
+        self._sockets: dict[int, _Motion] = {}
+        self._commands: Mapping[bytes, tuple[Busy, Callable[[bytes], None]]] = {
+            visca.MOVE: (Busy.TURNING, self._move),
+            visca.DRIVE: (Busy.TURNING, self._drive),
+            visca.HOME: (Busy.TURNING, self._home),
+            visca.RESET: (Busy.TURNING, self._home),
+            visca.ZOOM_TO: (Busy.ZOOMING, self._zoom),
+            visca.ZOOM_DRIVE: (Busy.ZOOMING, self._drive_zoom),
+            visca.BACKLIGHT: (Busy.SWITCHING, self._set_backlight),
+            visca.POWER: (Busy.SWITCHING, self._switch),
+        }
+        self._inquiries: Mapping[bytes, Callable[[], bytes]] = {
+            visca.ASK_DIRECTION: self._direction,
+            visca.ASK_ZOOM: lambda: nibbles(round(self.head.lens.position)),
+            visca.ASK_VERSION: lambda: visca.D30_VERSION,
+            visca.ASK_POWER: lambda: bytes([visca.ON if self.is_on else visca.OFF]),
+        }
+
+    @property
+    def baud(self) -> int:
+        """Rate of its port, bit/s."""
+        return self._model.baud
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes from the line."""
+        for message in self._decoder.receive(data):
+            self._take(message)
+
+    def step(self, dt: float) -> bytes:
+        """Let time pass, s; returns the replies that are ready."""
+        if self.is_on:
+            self.head.step(dt)
+        for socket, motion in list(self._sockets.items()):
+            motion.time_left -= dt
+            if not self._goes_on(motion):
+                self._complete(socket)
+        out = bytes(self._out)
+        self._out.clear()
+        return out
+
+    def _goes_on(self, motion: _Motion) -> bool:
+        match motion.busy:
+            case Busy.TURNING:
+                return self.head.is_turning
+            case Busy.ZOOMING:
+                return self.head.lens.is_moving
+            case Busy.SWITCHING:
+                return motion.time_left > 0.0
+
+    def _take(self, message: ViscaMessage) -> None:
+        header, payload = message
+        if header == visca.BROADCAST:
+            self._take_broadcast(payload)
+        elif header == TO_CAMERA:
+            if payload[0] & 0xF0 == visca.CANCEL and len(payload) == 1:
+                self._cancel(payload[0] & 0x0F)
+            elif payload in self._inquiries:
+                self._inquire(payload)
+            else:
+                self._command(payload)
+
+    def _take_broadcast(self, payload: bytes) -> None:
+        if payload == visca.CLEAR:
+            self._sockets.clear()
+            self._out += encode(payload, visca.BROADCAST)
+        elif payload[:1] == visca.ADDRESS_SET and len(payload) == 2:
+            self._out += encode(visca.ADDRESS_SET + bytes([payload[1] + 1 & 0x0F]), visca.BROADCAST)
+
+    def _inquire(self, payload: bytes) -> None:
+        if self.is_on or payload == visca.ASK_POWER:
+            self._say(visca.COMPLETION, self._inquiries[payload]())
+        else:
+            self._refuse(Error.NOT_EXECUTABLE)
+
+    def _command(self, payload: bytes) -> None:
+        kind, given = payload[:3], payload[3:]
+        if kind not in self._commands:
+            self._refuse(Error.SYNTAX)
+        elif not self.is_on and kind != visca.POWER:
+            self._refuse(Error.NOT_EXECUTABLE)
+        else:
+            self._start(kind, given)
+
+    def _start(self, kind: bytes, given: bytes) -> None:
+        busy, obey = self._commands[kind]
+        replaced = [socket for socket, motion in self._sockets.items() if motion.busy is busy]
+        free = [socket for socket in range(1, visca.SOCKETS + 1) if socket not in self._sockets] + replaced
+        if not free:
+            self._refuse(Error.BUFFER_FULL)
+            return
+        was_on = self.is_on
+        try:
+            obey(given)
+        except ValueError:
+            self._refuse(Error.SYNTAX)
+            return
+        for socket in replaced:
+            self._complete(socket)
+        self._say(visca.ACK | free[0])
+        self._sockets[free[0]] = _Motion(busy, self._model.power_on_s if self.is_on and not was_on else 0.0)
+
+    def _cancel(self, socket: int) -> None:
+        motion = self._sockets.pop(socket, None)
+        if motion is None:
+            self._refuse(Error.NO_SOCKET, socket)
+            return
+        if motion.busy is Busy.TURNING:
+            self.head.stop()
+        elif motion.busy is Busy.ZOOMING:
+            self.head.lens.drive(0)
+        self._refuse(Error.CANCELLED, socket)
+
+    def _complete(self, socket: int) -> None:
+        del self._sockets[socket]
+        self._say(visca.COMPLETION | socket)
+
+    def _refuse(self, error: Error, socket: int = 0) -> None:
+        self._say(visca.ERROR | socket, bytes([error]))
+
+    def _say(self, first: int, data: bytes = b"") -> None:
+        self._out += encode(bytes([first]) + data, HEADER)
+
+    # Each takes what follows the command's three bytes, and raises ValueError where it makes no sense.
+
+    def _set_speeds(self, given: bytes) -> None:
+        pan, tilt = self._model.pan, self._model.tilt
+        if not (pan.slowest <= given[0] <= pan.fastest and tilt.slowest <= given[1] <= tilt.fastest):
+            raise ValueError(f"speeds {given[:2].hex(' ')} are out of range")
+        self.head.pan.speed, self.head.tilt.speed = pan.speed(given[0]), tilt.speed(given[1])
+
+    def _move(self, given: bytes) -> None:
+        pan, tilt = number(given[2:6]), number(given[6:])
+        axes = self._model.pan, self._model.tilt
+        if pan is None or tilt is None:
+            raise ValueError("pan and tilt are four nibbles each")
+        if not all(axis.lowest <= count <= axis.highest for axis, count in zip(axes, (pan, tilt), strict=True)):
+            raise ValueError(f"pan {pan} or tilt {tilt} is out of range")
+        self._set_speeds(given)
+        self.head.pan.go(axes[0].angle(pan))
+        self.head.tilt.go(axes[1].angle(tilt))
+
+    def _drive(self, given: bytes) -> None:
+        if len(given) != 4 or given[2] not in DIRECTIONS or given[3] not in ELEVATIONS:
+            raise ValueError("a drive has two speeds and two directions")
+        self._set_speeds(given)
+        self.head.pan.drive(DIRECTIONS[given[2]])
+        self.head.tilt.drive(ELEVATIONS[given[3]])
+
+    def _home(self, given: bytes) -> None:
+        self.head.home()
+
+    def _zoom(self, given: bytes) -> None:
+        position = number(given)
+        if position is None or not 0 <= position <= self._model.lens.counts:
+            raise ValueError("there is no such zoom position")
+        self.head.lens.go(position)
+
+    def _drive_zoom(self, given: bytes) -> None:
+        if len(given) != 1 or given[0] not in _ZOOMS:
+            raise ValueError("a zoom drive has one direction")
+        self.head.lens.drive(_ZOOMS[given[0]])
+
+    def _set_backlight(self, given: bytes) -> None:
+        self.has_backlight = _is_on(given)
+
+    def _switch(self, given: bytes) -> None:
+        self.is_on = _is_on(given)
+
+    def _direction(self) -> bytes:
+        pan = self._model.pan.count(self.head.pan.position)
+        return nibbles(pan) + nibbles(self._model.tilt.count(self.head.tilt.position))
+
+
+def _is_on(given: bytes) -> bool:
+    if given not in (bytes([visca.ON]), bytes([visca.OFF])):
+        raise ValueError("a switch is on or off")
+    return given[0] == visca.ON

@@ -1,0 +1,210 @@
+"""The Canon VC-C4 camera head: what it obeys, and what it answers.
+
+It works through its commands one after the other and answers each. While it is being switched on it keeps what comes
+and sees to it afterwards; while it looks for its zero, everything that would move it is answered with BUSY.
+
+Source: fact sheet of accessories, section 3. Where that is silent: without power, and before host control is asked for,
+every command but POWER (and CONTROL_MODE, with power) is answered with NOT_HOST_CONTROLLED; what is unknown or outside
+its range with BAD_PARAMETER. Two clients' ways of asking for the zoom (0xA4 and 0xB4) are both answered.
+"""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+
+from p2os.accessories.head_model import Axis, HeadModel
+from p2os.accessories.vcc4 import (
+    Code,
+    CommandDecoder,
+    HeadCommand,
+    Status,
+    digits,
+    direction_data,
+    encode_answer,
+    number,
+    read_pair,
+)
+from p2os_emu.accessories.head import Head, Servo
+
+MOST_WAITING = 16
+"""Commands kept while the camera is being switched on; more are answered with BUSY."""
+PRODUCT = b"VC-C4"
+MAXIMUM = b"3"
+"""Parameter of a zoom request that asks for the narrow end."""
+SWITCHES: Mapping[int, frozenset[bytes]] = {
+    Code.LED: frozenset((b"0", b"1", b"2")),
+    Code.INFRARED_LIGHT: frozenset((b"0", b"6")),
+    Code.INFRARED_FILTER: frozenset((b"0", b"1")),
+    Code.AUTOFOCUS: frozenset((b"0", b"1", b"2")),
+    Code.DIGITAL_ZOOM: frozenset((b"01", b"02", b"04", b"08")),
+}
+"""What can be set that changes no picture here, and to what."""
+
+_Answer = tuple[Status, bytes]
+_DONE: _Answer = Status.OK, b""
+_BAD: _Answer = Status.BAD_PARAMETER, b""
+
+
+class Vcc4:
+    """A head on a line of 9600 bit/s; implements `Device`.
+
+    head: where it looks. is_on: it has power. is_host_controlled: it obeys the line.
+    """
+
+    def __init__(self, model: HeadModel) -> None:
+        self.head = Head(model)
+        self.is_on = model.starts_on
+        self.is_host_controlled = False
+        self._model = model
+        self._decoder = CommandDecoder()
+        self._waiting: deque[HeadCommand] = deque()
+        self._out = bytearray()
+        self._powering = 0.0  # s left until it is switched on
+        self._initialising = 0.0  # s left until it has found its zero
+        self._tilt_range = model.tilt.lowest, model.tilt.highest
+        self._obey: Mapping[int, Callable[[bytes], _Answer]] = {
+            Code.CONTROL_MODE: self._set_control,
+            Code.INITIALISE: self._initialise,
+            Code.PAN_SLEW: lambda given: self._set_slew(given, self.head.pan, model.pan),
+            Code.TILT_SLEW: lambda given: self._set_slew(given, self.head.tilt, model.tilt),
+            Code.MOVE: self._move,
+            Code.STOP: self._stop,
+            Code.TILT_RANGE: self._set_tilt_range,
+            Code.DIRECTION: self._tell_direction,
+            Code.ZOOM: self._zoom,
+            Code.STOP_ZOOM: self._stop_zoom,
+            Code.ZOOM_REQUEST: self._tell_zoom,
+            Code.ZOOM_POSITION: self._tell_zoom,
+            Code.PRODUCT: lambda given: (Status.OK, PRODUCT),
+        }
+
+    @property
+    def baud(self) -> int:
+        """Rate of its port, bit/s."""
+        return self._model.baud
+
+    @property
+    def is_initialising(self) -> bool:
+        """It looks for its zero, and obeys nothing that would move it."""
+        return self._initialising > 0.0
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes from the line."""
+        for command in self._decoder.receive(data):
+            if len(self._waiting) < MOST_WAITING:
+                self._waiting.append(command)
+            else:
+                self._out += encode_answer(Status.BUSY)
+
+    def step(self, dt: float) -> bytes:
+        """Let time pass, s; returns the answers that are ready."""
+        if self._powering > 0.0:
+            self._powering = max(0.0, self._powering - dt)
+            if self._powering == 0.0:
+                self.is_on = True
+                self._answer(_DONE)
+        while self._waiting and self._powering == 0.0:
+            self._take(self._waiting.popleft())
+        self._initialising = max(0.0, self._initialising - dt)
+        if self.is_on:
+            self.head.step(dt)
+        out = bytes(self._out)
+        self._out.clear()
+        return out
+
+    def _answer(self, answer: _Answer) -> None:
+        self._out += encode_answer(*answer)
+
+    def _take(self, command: HeadCommand) -> None:
+        code, given = command
+        if code == Code.POWER:
+            self._switch(given)
+        elif not self.is_on or not (self.is_host_controlled or code == Code.CONTROL_MODE):
+            self._answer((Status.NOT_HOST_CONTROLLED, b""))
+        elif code in SWITCHES:
+            self._answer(_DONE if given in SWITCHES[code] else _BAD)
+        else:
+            self._answer(self._obey[code](given) if code in self._obey else _BAD)
+
+    def _switch(self, given: bytes) -> None:
+        if given == b"1" and not self.is_on:
+            self._powering = self._model.power_on_s  # and answered afterwards
+            return
+        if given == b"0":
+            self.is_on = self.is_host_controlled = False
+            self._initialising = 0.0
+            self.head.stop()
+            self.head.lens.drive(0)
+        self._answer(_DONE if given in (b"0", b"1") else _BAD)
+
+    def _set_control(self, given: bytes) -> _Answer:
+        if given not in (b"0", b"1"):
+            return _BAD
+        self.is_host_controlled = given == b"0"
+        return _DONE
+
+    def _initialise(self, given: bytes) -> _Answer:
+        if self.is_initialising:
+            return Status.BUSY, b""
+        if given != b"0":
+            return _BAD
+        self._initialising = self._model.initialise_s
+        self.head.home()
+        return _DONE
+
+    def _set_slew(self, given: bytes, servo: Servo, axis: Axis) -> _Answer:
+        speed = number(given)
+        if len(given) != 3 or speed is None or not axis.slowest <= speed <= axis.fastest:
+            return _BAD
+        if not self.is_initialising:
+            servo.speed = axis.speed(speed)
+        return _DONE
+
+    def _move(self, given: bytes) -> _Answer:
+        if self.is_initialising:
+            return Status.BUSY, b""
+        counts = read_pair(given)
+        if counts is None or not self._reaches(*counts):
+            return _BAD
+        self.head.pan.go(self._model.pan.angle(counts[0]))
+        self.head.tilt.go(self._model.tilt.angle(counts[1]))
+        return _DONE
+
+    def _reaches(self, pan: int, tilt: int) -> bool:
+        lowest, highest = self._tilt_range
+        return self._model.pan.lowest <= pan <= self._model.pan.highest and lowest <= tilt <= highest
+
+    def _stop(self, given: bytes) -> _Answer:
+        if self.is_initialising:
+            return Status.BUSY, b""
+        self.head.stop()
+        return _DONE
+
+    def _set_tilt_range(self, given: bytes) -> _Answer:
+        counts = read_pair(given[1:])
+        if given[:1] != b"1" or counts is None:
+            return _BAD
+        lowest, highest = counts
+        if not self._model.tilt.lowest <= lowest <= highest <= self._model.tilt.highest:
+            return _BAD
+        self._tilt_range = lowest, highest
+        return _DONE
+
+    def _tell_direction(self, given: bytes) -> _Answer:
+        pan = self._model.pan.count(self.head.pan.position)
+        tilt = self._model.tilt.count(self.head.tilt.position)
+        return Status.OK, direction_data(pan, tilt)
+
+    def _zoom(self, given: bytes) -> _Answer:
+        position = number(given)
+        if len(given) != 4 or position is None or position > self._model.lens.counts:
+            return _BAD
+        self.head.lens.go(position)
+        return _DONE
+
+    def _stop_zoom(self, given: bytes) -> _Answer:
+        self.head.lens.drive(0)
+        return _DONE
+
+    def _tell_zoom(self, given: bytes) -> _Answer:
+        lens = self._model.lens
+        return Status.OK, digits(lens.counts if given == MAXIMUM else round(self.head.lens.position), 4)
