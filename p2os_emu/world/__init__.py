@@ -3,9 +3,10 @@
 `load_world` reads a `WorldSpec`, `World` builds physics from it, and `World.add_robot` returns the `Body` of a robot.
 """
 
+from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block, WorldSpec, load_world
-from p2os_emu.world.world import STEP, Outline, Truth, World
+from p2os_emu.world.world import Outline, Truth, World
 
 __all__ = ["STEP", "Block", "Outline", "RobotBody", "Truth", "World", "WorldError", "WorldSpec", "load_world"]

@@ -83,8 +83,8 @@ class Chassis:
     overhang: float = 0.0
 
     @classmethod
-    def of(cls, model: RobotModel, imperfections: Imperfections) -> "Chassis":
-        """Derive a chassis from a model."""
+    def of(cls, model: RobotModel, imperfections: Imperfections, overhang: float = 0.0) -> "Chassis":
+        """Derive a chassis from a model, and from how far its accessories stick out ahead, m."""
         return cls(
             front=model.length_front,
             rear=model.length_rear,
@@ -93,6 +93,7 @@ class Chassis:
             wheel_track=model.wheel_track * imperfections.track,
             mass=model.mass,
             imperfections=imperfections,
+            overhang=overhang,
         )
 
     @property

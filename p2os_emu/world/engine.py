@@ -25,4 +25,7 @@ def _quiet() -> Iterator[None]:
 with _quiet():
     import pybullet as engine
 
-__all__ = ["engine"]
+STEP = 1 / 120
+"""s; the world moves in steps of this size and no other."""
+
+__all__ = ["STEP", "engine"]

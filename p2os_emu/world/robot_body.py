@@ -9,13 +9,16 @@ from geometry import Point, Pose2D
 from p2os.accessories.arm_model import ArmModel
 from p2os.robot_model import RobotModel
 from p2os_emu.body import Arm, BodyState, Gripper
-from p2os_emu.fit import BARE, Fit
+from p2os_emu.fit import Fit
+from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world.arm import JointedArm, arm_links
 from p2os_emu.world.bumpers import Bumper
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
 from p2os_emu.world.engine import engine
+from p2os_emu.world.gripper import RobotGripper, gripper_links
 from p2os_emu.world.links import FIRST, joined
+from p2os_emu.world.objects import Objects
 from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import Sonar
 
@@ -23,7 +26,6 @@ from p2os_emu.world.sonar import Sonar
 class RobotBody:
     """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`."""
 
-    gripper: Gripper | None = None
     arm: Arm | None = None
 
     def __init__(
@@ -34,14 +36,21 @@ class RobotBody:
         chassis: Chassis,
         sonar: Sonar,
         pose: Pose2D,
-        fit: Fit = BARE,
+        fit: Fit,
+        objects: Objects,
     ) -> None:
         self.model = model
         self.chassis = chassis
         arm = load(ArmModel, "accessories", f"{fit.parts['arm']}-arm") if fit.has("arm") else None
-        self.body_id = build_robot(client, chassis, pose, joined([arm_links(arm) if arm else ()]))
+        gripper = gripper_of(fit)
+        arm_parts = arm_links(arm) if arm else ()
+        gripper_parts = gripper_links(gripper, chassis) if gripper else ()
+        self.body_id = build_robot(client, chassis, pose, joined([arm_parts, gripper_parts]))
         if arm is not None:
             self.arm = JointedArm(client, self.body_id, FIRST, arm)
+        self._gripper = (
+            RobotGripper(client, self.body_id, FIRST + len(arm_parts), gripper, objects) if gripper else None
+        )
         self._client = client
         self._floor_id = floor_id
         self._sonar = sonar
@@ -58,6 +67,11 @@ class RobotBody:
     def state(self) -> BodyState:
         """The machine after the last physics step."""
         return self._state
+
+    @property
+    def gripper(self) -> Gripper | None:
+        """The gripper, where one is fitted."""
+        return self._gripper
 
     @property
     def pose(self) -> Pose2D:
@@ -98,6 +112,7 @@ class RobotBody:
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""
         client = self._client
+        self.let_go()
         engine.resetBasePositionAndOrientation(
             self.body_id, mass_position(pose), upright(pose.heading), physicsClientId=client
         )
@@ -106,11 +121,18 @@ class RobotBody:
             engine.resetJointState(self.body_id, wheel, angle, 0.0, physicsClientId=client)
         self.refresh()
 
+    def let_go(self) -> None:
+        """Hold nothing any more, as when the robot is lifted."""
+        if self._gripper is not None:
+            self._gripper.let_go()
+
     def refresh(self) -> None:
         """Read the machine anew; `World.step` does so after every step."""
         (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = self._joints()
         powered, strongest = self._target is not None, self.chassis.motor_torque
         front, rear = self._bumpers()
+        if self._gripper is not None:
+            self._gripper.follow()
         self._state = BodyState(
             left * self._left_rim,
             right * self._right_rim,

@@ -9,11 +9,12 @@ from typing import NamedTuple
 from geometry import Polygon, Pose2D
 from p2os.robot_model import RobotModel
 from p2os_emu.fit import BARE, Fit
+from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world import window
 from p2os_emu.world.chassis import GRAVITY, HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
 from p2os_emu.world.collision import build_blocks, build_floor
 from p2os_emu.world.colours import COLOURS
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import STEP, engine
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.objects import Moving, Objects
 from p2os_emu.world.placement import Obstacles, free_pose, overlapping
@@ -21,7 +22,6 @@ from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sonar import Sonar
 from p2os_emu.world.spec import WorldSpec
 
-STEP = 1 / 120  # s
 SOLVER_ITERATIONS = 20
 CHAIN_ITERATIONS = 60
 """Where there are chains of joints: with fewer, an arm sags by a degree and the robot under it creeps 5 mm a minute."""
@@ -126,12 +126,16 @@ class World:
         if name in self._robots:
             raise WorldError(f"there is a robot {name!r} already; give this one another name")
         random = None if self._perfect else Random(f"{self._seed} {name}")
-        chassis = Chassis.of(model, Imperfections() if random is None else Imperfections.drawn(random))
+        imperfections = Imperfections() if random is None else Imperfections.drawn(random)
+        gripper = gripper_of(fit)
+        chassis = Chassis.of(model, imperfections, gripper.reach if gripper else 0.0)
         if pose is None:
             pose = self._free_pose(name, chassis)
         else:
             self._check_free(name, chassis, pose)
-        robot = RobotBody(self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose, fit)
+        robot = RobotBody(
+            self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose, fit, self.objects
+        )
         if fit.has("arm"):
             engine.setPhysicsEngineParameter(numSolverIterations=CHAIN_ITERATIONS, physicsClientId=self._client)
         self._robots[name] = robot
@@ -146,7 +150,9 @@ class World:
         Raises:
             WorldError: There is no such robot.
         """
-        engine.removeBody(self._robot(name).body_id, physicsClientId=self._client)
+        robot = self._robot(name)
+        robot.let_go()
+        engine.removeBody(robot.body_id, physicsClientId=self._client)
         del self._robots[name]
         self._moving = None
 

@@ -1,0 +1,275 @@
+"""A gripper on a robot: paddles and lift as links of its body; implements `p2os_emu.body.Gripper`.
+
+Paddles close with the force that triggers their contact switches. Once both press on one object it is gripped: friction
+that holds is a constraint between lift and object, no stronger than friction would be at the force that the paddles
+press with. What asks for more slips. (Friction alone lets the solver shake an object out of the paddles in seconds.)
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import cos, dist, sin
+from typing import Any
+
+from p2os_emu.body import GripperState
+from p2os_emu.gripper_model import GripperModel
+from p2os_emu.world.chassis import Chassis
+from p2os_emu.world.collision import HULL, SEEN_BY_RAYS, heading_of
+from p2os_emu.world.engine import STEP, engine
+from p2os_emu.world.links import Joint, Link
+from p2os_emu.world.objects import Objects
+from p2os_emu.world.rays import Place
+
+CARRIAGE = 0.02  # m along the robot, of what carries the paddles
+SLIP = 0.003  # m that a held object gives way before its hold begins anew
+CLOSED = 0.01  # opening below which the paddles press on each other
+SQUARE = 0.5  # least part of a contact's normal that points across the robot, for the paddle's inner face
+BEAM_INSET = 0.005  # m within the paddles, of the ends of a beam, so that it meets what touches a paddle
+NOTHING = -1  # what the engine says a ray has met that met nothing
+PADDLE_FORCE = 50.0  # N; opens paddles, and holds them where they are
+GAIN = 0.3  # of what is left to go, that a motor wants to be rid of in one step; its speed bounds it before
+
+
+def gripper_links(model: GripperModel, chassis: Chassis) -> tuple[Link, ...]:
+    """The lift's carriage and both paddles, left first, all down and open."""
+    half = model.opening_m / 2
+    size = model.paddle_length_m, model.paddle_thickness_m, model.paddle_height_m
+    lift = Link(
+        mass=model.lift_mass_kg,
+        size=(CARRIAGE, model.opening_m, model.paddle_height_m / 2),
+        centre=(-CARRIAGE / 2, 0.0, 0.0),
+        place=(chassis.front + model.gap_m, 0.0, model.clearance_m + model.paddle_height_m / 2),
+        joint=Joint.SLIDES,
+        upper=model.lift_travel_m,
+    )
+    paddles = (
+        Link(
+            mass=model.paddle_mass_kg,
+            size=size,
+            centre=(model.paddle_length_m / 2, side * model.paddle_thickness_m / 2, 0.0),
+            place=(0.0, side * half, 0.0),
+            parent=0,
+            joint=Joint.SLIDES,
+            axis=(0.0, -side, 0.0),
+            upper=half,
+            friction=model.paddle_friction,
+        )
+        for side in (1.0, -1.0)
+    )
+    return lift, *paddles
+
+
+@dataclass(slots=True)
+class _Grip:
+    """Something held: its body and where it is seen from the lift; force: of one paddle, N."""
+
+    held: int
+    constraint: int
+    place: Place
+    force: float
+
+
+class RobotGripper:
+    """The gripper of one robot."""
+
+    def __init__(self, client: int, body: int, first: int, model: GripperModel, objects: Objects) -> None:
+        """Take hold of a gripper that is part of a body.
+
+        Args:
+            client, body: Of the engine.
+            first: Index of its first link.
+            model: The same that its links were made of.
+            objects: What can be gripped.
+        """
+        self.model = model
+        self._client = client
+        self._body = body
+        self._lift, self._left, self._right = range(first, first + 3)
+        self._objects = objects
+        self._grip: _Grip | None = None
+        self._state: GripperState | None = None
+        self._paddles = self._raising = 0.0
+        self._hold(self._left, self._right, self._lift)
+
+    @property
+    def state(self) -> GripperState:
+        """The gripper after the last physics step."""
+        if self._state is None:
+            self._state = self._look()
+        return self._state
+
+    def drive(self, paddles: float, lift: float) -> None:
+        """Command the motors, at their own speed: -1 closes or lowers, 0 holds where it is, 1 opens or lifts."""
+        if paddles != self._paddles:
+            self._paddles = paddles
+            self._drive_paddles()
+        if lift != self._raising:
+            self._raising = lift
+            self._drive_lift()
+
+    def let_go(self) -> None:
+        """Hold nothing any more."""
+        if self._grip is not None:
+            engine.removeConstraint(self._grip.constraint, physicsClientId=self._client)
+            self._grip = None
+
+    def follow(self) -> None:
+        """Take note of a step of the physics: what is gripped, pressed or slips."""
+        self._state = None
+        if self._grip is not None:
+            self._watch(self._grip)
+        elif self._paddles < 0.0:
+            held = self._between()
+            if held is not None:
+                self._take(held, self.model.contact_force_n)
+
+    def _drive_paddles(self) -> None:
+        speed = abs(self._paddles) * self.model.paddle_speed_m_s
+        if self._paddles > 0.0:
+            self.let_go()
+            for paddle in (self._left, self._right):
+                self._move(paddle, 0.0, speed, PADDLE_FORCE)
+        elif self._paddles < 0.0:
+            engine.setJointMotorControlArray(
+                self._body,
+                (self._left, self._right),
+                engine.VELOCITY_CONTROL,
+                targetVelocities=[speed] * 2,
+                forces=[self.model.contact_force_n] * 2,
+                physicsClientId=self._client,
+            )
+        elif self._grip is None:  # paddles that hold something stay pressed on it
+            self._hold(self._left, self._right)
+
+    def _drive_lift(self) -> None:
+        if self._raising:
+            end = self.model.lift_travel_m if self._raising > 0.0 else 0.0
+            speed = abs(self._raising) * self.model.lift_speed_m_s
+            self._move(self._lift, end, speed, self.model.lift_force_n)
+        else:
+            self._hold(self._lift)
+
+    def _hold(self, *links: int) -> None:
+        """Keep links where they are."""
+        for link, (position, *_) in zip(links, self._joints(*links), strict=True):
+            force = self.model.lift_force_n if link == self._lift else PADDLE_FORCE
+            self._move(link, position, self.model.lift_speed_m_s, force)
+
+    def _move(self, link: int, position: float, speed: float, force: float) -> None:
+        engine.setJointMotorControl2(
+            self._body,
+            link,
+            engine.POSITION_CONTROL,
+            targetPosition=position,
+            positionGain=GAIN,
+            maxVelocity=speed,
+            force=force,
+            physicsClientId=self._client,
+        )
+
+    def _joints(self, *links: int) -> Sequence[tuple[float, float, Any, float]]:
+        """Place (m) and speed (m/s) of each link, among others."""
+        states: Sequence[tuple[float, float, Any, float]] = engine.getJointStates(
+            self._body, links, physicsClientId=self._client
+        )
+        return states
+
+    def _between(self) -> int | None:
+        """The object that both paddles press on."""
+        right = set(self._touched(self._right, -1.0))
+        return next((body for body in self._touched(self._left, 1.0) if body in right and body in self._objects), None)
+
+    def _touched(self, paddle: int, outward: float) -> Iterator[int]:
+        """What presses on the inner face of a paddle; `outward` is 1 for the left paddle, -1 for the right."""
+        contacts = engine.getContactPoints(bodyA=self._body, linkIndexA=paddle, physicsClientId=self._client)
+        if not contacts:
+            return
+        _, orientation = engine.getBasePositionAndOrientation(self._body, physicsClientId=self._client)
+        heading = heading_of(orientation)
+        for contact in contacts:
+            other, normal, distance = contact[2], contact[7], contact[8]
+            if distance <= 0.0 and outward * (normal[1] * cos(heading) - normal[0] * sin(heading)) > SQUARE:
+                yield other
+
+    def _take(self, held: int, force: float) -> None:
+        """Begin to hold an object where it is."""
+        place, orientation = self._from_lift(held)
+        constraint = engine.createConstraint(
+            self._body,
+            self._lift,
+            held,
+            HULL,
+            engine.JOINT_FIXED,
+            [0.0] * 3,
+            place,
+            [0.0] * 3,
+            orientation,
+            [0.0, 0.0, 0.0, 1.0],
+            physicsClientId=self._client,
+        )
+        self._grip = _Grip(held, constraint, place, force)
+        self._set_strength(self._grip)
+
+    def _watch(self, grip: _Grip) -> None:
+        """Press harder while the motor goes on, and see whether the object slips."""
+        if self._paddles < 0.0 and grip.force < self.model.strongest_n:
+            grip.force = min(grip.force + self.model.pressing_n_s * STEP, self.model.strongest_n)
+            self._set_strength(grip)
+        place, _ = self._from_lift(grip.held)
+        if dist(place, grip.place) > SLIP:
+            self.let_go()
+            if self._between() == grip.held:
+                self._take(grip.held, grip.force)
+
+    def _set_strength(self, grip: _Grip) -> None:
+        friction = self._objects.friction(grip.held, self.model.paddle_friction)
+        engine.changeConstraint(grip.constraint, maxForce=2 * friction * grip.force, physicsClientId=self._client)
+
+    def _from_lift(self, held: int) -> tuple[Place, tuple[float, float, float, float]]:
+        """Place (m) and orientation of an object, seen from the middle of the lift's carriage."""
+        client = self._client
+        carriage = engine.getLinkState(self._body, self._lift, physicsClientId=client)
+        thing = engine.getBasePositionAndOrientation(held, physicsClientId=client)
+        place, orientation = engine.multiplyTransforms(*engine.invertTransform(*carriage[:2]), *thing)
+        return place, orientation
+
+    def _look(self) -> GripperState:
+        lift, left, right = self._joints(self._lift, self._left, self._right)
+        model = self.model
+        opening = 1.0 - (left[0] + right[0]) / model.opening_m
+        is_closed = opening < CLOSED
+        outer, inner = self._beams(left[0], right[0])
+        return GripperState(
+            opening=min(max(opening, 0.0), 1.0),
+            lift=min(max(lift[0] / model.lift_travel_m, 0.0), 1.0),
+            opening_speed=-(left[1] + right[1]) / model.opening_m,
+            lift_speed=lift[1] / model.lift_travel_m,
+            outer_beam=outer,
+            inner_beam=inner,
+            left_contact=is_closed or any(True for _ in self._touched(self._left, 1.0)),
+            right_contact=is_closed or any(True for _ in self._touched(self._right, -1.0)),
+            holds=self._grip is not None,
+        )
+
+    def _beams(self, left: float, right: float) -> tuple[bool, bool]:
+        """Whether something stands in the outer and the inner beam."""
+        half = self.model.opening_m / 2 + BEAM_INSET
+        ends = half - left, right - half
+        base = engine.getBasePositionAndOrientation(self._body, physicsClientId=self._client)
+        link = engine.getLinkState(self._body, self._lift, physicsClientId=self._client)
+        starts, stops = [], []
+        for beam in (self.model.outer_beam_m, self.model.inner_beam_m):
+            places = (self._in_world(link[0], base[1], beam + CARRIAGE / 2, y) for y in ends)
+            starts.append(next(places))
+            stops.append(next(places))
+        hits = engine.rayTestBatch(
+            starts, stops, numThreads=1, collisionFilterMask=SEEN_BY_RAYS, physicsClientId=self._client
+        )
+        outer, inner = (body not in (NOTHING, self._body) for body, *_ in hits)
+        return outer, inner
+
+    @staticmethod
+    def _in_world(origin: Place, orientation: Sequence[float], x: float, y: float) -> Place:
+        """A place beside the lift's carriage, x ahead of its middle and y to the left, m in the world."""
+        heading = heading_of(orientation)
+        c, s = cos(heading), sin(heading)
+        return origin[0] + c * x - s * y, origin[1] + s * x + c * y, origin[2]
