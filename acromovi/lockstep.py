@@ -17,6 +17,8 @@ from gateway.settings import Settings
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.fault_spec import parse_fault
+from p2os_emu.faults.board import FaultBoard
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.world import World, WorldSpec
@@ -49,6 +51,8 @@ class Lockstep:
         self._network = MemoryNetwork()
         self._world = World(world, seed=seed, perfect=perfect)
         self._emulator = Emulator(self._world, LinkProfile("ideal"), seed=seed)
+        self._faults = FaultBoard(self._emulator.robots)
+        self._emulator.before_step = self._faults.advance
         self._hosts: dict[str, _Host] = {}
         for name, model_name in robots.items():
             model = configs.load(RobotModel, "robots", model_name)
@@ -83,6 +87,24 @@ class Lockstep:
             if self.time >= deadline:
                 raise TimeoutError(f"the condition did not come true within {limit} s of virtual time")
             self.run(STEP)
+
+    def fault(self, spec: str) -> int:
+        """Let something go wrong, as `p2os-emu --fault` writes it; its start counts from now.
+
+        Returns:
+            The number by which `clear` ends it.
+        Raises:
+            FaultError: There is no such fault, or none of these robots can suffer it.
+        """
+        return self._faults.schedule(parse_fault(spec), self.time).number
+
+    def clear(self, number: int) -> None:
+        """End a fault, or call off one that has not begun.
+
+        Raises:
+            FaultError: There is no fault of this number, or it is over.
+        """
+        self._faults.clear(number)
 
     def truth(self, name: str) -> Pose2D:
         """Where a robot really is in the world."""

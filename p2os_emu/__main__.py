@@ -21,6 +21,7 @@ from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.factory import Factory
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
+from p2os_emu.faults.file import schedule_file
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import HUNG_UP, Poller
@@ -81,6 +82,8 @@ def _emulate(options: Options) -> None:
         emulator.before_step = faults.advance
         for spec in options.faults:
             faults.schedule(spec, emulator.time)
+        for path in options.fault_files:
+            schedule_file(faults, path, emulator.time)
         runner = Runner(emulator, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
         desk = Desk(team, faults, runner)
         control = ControlSocket(_control_path(options, stack), poller, desk.answer)

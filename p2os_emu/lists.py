@@ -56,10 +56,13 @@ def _faults() -> Iterator[Row]:
     for kind in FAULTS.values():
         yield kind.name, kind.meaning
         yield "", f"  ends: {kind.ending}"
+        if kind.needs:
+            yield "", f"  needs: {kind.needs.name}"
         for key, parameter in kind.parameters.items():
             default = f" ({parameter.default})" if parameter.default else ""
             yield "", f"  {key}=: {parameter.meaning}{default}"
-    yield "every fault", "robot=NAME says whom it befalls; every robot if not given"
+    yield "every fault", "robot=NAME says whom it befalls; every robot that can suffer it if not given"
+    yield "", "@START+DURATION says when it begins and how long it lasts, in s"
 
 
 _LISTS: Mapping[str, Callable[[], Iterator[Row]]] = {

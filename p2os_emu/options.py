@@ -50,6 +50,7 @@ class Options:
     seed: int
     speed: float
     faults: tuple[FaultSpec, ...]
+    fault_files: tuple[Path, ...]
     duration: float | None
     control: Path | None
     flash: Path | None
@@ -85,6 +86,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         seed=given.seed,
         speed=given.speed,
         faults=tuple(given.fault),
+        fault_files=tuple(given.fault_file),
         duration=given.duration,
         control=given.control,
         flash=given.flash,
@@ -208,6 +210,14 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME[:key=value,...][@START[+DURATION]]",
         help="let something go wrong; START counts from the start; repeat for more",
+    )
+    group.add_argument(
+        "--fault-file",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="faults from a file, one a line as above, # begins a comment; repeat for more",
     )
     group.add_argument("--json", action="store_true", help="print one line of JSON once every robot is ready")
     group.add_argument("--quiet", action="store_true", help="say nothing but errors")

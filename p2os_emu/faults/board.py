@@ -61,10 +61,10 @@ class FaultBoard:
         kind = FAULTS.get(spec.name)
         if kind is None:
             raise FaultError(f"there is no fault {spec.name!r}; {_suggestion(spec.name, meant)}")
-        able = [robot for robot in meant if kind.missing(robot) is None]
-        if meant and not able:
-            lacks = " and ".join(f"{robot.name} has {kind.missing(robot)}" for robot in meant)
-            raise FaultError(f"{lacks} to suffer {kind.name}; {_supported(meant)}")
+        able = [robot for robot in meant if kind.can_befall(robot)]
+        if kind.needs and meant and not able:
+            have = "has" if len(meant) == 1 else "have"
+            raise FaultError(f"{_who(meant)} {have} no {kind.needs.name} to suffer {kind.name}; {_supported(meant)}")
         victims = [(robot, _arguments(kind, given, robot)) for robot in able]
         start = now + spec.start
         duration = spec.duration
@@ -144,6 +144,9 @@ def _suggestion(name: str, robots: Sequence[EmulatedRobot]) -> str:
 
 def _supported(robots: Sequence[EmulatedRobot]) -> str:
     """The faults that any of these robots can suffer."""
-    names = [kind.name for kind in FAULTS.values() if any(kind.missing(robot) is None for robot in robots)]
-    who = robots[0].name if len(robots) == 1 else "the robots here"
-    return f"{who} can suffer {', '.join(names)}" if robots else "there is no robot"
+    names = [kind.name for kind in FAULTS.values() if any(map(kind.can_befall, robots))]
+    return f"{_who(robots)} can suffer {', '.join(names)}" if robots else "there is no robot"
+
+
+def _who(robots: Sequence[EmulatedRobot]) -> str:
+    return robots[0].name if len(robots) == 1 else "the robots here"

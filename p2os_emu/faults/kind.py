@@ -9,10 +9,6 @@ from p2os_emu.emulator import EmulatedRobot
 Arguments = Mapping[str, Any]
 
 
-def _nothing_missing(robot: EmulatedRobot) -> str | None:
-    return None
-
-
 @dataclass(frozen=True, slots=True)
 class Parameter:
     """One parameter of a fault: its meaning for people, and how its text becomes a value.
@@ -27,13 +23,21 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Need:
+    """What a robot must have to suffer a fault: its name for people, and whether a robot has it."""
+
+    name: str
+    has: Callable[[EmulatedRobot], object]
+
+
+@dataclass(frozen=True, slots=True)
 class FaultKind:
     """One fault.
 
     ending: how it ends, for people.
     befall: makes a robot suffer what the faults of this kind that are at work on it say together: it is given the
         arguments of each whenever one begins or ends, and none when the last has ended. It may be told the same twice.
-    missing: what a robot would need to suffer it, "no bumpers" for example; None for a robot that can.
+    needs: what a robot must have to suffer it; None where every robot can.
     is_momentary: without a duration it ends in the moment it begins, else it lasts until it is cleared.
     """
 
@@ -42,5 +46,9 @@ class FaultKind:
     ending: str
     befall: Callable[[EmulatedRobot, Sequence[Arguments]], None]
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
-    missing: Callable[[EmulatedRobot], str | None] = _nothing_missing
+    needs: Need | None = None
     is_momentary: bool = False
+
+    def can_befall(self, robot: EmulatedRobot) -> bool:
+        """Whether a robot has what can fail so."""
+        return self.needs is None or bool(self.needs.has(robot))

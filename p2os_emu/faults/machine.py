@@ -5,11 +5,13 @@ from dataclasses import replace
 
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, Parameter
+from p2os_emu.faults.kind import Arguments, FaultKind, Need, Parameter
 from p2os_emu.faulty_body import HEALTHY_SONAR, SonarFaults
 
 _LONGEST = 5.0  # m; what a disc can report
 _DISC = Parameter("numbers from 0 as SIPs count them, such as 3, 0-7, 3+5 or all", parameters.discs, "all")
+_SONAR = Need("sonar", lambda robot: robot.model.sonar)
+_BUMPERS = Need("bumpers", lambda robot: robot.model.front_bumpers or robot.model.rear_bumpers)
 
 
 def _deafen(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
@@ -49,14 +51,6 @@ def _hold_bumpers(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
     robot.body.bumpers = front, rear
 
 
-def _missing_sonar(robot: EmulatedRobot) -> str | None:
-    return None if robot.model.sonar else "no sonar"
-
-
-def _missing_bumpers(robot: EmulatedRobot) -> str | None:
-    return None if robot.model.front_bumpers or robot.model.rear_bumpers else "no bumpers"
-
-
 KINDS = (
     FaultKind(
         "sonar-dead",
@@ -64,7 +58,7 @@ KINDS = (
         "they hear again",
         _deafen,
         {"disc": _DISC},
-        _missing_sonar,
+        _SONAR,
     ),
     FaultKind(
         "sonar-stuck",
@@ -72,7 +66,7 @@ KINDS = (
         "they measure again",
         _stick_sonar,
         {"disc": _DISC, "range": Parameter("what they report, m", parameters.number(_LONGEST, "metres"), "0.5")},
-        _missing_sonar,
+        _SONAR,
     ),
     FaultKind(
         "sonar-noisy",
@@ -80,7 +74,7 @@ KINDS = (
         "they report only what they hear",
         _disturb_sonar,
         {"disc": _DISC, "share": Parameter("of the firings that go wrong, 0 to 1", parameters.number(1.0), "0.3")},
-        _missing_sonar,
+        _SONAR,
     ),
     FaultKind(
         "wheel-slipping",
@@ -105,6 +99,6 @@ KINDS = (
         "the segment springs back",
         _hold_bumpers,
         {"segment": Parameter("such as rear2, counted from 1, from right to left", parameters.segment, "front1")},
-        _missing_bumpers,
+        _BUMPERS,
     ),
 )
