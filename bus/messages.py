@@ -74,6 +74,7 @@ __all__ = [
     "encode_json",
     "header",
     "heading",
+    "placed",
     "prepare",
     "quaternion",
     "stamp_ns",
@@ -222,6 +223,15 @@ def heading(rotation: Quaternion) -> float:
     return math.atan2(
         2 * (rotation.w * rotation.z + rotation.x * rotation.y),
         1 - 2 * (rotation.y * rotation.y + rotation.z * rotation.z),
+    )
+
+
+def placed(parent: Header, child: str, x: float, y: float, heading: float) -> TransformStamped:
+    """Where a frame lies in its parent, in the plane: m, m, rad."""
+    return TransformStamped(
+        header=parent,
+        child_frame_id=child,
+        transform=Transform(translation=Vector3(x=x, y=y, z=0.0), rotation=quaternion(heading)),
     )
 
 

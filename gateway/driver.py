@@ -96,7 +96,10 @@ class Driver:
         self._elements = {
             kind: kind(self._outbox, self._events.append, self._settings) for kind in ELEMENTS
         }  # asked for by their class
-        self._takers = {packet: element for element in self._elements.values() for packet in element.takes}
+        self._takers: dict[type, list[Element]] = {}
+        for element in self._elements.values():
+            for packet in element.takes:
+                self._takers.setdefault(packet, []).append(element)
         self._motion_ids = itertools.count(1)
         self.has_port = False
         self._is_open = False  # the handshake is over: OPEN is sent
@@ -268,6 +271,15 @@ class Driver:
         if self._motion.is_asked_to_move:
             self._motion.halt(now)
 
+    def let_go(self, now: float) -> None:
+        """Stop, and ask nothing of the wheels until the next command: somebody else drives.
+
+        Raises:
+            CommandRefused: Not connected, or the e-stop is latched.
+        """
+        self._check_link(now)
+        self._motion.let_go(now)
+
     def emergency_stop(self, on: bool, now: float) -> None:
         """Stop as fast as the robot can and latch; or unlatch, which leaves the motors off. Never refused."""
         self._wake(now)
@@ -316,9 +328,14 @@ class Driver:
             CommandRefused: The robot is not connected, or has no such element.
         """
         self._check_link(now)
-        element = self._elements[kind]
+        element = self.lookup(kind)
         if not element.is_present:
             raise CommandRefused(f"this robot has no {kind.__name__.lower()}, or has not shown it yet")
+        return element
+
+    def lookup(self, kind: type[E]) -> E:
+        """An element, to see what is known of it, whether the robot has it or not."""
+        element = self._elements[kind]
         assert isinstance(element, kind)
         return element
 
@@ -455,8 +472,7 @@ class Driver:
                 self._events.append(EncodersReceived(packet, self.model))
             case InputsOutputs():
                 self._events.append(InputsOutputsReceived(packet))
-        taker = self._takers.get(type(packet))
-        if taker is not None:
+        for taker in self._takers.get(type(packet), ()):
             taker.take(packet, now)
 
     def _take_sip(self, sip: StandardSip, now: float) -> None:

@@ -6,7 +6,16 @@ from typing import Any, NamedTuple
 
 from gateway.errors import GatewayError
 from geometry import Pose2D
-from p2os import Configuration, Encoders, Identity, InputsOutputs, RobotModel, StandardSip
+from p2os import (
+    CompassReport,
+    Configuration,
+    Encoders,
+    Identity,
+    InputsOutputs,
+    JoystickReport,
+    RobotModel,
+    StandardSip,
+)
 
 
 class HandshakeCompleted(NamedTuple):
@@ -89,6 +98,39 @@ class RobotRejected(NamedTuple):
     error: GatewayError
 
 
+class TurnRateSeen(NamedTuple):
+    """What the gyro measured. rate: rad/s counter-clockwise, with its variance, on the average over duration, s."""
+
+    rate: float
+    variance: float
+    duration: float
+
+
+class CompassSeen(NamedTuple):
+    """What the compass measured. heading: rad counter-clockwise from magnetic north; the rest as in the report."""
+
+    report: CompassReport
+    heading: float
+
+
+class JoystickSeen(NamedTuple):
+    """How the joystick on the robot is held."""
+
+    report: JoystickReport
+
+
+class InfraredSeen(NamedTuple):
+    """What the infrared sensors say: number of the sensor, and whether something is near."""
+
+    near: tuple[tuple[int, bool], ...]
+
+
+class ChargeSeen(NamedTuple):
+    """What the batteries say of themselves, 0 to 1."""
+
+    fraction: float
+
+
 class ElementFound(NamedTuple):
     """An element on a cable of its own answers as it should.
 
@@ -146,6 +188,11 @@ Event = (
     | EncodersReceived
     | InputsOutputsReceived
     | GripperSeen
+    | TurnRateSeen
+    | CompassSeen
+    | JoystickSeen
+    | InfraredSeen
+    | ChargeSeen
     | LinkLost
     | SweepFailed
     | RobotRejected

@@ -140,6 +140,17 @@ class Motion:
         self._outbox.put_first("stop", ESTOP if self.is_estopped else STOP)
         self._stopped_at = now
 
+    def let_go(self, now: float) -> None:
+        """Stop, and then only keep the robot awake: a joystick drives it.
+
+        Raises:
+            CommandRefused: The e-stop is latched.
+        """
+        if self.is_estopped:
+            raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
+        self.halt(now)
+        self._mode = _Mode.UNASKED
+
     def emergency_stop(self, now: float) -> None:
         """Stop at once, latch, and switch the motors off when the robot stands."""
         self.is_estopped = True

@@ -10,11 +10,13 @@ from configs import build, read
 class Calibration:
     """Corrections of this robot's odometry, as measured on the floor.
 
-    distance: true distance over reported distance. heading: true turn over reported turn.
+    distance: true distance over reported distance. heading: true turn over reported turn. gyro: true turn over the
+    turn that an analog gyro's data sheet makes of its readings; as client libraries have it when left out.
     """
 
     distance: float = 1.0
     heading: float = 1.0
+    gyro: float = 1.626
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +41,18 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
+class Fitted:
+    """What only a person knows of the robot.
+
+    compass, joystick: false where asking for one is not wanted. lcd: it has a display, which never answers.
+    """
+
+    compass: bool = True
+    joystick: bool = True
+    lcd: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Settings:
     """The file.
 
@@ -57,6 +71,7 @@ class Settings:
     calibration: Calibration = field(default_factory=Calibration)
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
     limits: Limits = field(default_factory=Limits)
+    fitted: Fitted = field(default_factory=Fitted)
 
 
 def load_settings(path: Path) -> Settings:

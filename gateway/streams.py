@@ -7,7 +7,15 @@ from typing import Any
 from bus import Bus, Publisher, Subscription, keys
 from bus.keys import Topic
 from gateway.driver import Driver
-from gateway.events import EncodersReceived, Event, InputsOutputsReceived, LinkLost, MotionEnded, SipReceived
+from gateway.events import (
+    ChargeSeen,
+    EncodersReceived,
+    Event,
+    InputsOutputsReceived,
+    LinkLost,
+    MotionEnded,
+    SipReceived,
+)
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
 from gateway.health import diagnostics, faults, robot_state
@@ -72,6 +80,8 @@ class Streams(Subscription):
                 streams[keys.SONAR_POINTS].put(telemetry.sonar_points(sip, stamp))
                 streams[keys.BUMPERS].put(telemetry.bumpers(sip, stamp))
                 self._publish_changes(sip, stamp)
+            case ChargeSeen(fraction):
+                telemetry.note_charge(fraction)
             case EncodersReceived():
                 streams[keys.JOINT_STATES].put(telemetry.joints(event, stamp))
             case InputsOutputsReceived():
@@ -124,8 +134,10 @@ class Streams(Subscription):
         if is_due:
             self.due_at = now + PERIOD
             transforms = self._telemetry.static_transforms(stamp)
-            for face in self._cable_faces:
+            for face in self._faces:
                 transforms.transforms.extend(face.transforms(stamp))
+            for cable_face in self._cable_faces:
+                transforms.transforms.extend(cable_face.transforms(stamp))
             self._streams[keys.TF_STATIC].put(transforms)
             self._streams[keys.DIAGNOSTICS].put(
                 diagnostics(self._name, self._driver, found, refused, stamp, self._cable_faces)

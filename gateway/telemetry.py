@@ -24,11 +24,9 @@ from bus.messages import (
     Range,
     RangeArray,
     TFMessage,
-    Transform,
-    TransformStamped,
     TwistWithCovariance,
-    Vector3,
     header,
+    placed,
     quaternion,
     twist,
 )
@@ -73,6 +71,7 @@ class Telemetry:
         self._ticks: tuple[int, int] | None = None
         self._rolled = [0, 0]
         self._wheel_speeds = 0.0, 0.0
+        self._charge = nan
 
     def odometry(self, event: SipReceived, stamp: int) -> Odometry:
         """Pose in `<robot>/odom`, twist in `<robot>/base_link`."""
@@ -93,13 +92,13 @@ class Telemetry:
     def transform(self, event: SipReceived, stamp: int) -> TFMessage:
         """`<robot>/base_link` in `<robot>/odom`."""
         pose = event.pose
-        return TFMessage(transforms=[_placed(header(stamp, self._odom), self._base, pose.x, pose.y, pose.heading)])
+        return TFMessage(transforms=[placed(header(stamp, self._odom), self._base, pose.x, pose.y, pose.heading)])
 
     def static_transforms(self, stamp: int) -> TFMessage:
         """The sonar discs in `<robot>/base_link`."""
         base = header(stamp, self._base)
         return TFMessage(
-            transforms=[_placed(base, name, disc.x, disc.y, disc.heading) for disc, name in self._discs.values()]
+            transforms=[placed(base, name, disc.x, disc.y, disc.heading) for disc, name in self._discs.values()]
         )
 
     def sonar(self, sip: StandardSip, stamp: int) -> RangeArray:
@@ -169,7 +168,7 @@ class Telemetry:
             charge=nan,
             capacity=nan,
             design_capacity=nan,
-            percentage=nan if sip.state_of_charge is None else sip.state_of_charge,
+            percentage=self._charge if sip.state_of_charge is None else sip.state_of_charge,
             power_supply_status=status,
             power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN,
             power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN,  # ROS knows no lead-acid
@@ -212,17 +211,13 @@ class Telemetry:
         """Keep the wheel speeds for the encoder packet that follows the SIP."""
         self._wheel_speeds = sip.left_velocity, sip.right_velocity
 
+    def note_charge(self, fraction: float) -> None:
+        """Keep what the batteries say of themselves, 0 to 1, for SIPs that do not say it."""
+        self._charge = fraction
+
     def forget_ticks(self) -> None:
         """The robot was out of touch: its encoders may count from zero again, and the angles go on."""
         self._ticks = None
-
-
-def _placed(parent: Header, child: str, x: float, y: float, heading: float) -> TransformStamped:
-    return TransformStamped(
-        header=parent,
-        child_frame_id=child,
-        transform=Transform(translation=Vector3(x=x, y=y, z=0.0), rotation=quaternion(heading)),
-    )
 
 
 def _bits(word: int, count: int) -> list[bool]:

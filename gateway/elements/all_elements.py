@@ -1,6 +1,25 @@
 """Every element that a driver looks after, in the order in which they are asked."""
 
+from gateway.elements.batteries import Batteries
+from gateway.elements.compass import Compass
 from gateway.elements.element import Element
 from gateway.elements.gripper import Gripper
+from gateway.elements.gyro import Gyro
+from gateway.elements.infrared import Infrared
+from gateway.elements.joystick import Joystick
+from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
+from gateway.elements.sound import Sound
 
-ELEMENTS: tuple[type[Element], ...] = (Gripper,)
+ELEMENTS: tuple[type[Element], ...] = (
+    Gyro,
+    Gripper,
+    Infrared,
+    Charger,
+    Servos,
+    PowerOutputs,
+    Display,
+    Sound,
+    Batteries,
+    Compass,
+    Joystick,
+)

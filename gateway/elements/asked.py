@@ -10,16 +10,22 @@ PERIOD = 0.5
 """Seconds to wait for an answer before asking again: robot or line may have dropped a frame."""
 TIMES = 3
 """After which the robot is taken for one that has no answer."""
+SILENCE = 2.0
+"""Seconds without a packet after which a stream is asked for again."""
+
+Question = tuple[Command, CommandValue]
 
 
 class AskedElement(Element):
     """Asks after every handshake until a packet comes, a few times.
 
-    question: a command with its argument.
+    question: a command with its argument. stream: what asks for more packets once one has come; None if one is enough.
     """
 
-    question: ClassVar[tuple[Command, CommandValue | None]]
+    question: ClassVar[Question]
+    stream: ClassVar[Question | None] = None
     _asks_left = 0
+    _streams = False
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask."""
@@ -28,15 +34,26 @@ class AskedElement(Element):
 
     def lose_link(self) -> None:
         """Ask no more."""
+        self._streams = False
         self.deadline = inf
 
     def take(self, packet: object, now: float) -> None:
         """It is answered."""
-        self.deadline = inf
-        self._outbox.drop(self.question[0])
+        if self.stream is None:
+            self.deadline = inf
+            self._outbox.drop(self.question[0])
+            return
+        if not self._streams:
+            self._streams = True
+            self._ask(*self.stream)
+        self.deadline = now + SILENCE
 
     def watch(self, now: float) -> None:
         """Ask again."""
-        self._ask(*self.question)
-        self._asks_left -= 1
-        self.deadline = now + PERIOD if self._asks_left else inf
+        if self._streams and self.stream is not None:
+            self._ask(*self.stream)
+            self.deadline = now + SILENCE
+        else:
+            self._ask(*self.question)
+            self._asks_left -= 1
+            self.deadline = now + PERIOD if self._asks_left else inf

@@ -4,10 +4,28 @@ from collections.abc import Mapping
 from typing import Any
 
 from gateway.faces.cable_face import CableFace
+from gateway.faces.compass import CompassFace
 from gateway.faces.face import Face
 from gateway.faces.gripper import GripperFace
+from gateway.faces.gyro import GyroFace, InnerGyroFace
+from gateway.faces.infrared import InfraredFace
+from gateway.faces.joystick import JoystickFace
+from gateway.faces.panel import ChargerFace, DisplayFace, PowerFace, ServosFace
+from gateway.faces.sound import SoundFace
 
-FACES: tuple[type[Face], ...] = (GripperFace,)
+FACES: tuple[type[Face], ...] = (
+    InfraredFace,
+    GyroFace,
+    InnerGyroFace,
+    CompassFace,
+    GripperFace,
+    JoystickFace,
+    SoundFace,
+    DisplayFace,
+    ServosFace,
+    PowerFace,
+    ChargerFace,
+)
 
 CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {}
 """Those of elements on cables of their own, by name. The option of `p2os-gateway` is called the same."""

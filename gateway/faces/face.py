@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar
 
 from bus.keys import Topic
+from bus.messages import TransformStamped
 from gateway.commands import CommandRow
 from gateway.driver import Driver
 from gateway.events import Event
@@ -31,6 +32,10 @@ class Face:
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """What is to be published of an event, with its topic. stamp: wall clock, ns, when its last byte came."""
+        return ()
+
+    def transforms(self, stamp: int) -> Iterable[TransformStamped]:
+        """Where the element's frames are on the robot."""
         return ()
 
     def describe(self, driver: Driver) -> Mapping[str, Any]:

@@ -294,7 +294,8 @@ def test_description_names_model_elements_geometry_and_versions(make_office: Cal
     office = make_office(Settings(emulated=True))
     said = office.ask("description")
     assert (said["name"], said["model"], said["class"], said["emulated"]) == ("happy", "powerbot-sh", "Pioneer", True)
-    assert {element["name"] for element in said["elements"]} == {"base", "battery", "io", "sonar", "bumpers"}
+    always = {"base", "battery", "io", "sonar", "bumpers", "sound", "servos"}
+    assert {element["name"] for element in said["elements"]} == always | {"power"}
     assert len(said["geometry"]["sonar"]) == 28
     assert said["versions"]["acromovi"]
     assert json.dumps(said)

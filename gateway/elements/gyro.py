@@ -1,0 +1,83 @@
+"""The gyro, as far as the robot sends its readings: an analog gyro whose counts the client turns into a turn rate.
+
+A robot whose controller uses the gyro by itself (CONFIGpac says so) has nothing to send: its odometry is the better for
+it. Source: client libraries (rate of a count, period of the readings).
+"""
+
+from math import inf, radians
+
+from gateway.elements.element import Element
+from gateway.events import TurnRateSeen
+from gateway.journey import is_at_rest
+from p2os import Command, Configuration, GyroReport, StandardSip
+
+SENT, INSIDE = 1, 2
+"""CONFIGpac's has_gyro: readings come as packets, or the controller uses them itself."""
+NOMINAL_REST = 512.0
+"""Counts of a gyro that does not turn, before it has been seen at rest."""
+REST_ERROR = 5.0
+"""Standard deviation of that, counts; assumed."""
+RATE_PER_COUNT = radians(5.0 / 1023.0 * 300.0 / 2.5)
+"""rad/s: ten bits for 5 V, and 300 deg/s for 2.5 V."""
+SAMPLE_PERIOD = 0.025
+"""Seconds from one reading to the next."""
+TIME_TO_SETTLE = 0.5
+"""Seconds for which the wheels must have stood before a reading counts as one at rest."""
+MEMORY = 200.0
+"""Readings over which the rest position is averaged: 5 s."""
+
+
+class Gyro(Element):
+    """Learns where the gyro rests while the wheels stand, and reports the turn rate.
+
+    is_present: readings come as packets. is_inside: the controller uses the gyro by itself.
+    """
+
+    takes = (GyroReport,)
+    is_inside = False
+    _rest = NOMINAL_REST
+    _noise = 1.0  # variance of a reading, counts²
+    _learned = 0.0  # readings at rest so far, at most MEMORY
+    _standing_since = inf
+    _has_failed = False
+
+    def configure(self, configuration: Configuration, now: float) -> None:
+        """The robot says what gyro it has."""
+        self.is_present = configuration.has_gyro == SENT
+        self.is_inside = configuration.has_gyro >= INSIDE
+        if self.is_present:
+            self._ask(Command.GYRO, 1)
+
+    def lose_link(self) -> None:
+        """Nobody knows what the wheels do meanwhile."""
+        self._standing_since = inf
+
+    def see(self, sip: StandardSip, now: float) -> None:
+        """Note whether the wheels stand, and whether the gyro has failed."""
+        self._has_failed = sip.gyro_failed
+        if not is_at_rest(sip):
+            self._standing_since = inf
+        else:
+            self._standing_since = min(self._standing_since, now)
+
+    def take(self, packet: object, now: float) -> None:
+        """Turn readings into a turn rate; a gyro that has failed has none."""
+        assert isinstance(packet, GyroReport)
+        counts = [sample.rate for sample in packet.samples]
+        if self._has_failed or not counts or not self.is_present:
+            return
+        if now - self._standing_since >= TIME_TO_SETTLE:
+            for count in counts:
+                self._learn(count)
+        unit = RATE_PER_COUNT * self._settings.calibration.gyro
+        mean = sum(counts) / len(counts)
+        rest_error = REST_ERROR**2 if not self._learned else self._noise / self._learned
+        variance = (self._noise / len(counts) + rest_error) * unit**2
+        self._announce(TurnRateSeen((self._rest - mean) * unit, variance, len(counts) * SAMPLE_PERIOD))
+
+    def _learn(self, count: int) -> None:
+        self._learned = min(self._learned + 1.0, MEMORY)
+        off = count - self._rest
+        self._rest += off / self._learned
+        if self._learned > 1.0:
+            self._noise += (off * (count - self._rest) - self._noise) / self._learned

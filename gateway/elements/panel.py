@@ -1,0 +1,120 @@
+"""What a robot can be told and never answers: charging contacts, display, servo pulses, power outputs.
+
+Source: H8-series and Pioneer 3 operations manuals (CHARGE, LCDWRITE), Pioneer 2 manual (PTUPOS), client libraries (the
+power commands; SETPBIOPORT as output number and state, output 11 the laser).
+"""
+
+from collections.abc import Mapping
+
+from gateway.elements.element import Element
+from gateway.errors import CommandRefused
+from p2os import Command, Configuration, Family, RobotModel
+
+CHARGERS = {1: "Pioneer 3", 2: "PowerBot"}
+"""CONFIGpac's charger."""
+DISPLAY_SIZE = 20
+"""Characters."""
+SERVO_PORTS = range(1, 5)
+PULSE_UNIT = 1e-5
+"""Seconds that a count of PTUPOS lasts on P2OS and what came after it."""
+LONGEST_PULSE = 255 * PULSE_UNIT
+IO_PORTS: Mapping[str, Mapping[str, int]] = {
+    name: {"laser": 11, **{str(port): port for port in range(16)}}
+    for name in ("patrolbot-sh", "powerbot", "powerbot-sh", "powerbot-sh-uarcs")
+}
+"""Models whose power outputs SETPBIOPORT switches: output to number. Which output feeds what else is not documented."""
+POWER_COMMANDS: Mapping[str, Command] = {
+    "pc": Command.POWER_PC,
+    "laser": Command.POWER_LRF,
+    "5v": Command.POWER_5V,
+    "12v": Command.POWER_12V,
+}
+"""Where a CONFIGpac has power bits, each output has its own command."""
+
+
+class Charger(Element):
+    """kind: of the charging contacts."""
+
+    kind = ""
+
+    def configure(self, configuration: Configuration, now: float) -> None:
+        """The robot says whether it has charging contacts."""
+        self.is_present = configuration.charger != 0
+        self.kind = CHARGERS.get(configuration.charger, f"number {configuration.charger}")
+
+    def deploy(self, on: bool) -> None:
+        """Put the contacts out, or draw them in."""
+        self._ask(Command.CHARGE, int(on))
+
+
+class Display(Element):
+    """A display that only the settings know of."""
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """The settings say whether there is one."""
+        self.is_present = self._settings.fitted.lcd
+
+    def write(self, text: str) -> None:
+        """Write on it.
+
+        Raises:
+            CommandRefused: The text does not fit.
+        """
+        if len(text) > DISPLAY_SIZE or not text.isascii() or not text.isprintable():
+            raise CommandRefused(f"the display shows up to {DISPLAY_SIZE} printable ASCII characters, not {text!r}")
+        self._ask(Command.LCDWRITE, text.encode("ascii") + b"\0")
+
+
+class Servos(Element):
+    """Four ports for the pulses of RC servos."""
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """Every board has them but the AmigoBot's."""
+        self.is_present = model.firmware is not Family.AMIGOS
+
+    def move(self, port: int, pulse: float) -> None:
+        """Set the pulse of a port, s; 0 ends it.
+
+        Raises:
+            CommandRefused: There is no such port, or no such pulse.
+        """
+        if port not in SERVO_PORTS:
+            raise CommandRefused(f"port {port} is not within {SERVO_PORTS[0]} to {SERVO_PORTS[-1]}")
+        if not 0.0 <= pulse <= LONGEST_PULSE:
+            raise CommandRefused(f"pulse {pulse} s is not within 0 to {LONGEST_PULSE:g} s")
+        self._ask(Command.PTUPOS, (port, round(pulse / PULSE_UNIT)), kind=(Command.PTUPOS, port))
+
+
+class PowerOutputs(Element):
+    """outputs: names of those that can be switched."""
+
+    outputs: tuple[str, ...] = ()
+    _ports: Mapping[str, int] = {}
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """The model says what there is."""
+        self._ports = IO_PORTS.get(model.name, {})
+        self._offer(self._ports)
+
+    def configure(self, configuration: Configuration, now: float) -> None:
+        """Later firmware has a command for each output."""
+        if configuration.power_bits:
+            self._offer(POWER_COMMANDS)
+
+    def switch(self, output: str, on: bool) -> None:
+        """Switch one.
+
+        Raises:
+            CommandRefused: There is no such output.
+        """
+        if output not in self.outputs:
+            raise CommandRefused(f"there is no output {output!r}; there are {', '.join(self.outputs)}")
+        if self.outputs == tuple(POWER_COMMANDS):
+            self._ask(POWER_COMMANDS[output], int(on))
+        else:
+            port = self._ports[output]
+            self._ask(Command.SETPBIOPORT, (port, int(on)), kind=(Command.SETPBIOPORT, port))
+
+    def _offer(self, outputs: Mapping[str, object]) -> None:
+        self.outputs = tuple(outputs)
+        self.is_present = bool(outputs)

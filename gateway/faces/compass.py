@@ -1,0 +1,41 @@
+"""The compass on the bus."""
+
+from collections.abc import Iterable
+
+from bus import keys
+from bus.keys import Topic, frame
+from bus.messages import Compass as CompassMessage
+from bus.messages import Vector3, header
+from gateway.driver import Driver
+from gateway.elements.compass import Compass
+from gateway.events import CompassSeen, Event
+from gateway.faces.face import Face
+
+ERRORS = 0xFFFF
+"""The bits of the module's error word."""
+
+
+class CompassFace(Face):
+    """`<robot>/compass`."""
+
+    name = "compass"
+    streams = (keys.COMPASS,)
+
+    def is_present(self, driver: Driver) -> bool:
+        """It has answered."""
+        return driver.has(Compass)
+
+    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+        """One with every packet."""
+        if isinstance(event, CompassSeen):
+            report = event.report
+            message = CompassMessage(
+                header(stamp, frame(self._robot, "base_link")),
+                heading=event.heading,
+                pitch=report.pitch,
+                roll=report.roll,
+                magnetic_field=Vector3(x=report.field_x, y=report.field_y, z=report.field_z),
+                temperature=report.temperature,
+                errors=report.errors & ERRORS,
+            )
+            yield keys.COMPASS, message

@@ -1,0 +1,47 @@
+"""The joystick on the bus."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from bus import keys
+from bus.keys import Topic, frame
+from bus.messages import Joy, header
+from gateway.commands import Arguments, CommandRow
+from gateway.driver import Driver
+from gateway.elements.joystick import Joystick
+from gateway.events import Event, JoystickSeen
+from gateway.faces.face import Face
+
+
+def _let_drive(driver: Driver, arguments: Arguments, now: float) -> None:
+    joystick = driver.element(Joystick, now)
+    if arguments["on"]:
+        driver.let_go(now)
+    joystick.let_drive(arguments["on"])
+
+
+class JoystickFace(Face):
+    """`<robot>/joystick` and `command/joystick`.
+
+    Axes as ROS has them: to the left, forward, throttle. Buttons: 1 and 2.
+    """
+
+    name = "joystick"
+    streams = (keys.JOYSTICK,)
+    commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive),)
+
+    def is_present(self, driver: Driver) -> bool:
+        """It has answered."""
+        return driver.has(Joystick)
+
+    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+        """One with every packet."""
+        if isinstance(event, JoystickSeen):
+            held = event.report
+            message = Joy(
+                header=header(stamp, frame(self._robot, "base_link")),
+                axes=np.array([-held.x, held.y, held.throttle], np.float32),
+                buttons=np.array([held.button1, held.button2], np.int32),
+            )
+            yield keys.JOYSTICK, message
