@@ -62,7 +62,7 @@ class WireLog:
         """
         self._find_model = find_model
         self._decoders = {source: FrameDecoder() for source in Source}
-        self._talk = _Talk()
+        self._talk = Talk()
         self._use(model)
 
     def receive(self, source: Source, data: bytes, now: float) -> list[Entry]:
@@ -124,7 +124,7 @@ class WireLog:
         return identity._asdict()
 
 
-class _Talk:
+class Talk:
     """Where a connection stands: commands 0, 1 and 2 are SYNCs before OPEN, and PULSE, OPEN, CLOSE behind it."""
 
     def __init__(self) -> None:
@@ -133,7 +133,7 @@ class _Talk:
         self._sips = 0  # since the connection was not open
 
     def name(self, payload: bytes) -> str | None:
-        """What the host means; None for other commands."""
+        """What the host means by a payload; None for other commands."""
         number = payload[0]
         if number > Command.CLOSE:
             return None
@@ -147,7 +147,7 @@ class _Talk:
         return ("PULSE", "OPEN", "CLOSE")[number]
 
     def hear(self, payload: bytes) -> None:
-        """Take what the robot says."""
+        """Take a payload of the robot's."""
         if payload[0] == PacketType.SYNC2 and len(payload) > 1:
             self._is_synced = True
         elif payload[0] in SIP_TYPES and not self._is_open:

@@ -1,0 +1,215 @@
+"""Cassettes: what flowed on a line, when and from whom; recorded, read again, and played to a client.
+
+A file holds one JSON object a line: {"t": s since the start, "from": "host" or "robot", "hex": bytes}. A first line
+{"cassette": 1, "name": ..., "model": ...} may say whose line it was.
+"""
+
+import json
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from p2os import Command, Frame, FrameDecoder, Identity, encode_frame
+from p2os.handshake import read_identity
+from p2os.sip import SIP_TYPES
+from p2os.wire_log import Source, Talk
+
+VERSION = 1
+
+
+class CassetteError(ValueError):
+    """A file is no cassette, or holds nothing that can be used; the message says where and why."""
+
+
+class Moment(NamedTuple):
+    """Bytes of one end, as they were read or written in one go. time: s since the start."""
+
+    time: float
+    source: Source
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Cassette:
+    """A recording. name, model: of the robot, empty where the file does not say."""
+
+    moments: tuple[Moment, ...]
+    name: str = ""
+    model: str = ""
+
+    def of(self, source: Source) -> list[Moment]:
+        """What one end sent."""
+        return [moment for moment in self.moments if moment.source is source]
+
+    @property
+    def identity(self) -> Identity | None:
+        """What the robot answered to SYNC2; None if it is not on the cassette."""
+        for _, payload in _frames(self.of(Source.ROBOT)):
+            if payload[0] == Command.SYNC2 and (identity := read_identity(payload)) is not None:
+                return identity
+        return None
+
+
+def read(path: Path) -> Cassette:
+    """Read a file.
+
+    Raises:
+        CassetteError: It cannot be read, or a line is not what it should be.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise CassetteError(f"{path} cannot be read: {error}") from error
+    header: dict[str, Any] = {}
+    moments = []
+    for number, line in enumerate(lines, 1):
+        try:
+            entry = json.loads(line)
+            if number == 1 and "cassette" in entry:
+                header = entry
+            else:
+                moments.append(Moment(float(entry["t"]), Source(entry["from"]), bytes.fromhex(entry["hex"])))
+        except (ValueError, TypeError, KeyError) as error:
+            raise CassetteError(f"{path}, line {number} is no line of a cassette: {error!r}") from error
+    if not moments:
+        raise CassetteError(f"{path} holds no bytes; record some with p2os-emu --record {path}")
+    return Cassette(tuple(moments), str(header.get("name", "")), str(header.get("model", "")))
+
+
+class Recorder:
+    """Writes a cassette, line by line, so that whatever ends the program loses nothing.
+
+    Args:
+        path: Replaced if it exists.
+        name: The robot's. model: Its model.
+    Raises:
+        CassetteError: The file cannot be written.
+    """
+
+    def __init__(self, path: Path, name: str, model: str) -> None:
+        try:
+            self._file = path.open("w", encoding="utf-8", buffering=1)
+        except OSError as error:
+            raise CassetteError(f"{path} cannot be written: {error.strerror}; choose another path") from error
+        self._write({"cassette": VERSION, "name": name, "model": model})
+
+    def __call__(self, now: float, source: str, data: bytes) -> None:
+        """Record bytes; fits `Line.tap`. `now` in s."""
+        self._write({"t": round(now, 6), "from": source, "hex": data.hex()})
+
+    def close(self) -> None:
+        """End the file."""
+        self._file.close()
+
+    def _write(self, entry: dict[str, Any]) -> None:
+        self._file.write(json.dumps(entry) + "\n")
+
+
+@dataclass(slots=True)
+class Exchange:
+    """A frame of the host's, and what the robot said between it and the host's next.
+
+    name: what the host meant, see `Talk`. answers: (s after the frame, payload), without the SIPs.
+    sips: likewise, all that came before the next OPEN; empty unless this is one.
+    """
+
+    time: float
+    name: str
+    command: bytes
+    answers: list[tuple[float, bytes]] = field(default_factory=list)
+    sips: list[tuple[float, bytes]] = field(default_factory=list)
+
+
+def exchanges(cassette: Cassette) -> list[Exchange]:
+    """Take a recording apart; the first exchange has no command and holds what the robot said before any."""
+    talk, decoders = Talk(), {source: FrameDecoder() for source in Source}
+    current = session = Exchange(0.0, "", b"")
+    found = [current]
+    for time, source, data in cassette.moments:
+        for event in decoders[source].receive(data, time):
+            if not isinstance(event, Frame):
+                continue
+            payload = event.payload
+            if source is Source.HOST:
+                current = Exchange(time, talk.name(payload) or f"command {payload[0]}", payload)
+                session = current if current.name == "OPEN" else session
+                found.append(current)
+                continue
+            talk.hear(payload)
+            said = session.sips if payload[0] in SIP_TYPES else current.answers
+            said.append((time - (session.time if said is session.sips else current.time), payload))
+    return found
+
+
+class Player:
+    """A recorded robot, as a device: it answers a client with what the robot on the cassette said.
+
+    The client's frames are matched with the recorded ones in their order: the next that says the same, the last that
+    said the same once more, then any with the same command number; what was never recorded is not answered. What the
+    robot said behind the recorded frame follows at the recorded intervals. SIPs are a stream of their own: they run at
+    their recorded times, counted from the client's OPEN, until its CLOSE or the end of the recording. Bytes that were
+    damaged on the recorded line are not played.
+
+    baud: any; nothing between player and client looks at it unless the line does.
+    """
+
+    baud = 9600
+
+    def __init__(self, cassette: Cassette) -> None:
+        start, *recorded = exchanges(cassette)
+        self._same: dict[tuple[str, bytes], deque[Exchange]] = {}
+        self._similar: dict[str, deque[Exchange]] = {}
+        for each in recorded:
+            self._same.setdefault((each.name, each.command), deque()).append(each)
+            self._similar.setdefault(each.name, deque()).append(each)
+        self._decoder = FrameDecoder()
+        self._talk = Talk()
+        self._now = 0.0
+        self._answers: list[tuple[float, bytes]] = []
+        self._stream: deque[tuple[float, bytes]] = deque()
+        self._begin(start)
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes from the client."""
+        for event in self._decoder.receive(data, self._now):
+            if isinstance(event, Frame):
+                self._hear(event.payload)
+
+    def step(self, dt: float) -> bytes:
+        """Let time pass, s.
+
+        Returns:
+            Everything to send now.
+        """
+        self._now += dt
+        due = [answer for time, answer in self._answers if time <= self._now]
+        self._answers = [each for each in self._answers if each[0] > self._now]
+        while self._stream and self._stream[0][0] <= self._now:
+            due.append(self._stream.popleft()[1])
+        for payload in due:
+            self._talk.hear(payload)
+        return b"".join(map(encode_frame, due))
+
+    def _hear(self, payload: bytes) -> None:
+        name = self._talk.name(payload) or f"command {payload[0]}"
+        if name in ("OPEN", "CLOSE"):
+            self._stream.clear()
+        recorded = self._same.get((name, payload)) or self._similar.get(name)
+        if recorded:
+            self._begin(recorded.popleft() if len(recorded) > 1 else recorded[0])
+
+    def _begin(self, exchange: Exchange) -> None:
+        self._answers += [(self._now + delay, answer) for delay, answer in exchange.answers]
+        if exchange.sips:
+            self._stream = deque((self._now + delay, sip) for delay, sip in exchange.sips)
+
+
+def _frames(moments: Iterable[Moment]) -> Iterator[tuple[float, bytes]]:
+    """The sound frames of one end: when, and the payload."""
+    decoder = FrameDecoder()
+    for time, _, data in moments:
+        for event in decoder.receive(data, time):
+            if isinstance(event, Frame):
+                yield time, event.payload
