@@ -8,6 +8,7 @@ from p2os import RobotModel
 from p2os_emu.body import Body
 from p2os_emu.device import Device
 from p2os_emu.fit import Fit
+from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
 
 
@@ -27,7 +28,16 @@ class Bench(NamedTuple):
 CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {}
 """Part and variant to what makes the device on its own cable."""
 
-PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {}
+def _wire_gripper(bench: Bench) -> None:
+    gripper = gripper_of(bench.fit)
+    if gripper is not None:
+        bench.microcontroller.fit_gripper(gripper)
+
+
+PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
+    ("gripper", "pioneer"): _wire_gripper,
+    ("gripper", "peoplebot"): _wire_gripper,
+}
 """Part and variant to what plugs the device into the microcontroller."""
 
 

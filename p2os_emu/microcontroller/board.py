@@ -5,6 +5,7 @@ from p2os.robot_model import RobotModel
 from p2os_emu.body import Body, BodyState
 from p2os_emu.microcontroller.battery import Battery
 from p2os_emu.microcontroller.flash import Flash
+from p2os_emu.microcontroller.gripper import GripperServer
 from p2os_emu.microcontroller.motion import Motion
 from p2os_emu.microcontroller.motors import Motors
 from p2os_emu.microcontroller.odometry import Odometry
@@ -48,6 +49,7 @@ class Board:
         self.battery = Battery(model.battery_nominal, seed)
         self.watchdog = Watchdog(flash.watchdog)
         self.requests = Requests()
+        self.gripper = GripperServer()
         self.power_on()
 
     def power_on(self) -> None:
@@ -58,6 +60,7 @@ class Board:
         self.fake_battery: float | None = None
         self.reset_due = False
         self.odometry.power_on()
+        self.gripper.power_on()
         self.restore()
 
     def open(self) -> None:
@@ -76,6 +79,7 @@ class Board:
         self.watchdog.timeout = flash.watchdog
         self.watchdog.feed()
         self.requests.clear()
+        self.gripper.halt()
         self.gains = {name: getattr(flash, name) for name in GAINS}
         self.stops_on_button = flash.e_stall
         self.e_stalled = False
@@ -120,6 +124,8 @@ class Board:
         self.motion.halted = self.watchdog.barking
         self.motors.advance(body, state, dt)
         self.sonar.advance(body, dt)
+        if self.gripper.kind:
+            self.gripper.advance(body.gripper, dt)
 
     def begin_step(self) -> None:
         """What was asked for in the last step and waited for its bytes to go out."""

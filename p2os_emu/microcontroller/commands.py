@@ -176,6 +176,10 @@ HANDLERS: Mapping[int, Handler] = {
     Command.CONFIG: lambda board, _: board.requests.ask(PacketType.CONFIGURATION, 1),
     Command.ENCODER: _requests(PacketType.ENCODERS),
     Command.IOREQUEST: _requests(PacketType.INPUTS_OUTPUTS),
+    # the gripper
+    Command.GRIPPER: lambda board, order: board.gripper.order(order),
+    Command.GRIPPERVAL: lambda board, value: board.gripper.value(value),
+    Command.GRIPREQUEST: _requests(PacketType.GRIPPER),
     # the controller itself
     Command.HOSTBAUD: lambda board, code: board.request_baud(code),
     Command.BATTEST: _battest,

@@ -7,6 +7,7 @@ from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec
 from p2os_emu.body import Body, BodyState
 from p2os_emu.fit import BARE, Fit
+from p2os_emu.gripper_model import GripperModel
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.commands import execute
@@ -76,6 +77,10 @@ class Microcontroller:
     def battery_charge(self) -> float:
         """State of charge, 0 to 1."""
         return self._board.battery.charge
+
+    def fit_gripper(self, gripper: GripperModel) -> None:
+        """Wire a gripper to the inputs and outputs."""
+        self._board.gripper.fit(gripper)
 
     def receive(self, data: bytes) -> None:
         """Take bytes from the line."""

@@ -8,6 +8,7 @@ from p2os.packets import Encoders, InputsOutputs, Packet, PacketType
 from p2os.sip import SipFlag, StandardSip, stall_word
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.board import Board
+from p2os_emu.microcontroller.gripper import USER_INPUTS, USER_IO
 
 SHOWS = 0.0005
 """m/s of a wheel rim from which the SIP shows it turning: what rounds to 1 mm/s."""
@@ -29,6 +30,7 @@ def standard_sip(board: Board, state: BodyState) -> StandardSip:
     stall = board.motors.stall
     left, right = state.left_velocity, state.right_velocity
     voltage = board.battery_voltage
+    gripper = board.gripper
     port = board.analog_port
     front, rear = _bumpers(board, state)
     return StandardSip(
@@ -43,9 +45,10 @@ def standard_sip(board: Board, state: BodyState) -> StandardSip:
         control=board.motion.heading_setpoint,
         flags=_flags(board),
         sonar=board.sonar.take(),
-        analog_port=port,
+        gripper_state=gripper.state,
+        analog_port=gripper.second_byte if gripper.kind else port,
         analog=_clip(panel.analog[port]),
-        digital_in=panel.digital_in & 0xFF,
+        digital_in=_user_inputs(board),
         digital_out=board.digital_out,
         battery_fine=voltage,
         charge_state=board.battery.charging,
@@ -73,6 +76,7 @@ def configuration(board: Board, state: BodyState) -> Configuration:
         sip_cycle=flash.sip_cycle,
         host_baud=_BAUD_CODE[board.host_baud],
         aux1_baud=_BAUD_CODE[flash.aux_baud],
+        gripper=board.gripper.kind,
         front_sonar=front_arrays,
         rear_sonar=rear_arrays,
         low_battery=flash.low_battery * model.battery_nominal,
@@ -113,7 +117,7 @@ def encoders(board: Board, state: BodyState) -> Encoders:
 def inputs_outputs(board: Board, state: BodyState) -> InputsOutputs:
     """IOpac: user inputs, bumpers and, on ARCOS, infrared sensors; the battery's A/D port comes last."""
     panel = board.panel
-    digital_in = [panel.digital_in & 0xFF, *_bumpers(board, state)]
+    digital_in = [_user_inputs(board), *_bumpers(board, state)]
     if board.model.firmware in _INFRARED_INPUTS:
         digital_in.append(panel.infrared & 0xFF)
     divided = board.battery_voltage * PIONEER_BATTERY / board.model.battery_nominal / BATTERY_DIVIDER
@@ -125,6 +129,7 @@ EXTRAS: Mapping[PacketType, Callable[[Board, BodyState], Packet]] = {
     PacketType.CONFIGURATION: configuration,
     PacketType.ENCODERS: encoders,
     PacketType.INPUTS_OUTPUTS: inputs_outputs,
+    PacketType.GRIPPER: lambda board, _: board.gripper.report(),
 }
 """Packets that follow a standard SIP when a client has asked for them."""
 
@@ -138,6 +143,13 @@ def _flags(board: Board) -> int:
         | (board.e_stalled and SipFlag.E_STALL.value)
         | (panel.charger_plugged and SipFlag.CHARGER_GOOD.value)
     )
+
+
+def _user_inputs(board: Board) -> int:
+    """DIGIN: the user's pins, but for those that a gripper on the user I/O takes."""
+    panel = board.panel.digital_in & 0xFF
+    taken = USER_INPUTS if board.gripper.kind == USER_IO else 0
+    return panel & ~taken | board.gripper.inputs & taken if taken else panel
 
 
 def _bumpers(board: Board, state: BodyState) -> tuple[int, int]:
