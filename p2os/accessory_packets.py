@@ -5,6 +5,7 @@ Sources: manuals of the accessories (gripper, arm, compass), Amigo manual (PLAYL
 the rest as client libraries read it.
 """
 
+from enum import IntFlag
 from typing import NamedTuple
 
 from p2os.fields import Ceiling, Field, Quantity
@@ -116,6 +117,15 @@ COMPASS = (
     Field("v_score", "B"),
     Field("m_score", "h", Quantity.FRACTION),
 )
+
+
+class ArmStatus(IntFlag):
+    """Bits of the status byte in an ARMpac."""
+
+    GOOD = 1
+    INITIALISED = 2
+    POWERED = 4
+    HOMING = 8
 
 
 class ArmReport(NamedTuple):

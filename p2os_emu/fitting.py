@@ -4,7 +4,9 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import NamedTuple
 
+from configs import load
 from p2os import RobotModel
+from p2os.accessories.arm_model import ArmModel
 from p2os_emu.body import Body
 from p2os_emu.device import Device
 from p2os_emu.fit import Fit
@@ -28,6 +30,7 @@ class Bench(NamedTuple):
 CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {}
 """Part and variant to what makes the device on its own cable."""
 
+
 def _wire_gripper(bench: Bench) -> None:
     gripper = gripper_of(bench.fit)
     if gripper is not None:
@@ -37,6 +40,7 @@ def _wire_gripper(bench: Bench) -> None:
 PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
     ("gripper", "pioneer"): _wire_gripper,
     ("gripper", "peoplebot"): _wire_gripper,
+    ("arm", "pioneer"): lambda bench: bench.microcontroller.fit_arm(load(ArmModel, "accessories", "pioneer-arm")),
 }
 """Part and variant to what plugs the device into the microcontroller."""
 

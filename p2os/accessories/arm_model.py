@@ -106,6 +106,7 @@ class GripperServo:
 
     closed: int
     open: int
+    ticks_per_90: int
     speed_ms: int
 
     def tick(self, opening: float, most: float) -> int:
@@ -122,7 +123,8 @@ class ArmModel:
     """An arm of turning joints with a gripper at its end.
 
     base_m: from the floor under the middle of the axle. servos: as a Pioneer's controller counts the joints, and
-    finger_servo the gripper; an arm of modules has none.
+    finger_servo the gripper; an arm of modules has none. manual_order: the controller sends the bytes of ARMpac in the
+    manual's order, not in the one that the most used client library reads.
     """
 
     name: str
@@ -131,6 +133,7 @@ class ArmModel:
     gripper: GripperModel
     servos: tuple[ServoModel, ...] = ()
     finger_servo: GripperServo | None = None
+    manual_order: bool = False
 
     @property
     def home(self) -> tuple[float, ...]:

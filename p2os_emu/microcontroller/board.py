@@ -3,6 +3,7 @@
 from p2os.firmware import BAUD_CODES
 from p2os.robot_model import RobotModel
 from p2os_emu.body import Body, BodyState
+from p2os_emu.microcontroller.arm import ArmServer
 from p2os_emu.microcontroller.battery import Battery
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.gripper import GripperServer
@@ -50,6 +51,7 @@ class Board:
         self.watchdog = Watchdog(flash.watchdog)
         self.requests = Requests()
         self.gripper = GripperServer()
+        self.arm = ArmServer()
         self.power_on()
 
     def power_on(self) -> None:
@@ -61,6 +63,7 @@ class Board:
         self.reset_due = False
         self.odometry.power_on()
         self.gripper.power_on()
+        self.arm.power_on()
         self.restore()
 
     def open(self) -> None:
@@ -80,6 +83,7 @@ class Board:
         self.watchdog.feed()
         self.requests.clear()
         self.gripper.halt()
+        self.arm.restore()
         self.gains = {name: getattr(flash, name) for name in GAINS}
         self.stops_on_button = flash.e_stall
         self.e_stalled = False
@@ -116,7 +120,7 @@ class Board:
         return self.battery.voltage
 
     def advance(self, body: Body, state: BodyState, dt: float) -> None:
-        """Take one step: encoders, motors, sonar."""
+        """Take one step: encoders, motors, sonar, arm."""
         self.odometry.update(state.left_travel, state.right_travel)
         if self.panel.stop_button and self.stops_on_button:
             self.e_stalled = True
@@ -126,6 +130,7 @@ class Board:
         self.sonar.advance(body, dt)
         if self.gripper.kind:
             self.gripper.advance(body.gripper, dt)
+        self.arm.advance(body.arm, dt, is_deserted=self.watchdog.barking)
 
     def begin_step(self) -> None:
         """What was asked for in the last step and waited for its bytes to go out."""

@@ -1,5 +1,8 @@
 """The firmware of a robot, without port and clock: bytes and time in, bytes out."""
 
+from collections.abc import Iterable
+
+from p2os.accessories.arm_model import ArmModel
 from p2os.framing import Frame, FrameDecoder, encode_frame
 from p2os.handshake import ConnectionState, Identity, RobotHandshake
 from p2os.packets import PacketType, encode_packet
@@ -13,7 +16,7 @@ from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.commands import execute
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.panel import Panel
-from p2os_emu.microcontroller.telemetry import EXTRAS, standard_sip
+from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, standard_sip
 
 _RESET_FRAME = encode_frame(bytes([PacketType.RESET]))
 
@@ -77,6 +80,10 @@ class Microcontroller:
     def battery_charge(self) -> float:
         """State of charge, 0 to 1."""
         return self._board.battery.charge
+
+    def fit_arm(self, arm: ArmModel) -> None:
+        """Plug in the arm that its board drives by itself; it is at home, without power."""
+        self._board.arm.fit(arm)
 
     def fit_gripper(self, gripper: GripperModel) -> None:
         """Wire a gripper to the inputs and outputs."""
@@ -157,6 +164,11 @@ class Microcontroller:
         self._handle_frames(b"")
         if not self.connected:
             return
+        extras = board.requests.take()
+        self._send_extras(state, (packet for packet in extras if packet in AHEAD))
         self._outbox.append(encode_frame(self._codec.encode(standard_sip(board, state))))
-        for packet in board.requests.take():
-            self._outbox.append(encode_frame(encode_packet(EXTRAS[packet](board, state), board.model)))
+        self._send_extras(state, (packet for packet in extras if packet not in AHEAD))
+
+    def _send_extras(self, state: BodyState, extras: Iterable[PacketType]) -> None:
+        for packet in extras:
+            self._outbox.append(encode_frame(encode_packet(EXTRAS[packet](self._board, state), self._board.model)))

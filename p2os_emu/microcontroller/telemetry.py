@@ -130,8 +130,13 @@ EXTRAS: Mapping[PacketType, Callable[[Board, BodyState], Packet]] = {
     PacketType.ENCODERS: encoders,
     PacketType.INPUTS_OUTPUTS: inputs_outputs,
     PacketType.GRIPPER: lambda board, _: board.gripper.report(),
+    PacketType.ARM: lambda board, _: board.arm.report,
+    PacketType.ARM_INFO: lambda board, _: board.arm.information,
 }
-"""Packets that follow a standard SIP when a client has asked for them."""
+"""Packets that go with a standard SIP when a client has asked for them: after it, but for those in `AHEAD`."""
+
+AHEAD = frozenset({PacketType.ARM, PacketType.ARM_INFO})
+"""Packets right before the SIP: one well-known driver waits for another packet after them."""
 
 
 def _flags(board: Board) -> int:
