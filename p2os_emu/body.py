@@ -5,7 +5,11 @@ knows nothing of packets; tests of the firmware use a body of a few lines.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class BodyState(NamedTuple):
@@ -93,6 +97,43 @@ class Arm(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class Beams:
+    """Beams of a planar scanner: m and rad in `base_link`, height in m above the floor.
+
+    first: bearing of the first beam. step: to the next one, negative where they go clockwise. reach: how far to look.
+    """
+
+    x: float
+    y: float
+    height: float
+    first: float
+    step: float
+    count: int
+    reach: float
+
+
+class Echoes(NamedTuple):
+    """What beams meet, in their order, shape (n,).
+
+    ranges: m; `inf` where nothing stands within reach. cosines: of the angle between beam and surface normal, 0 where
+    nothing stands. reflects: the surface is a reflector.
+    """
+
+    ranges: NDArray[np.float64]
+    cosines: NDArray[np.float64]
+    reflects: NDArray[np.bool_]
+
+    def reversed(self) -> "Echoes":
+        """Of the same beams, counted from the other end."""
+        return Echoes(self.ranges[::-1], self.cosines[::-1], self.reflects[::-1])
+
+    @classmethod
+    def nothing(cls, count: int) -> "Echoes":
+        """Of so many beams into the open."""
+        return cls(np.full(count, np.inf), np.zeros(count), np.zeros(count, np.bool_))
+
+
 class Body(Protocol):
     """A robot's machine, as its microcontroller can reach it."""
 
@@ -127,4 +168,8 @@ class Body(Protocol):
         Returns:
             One range per disc, m from the disc's face; `inf` where no echo came back.
         """
+        ...
+
+    def scan(self, beams: Beams) -> Echoes:
+        """Look along the beams of a planar scanner; exact, what a real scanner adds is the scanner's business."""
         ...

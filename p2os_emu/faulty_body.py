@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
-from p2os_emu.body import Arm, Body, BodyState, Gripper
+from p2os_emu.body import Arm, Beams, Body, BodyState, Echoes, Gripper
 
 WHOLE = (1.0, 1.0)
 """Grip of wheels that do not slip, left and right."""
@@ -126,6 +126,10 @@ class FaultyBody:
         if self.sonar is HEALTHY_SONAR:
             return ranges
         return [self.sonar.heard(disc, heard, self._chance) for disc, heard in zip(discs, ranges, strict=True)]
+
+    def scan(self, beams: Beams) -> Echoes:
+        """As `Body.scan`."""
+        return self._body.scan(beams)
 
     def advance(self, dt: float) -> None:
         """Let wheels slip for `dt` s; a machine whose wheels grip need not be told."""

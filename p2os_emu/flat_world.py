@@ -3,13 +3,13 @@
 It has the face of `p2os_emu.world.World` as far as the emulator needs it, and starts in no time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import NamedTuple
 
 from geometry import Pose2D, Twist2D, integrate
 from p2os import RobotModel
-from p2os_emu.body import Arm, BodyState, Gripper
+from p2os_emu.body import Arm, Beams, BodyState, Echoes, Gripper
 from p2os_emu.emulator import STEP
 from p2os_emu.fit import BARE, Fit
 
@@ -59,6 +59,10 @@ class FlatBody:
         """Hear nothing."""
         return [inf] * len(discs)
 
+    def scan(self, beams: Beams) -> Echoes:
+        """See nothing."""
+        return Echoes.nothing(beams.count)
+
     def advance(self) -> None:
         """Let `STEP` seconds pass."""
         self.pose = integrate(self.pose, self.twist, STEP)
@@ -105,6 +109,10 @@ class FlatWorld:
         """Where a robot is and how it moves."""
         body = self.bodies[name]
         return FlatTruth(body.pose, body.twist.linear, body.twist.angular)
+
+    def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
+        """There are none."""
+        return {}
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Put a robot elsewhere."""

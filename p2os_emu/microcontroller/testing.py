@@ -10,7 +10,7 @@ from p2os.framing import Frame, FrameDecoder
 from p2os.packets import Packet, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec, StandardSip
-from p2os_emu.body import Arm, BodyState, Gripper
+from p2os_emu.body import Arm, Beams, BodyState, Echoes, Gripper
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.microcontroller import Microcontroller
 
@@ -102,6 +102,10 @@ class PlainBody:
         """Fire sonar discs."""
         self.pings.append(tuple(discs))
         return [self.ranges(disc) for disc in discs]
+
+    def scan(self, beams: Beams) -> Echoes:
+        """See nothing."""
+        return Echoes.nothing(beams.count)
 
     def step(self, dt: float) -> None:
         """Let time pass."""

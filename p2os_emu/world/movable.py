@@ -26,6 +26,7 @@ class Movable:
 
     pose: of its middle, m, m, rad, when the world begins. length, width, height: m; of a cylinder the first two are its
     diameter. mass: kg. friction: of its surface on the floor. colour: one of `COLOURS`.
+    reflector: it throws light back where it came from.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Movable:
     mass: float
     friction: float
     colour: str
+    reflector: bool = False
 
     def footprint(self, pose: Pose2D) -> Polygon:
         """Its outline on the floor when it stands upright at a pose, counter-clockwise, m."""
@@ -66,6 +68,7 @@ class ObjectEntry:
     heading_deg: float = 0.0
     friction: float = 0.5
     colour: str = "red"
+    reflector: bool = False
 
     def movable(self) -> Movable:
         """The object in SI.
@@ -82,7 +85,9 @@ class ObjectEntry:
         if self.colour not in COLOURS:
             raise ValueError(f"there is no colour {self.colour!r}; {nearest(self.colour, COLOURS)}")
         pose = Pose2D(*self.at_m, math.radians(self.heading_deg))
-        return Movable(self.name, self.shape, pose, *self.size_m, self.mass_kg, self.friction, self.colour)
+        return Movable(
+            self.name, self.shape, pose, *self.size_m, self.mass_kg, self.friction, self.colour, self.reflector
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,13 +12,15 @@ from p2os_emu.world.movable import Movable
 class Moving(NamedTuple):
     """Something that may be elsewhere after the next step, as planar sensors meet it.
 
-    name: of a robot or an object. footprint: its outline seen from above, m. bottom, top: m above the floor.
+    name: of a robot or an object. footprint: its outline seen from above, m. bottom, top: m above the floor. reflector:
+    it throws light back where it came from.
     """
 
     name: str
     footprint: Polygon
     bottom: float
     top: float
+    reflector: bool = False
 
 
 class ObjectPlace(NamedTuple):
@@ -61,7 +63,7 @@ class Objects:
             place = self._place(body)
             half = movable.height / 2
             footprint = movable.footprint(Pose2D(place.x, place.y, place.heading))
-            yield Moving(movable.name, footprint, place.z - half, place.z + half)
+            yield Moving(movable.name, footprint, place.z - half, place.z + half, movable.reflector)
 
     def circles(self) -> Iterator[tuple[float, float, float]]:
         """What each object takes up on the floor: x, y, radius, m."""

@@ -8,7 +8,7 @@ from configs import load
 from geometry import Point, Pose2D
 from p2os.accessories.arm_model import ArmModel
 from p2os.robot_model import RobotModel
-from p2os_emu.body import Arm, BodyState, Gripper
+from p2os_emu.body import Arm, Beams, BodyState, Echoes, Gripper
 from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world.arm import JointedArm, arm_links
@@ -19,6 +19,7 @@ from p2os_emu.world.engine import engine
 from p2os_emu.world.gripper import RobotGripper, gripper_links
 from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.objects import Objects
+from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import Sonar
 
@@ -38,7 +39,11 @@ class RobotBody:
         pose: Pose2D,
         fit: Fit,
         objects: Objects,
+        name: str,
+        scene: PlanarScene,
     ) -> None:
+        self._name = name
+        self._scene = scene
         self.model = model
         self.chassis = chassis
         arm = load(ArmModel, "accessories", f"{fit.parts['arm']}-arm") if fit.has("arm") else None
@@ -108,6 +113,10 @@ class RobotBody:
         """
         starts, ends = self._sonar.rays(discs, self.pose)
         return self._sonar.hear(discs, ends, cast(self._client, starts, ends, self.body_id))
+
+    def scan(self, beams: Beams) -> Echoes:
+        """Look along the beams of a planar scanner; exact, what a real scanner adds is the scanner's business."""
+        return self._scene.cast(beams, self.pose, self._name)
 
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""

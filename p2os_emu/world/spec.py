@@ -20,7 +20,10 @@ LINE_THICKNESS = 0.02  # a line of a map is the face of a wall, whichever side o
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A box on the floor that does not move: centre (m), heading of its length (rad), size (m)."""
+    """A box on the floor that does not move: centre (m), heading of its length (rad), size (m).
+
+    reflector: it throws light back where it came from, as the marks do that scanners steer by.
+    """
 
     x: float
     y: float
@@ -29,6 +32,7 @@ class Block:
     width: float
     height: float
     name: str = ""
+    reflector: bool = False
 
     def contains(self, x: float, y: float) -> bool:
         """Tell whether a point of the floor lies under the block."""
@@ -103,6 +107,7 @@ class WallEntry:
     thickness_m: float = WALL_THICKNESS
     height_m: float = WALL_HEIGHT
     doors: tuple[DoorEntry, ...] = ()
+    reflector: bool = False
 
     def blocks(self) -> Iterator[Block]:
         """The wall cut at its doors; it reaches half its thickness beyond its ends, so that corners close."""
@@ -120,7 +125,7 @@ class WallEntry:
     def _block(self, line: Segment, begin: float, end: float) -> Block:
         heading = math.atan2(line.y2 - line.y1, line.x2 - line.x1)
         x, y = Pose2D(line.x1, line.y1, heading).transform((begin + end) / 2, 0.0)
-        return Block(x, y, heading, end - begin, self.thickness_m, self.height_m, self.name)
+        return Block(x, y, heading, end - begin, self.thickness_m, self.height_m, self.name, self.reflector)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,12 +136,13 @@ class FurnitureEntry:
     size_m: tuple[float, float, float]
     name: str = ""
     heading_deg: float = 0.0
+    reflector: bool = False
 
     def block(self) -> Block:
         """The box in SI."""
         if not min(self.size_m) > 0.0:
             raise ValueError("length, width and height must be above 0 m")
-        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, self.name)
+        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, self.name, self.reflector)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from random import Random
@@ -16,8 +16,9 @@ from p2os_emu.world.collision import build_blocks, build_floor
 from p2os_emu.world.colours import COLOURS
 from p2os_emu.world.engine import STEP, engine
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.objects import Moving, Objects
+from p2os_emu.world.objects import Moving, ObjectPlace, Objects
 from p2os_emu.world.placement import Obstacles, free_pose, overlapping
+from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sonar import Sonar
 from p2os_emu.world.spec import WorldSpec
@@ -84,6 +85,7 @@ class World:
         walls = build_blocks(self._client, spec.walls)
         furniture = build_blocks(self._client, spec.furniture)
         self.objects = Objects(self._client, spec.objects)
+        self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
         if gui:
             window.arrange(self._client, spec)
             window.paint(self._client, walls, window.WALL_COLOUR)
@@ -102,7 +104,7 @@ class World:
         return tuple(self._robots)
 
     @property
-    def moving(self) -> Iterable[Moving]:
+    def moving(self) -> Sequence[Moving]:
         """Everything that may be elsewhere after the next step: objects, then robots, at their present poses."""
         if self._moving is None:
             robots = (
@@ -134,7 +136,16 @@ class World:
         else:
             self._check_free(name, chassis, pose)
         robot = RobotBody(
-            self._client, self._floor_id, model, chassis, Sonar(model.sonar, random), pose, fit, self.objects
+            self._client,
+            self._floor_id,
+            model,
+            chassis,
+            Sonar(model.sonar, random),
+            pose,
+            fit,
+            self.objects,
+            name,
+            self._scene,
         )
         if fit.has("arm"):
             engine.setPhysicsEngineParameter(numSolverIterations=CHAIN_ITERATIONS, physicsClientId=self._client)
@@ -172,6 +183,10 @@ class World:
         """
         robot = self._robot(name)
         return Truth(robot.pose, *robot.velocity)
+
+    def object_places(self) -> Mapping[str, ObjectPlace]:
+        """Where each movable object is."""
+        return self.objects.places()
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Lift a robot and put it down at rest somewhere else; its encoders do not notice.
