@@ -15,7 +15,8 @@ import pytest
 from pty_tests.client import CLOSE, ENABLE, SETA, SETO, SETRA, SETRV, SETV, STOP, Client
 from pty_tests.models import MODELS, Model
 
-# Every firmware family, odd factors, empty sonar slots. The world is the empty one unless "@WORLD" says otherwise.
+# Every firmware family, odd factors, empty sonar slots. The world is the empty one unless "@WORLD" says otherwise;
+# "+PART,PART" fits accessories.
 EMULATED = ("powerbot", "p3dx-sh", "p2dx", "powerbot-sh", "amigo")
 READY_WITHIN = 30.0  # s for an emulator to say where it listens, on a machine that is busy with other tests
 
@@ -27,10 +28,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     group.addoption("--baud", type=int, default=9600, help="rate of the line to --port (default 9600)")
     group.addoption("--model", help="subtype to emulate, or that the robot on --port must announce")
+    group.addoption("--laser", help="port of a SICK LMS200, at 9600 bit/s, beside the robot on --port")
+    group.addoption("--report", help="write what the robot answers to unverified matters into this file (JSON)")
     group.addoption("--may-move", action="store_true", help="the robot on --port has 2 m of free floor around it")
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--report") and hasattr(config, "workerinput"):
+        raise pytest.UsageError("--report writes one file: run without -n")
     config.addinivalue_line("markers", "moves: the robot drives or turns; on --port only with --may-move")
     config.addinivalue_line(
         "markers", "emulate(*models): which emulated models suffice for this test, to keep the suite short"
@@ -59,12 +64,13 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A port with a robot behind it; `model` is the subtype it announces."""
+    """A port with a robot behind it; `model` is the subtype it announces, `laser` the port of its laser."""
 
     port: str
     baud: int
     model: str
     emulated: bool
+    laser: str | None = None
 
 
 @pytest.fixture(scope="session")
@@ -77,32 +83,34 @@ def site(request: pytest.FixtureRequest) -> Iterator[Site]:
             client.hang_up()
         wanted = request.config.getoption("--model") or announced
         assert announced == wanted, f"the robot on {port} announces {announced}, not {wanted}"
-        yield Site(port, baud, announced, emulated=False)
+        yield Site(port, baud, announced, emulated=False, laser=request.config.getoption("--laser"))
         return
-    model, _, world = request.param.partition("@")
+    robot, _, world = request.param.partition("@")
+    model, _, parts = robot.partition("+")
+    fit = ["--fit", parts] if parts else []
     with subprocess.Popen(
-        [sys.executable, "-m", "p2os_emu", "--robot", model, "--world", world or "empty", "--json"],
+        [sys.executable, "-m", "p2os_emu", "--robot", model, "--world", world or "empty", "--json", *fit],
         stdout=subprocess.PIPE,
         text=True,
     ) as emulator:
         try:
-            yield Site(port_of(emulator), baud, model, emulated=True)
+            port, laser = ports_of(emulator)
+            yield Site(port, baud, model, emulated=True, laser=laser)
             assert emulator.poll() is None, f"the emulator ended by itself with code {emulator.returncode}"
         finally:
             emulator.terminate()
             emulator.wait(10)
 
 
-def port_of(emulator: "subprocess.Popen[str]") -> str:
-    """Wait for the line that says every robot is ready; return the first robot's port."""
+def ports_of(emulator: "subprocess.Popen[str]") -> tuple[str, str | None]:
+    """Wait for the line that says every robot is ready; return the first robot's port and its laser's."""
     assert emulator.stdout is not None
     ready, _, _ = select.select([emulator.stdout], [], [], READY_WITHIN)
     assert ready, f"the emulator said nothing within {READY_WITHIN} s"
     line = emulator.stdout.readline()
     assert line, f"the emulator ended with code {emulator.wait(10)} before it was ready"
-    port = json.loads(line)["robots"][0]["port"]
-    assert isinstance(port, str)
-    return port
+    robot = json.loads(line)["robots"][0]
+    return str(robot["port"]), robot["laser_port"]
 
 
 @pytest.fixture
