@@ -1,0 +1,101 @@
+from math import radians
+from typing import TYPE_CHECKING
+
+import pytest
+
+from gateway.elements.gyro import RATE_PER_COUNT, SAMPLE_PERIOD, Gyro
+from gateway.events import TurnRateSeen
+from gateway.settings import Calibration, Settings
+from p2os import Command, Configuration, GyroReport, GyroSample, StandardSip
+
+if TYPE_CHECKING:
+    from tests.gateway.elements.conftest import MakeStand, Stand
+
+CYCLE = 0.1
+FAILED = 1 << 4
+"""Bit of the SIP's fault flags."""
+
+
+@pytest.fixture
+def stand(make_stand: "MakeStand") -> "Stand":
+    stand = make_stand(Gyro)
+    stand.connect(Configuration(has_gyro=1))
+    return stand
+
+
+def cycle(stand: "Stand", *counts: int, sip: StandardSip | None = None) -> TurnRateSeen | None:
+    """One cycle of the robot: the GYROpac, then the SIP; what is announced of it."""
+    stand.now += CYCLE
+    before = len(stand.announced)
+    stand.take(GyroReport(tuple(GyroSample(count, 20) for count in counts)))
+    stand.see(sip or StandardSip())
+    news = stand.announced[before:]
+    if not news:
+        return None
+    (event,) = news
+    assert isinstance(event, TurnRateSeen)
+    return event
+
+
+def test_robot_whose_gyro_sends_is_asked_for_packets(stand: "Stand") -> None:
+    assert [(command.command, command.value) for command in stand.sent()] == [(Command.GYRO, 1)]
+    assert stand.has_it()
+
+
+@pytest.mark.parametrize("has_gyro", [0, 2, 3])
+def test_robot_that_has_none_or_uses_it_by_itself_is_asked_nothing(make_stand: "MakeStand", has_gyro: int) -> None:
+    stand = make_stand(Gyro)
+    stand.connect(Configuration(has_gyro=has_gyro))
+    assert stand.sent() == []
+    assert not stand.has_it()
+    element = stand.element
+    assert isinstance(element, Gyro)
+    assert element.is_inside == (has_gyro >= 2)
+    assert cycle(stand, 512) is None
+
+
+def test_counts_above_rest_are_clockwise(stand: "Stand") -> None:
+    event = cycle(stand, 522, 522, 522, 522)
+    assert event is not None
+    assert event.rate == pytest.approx(-10 * RATE_PER_COUNT * 1.626)
+    assert event.rate == pytest.approx(-radians(10 * 5 / 1023 * 300 / 2.5 * 1.626))  # source: client libraries
+    assert event.duration == pytest.approx(4 * SAMPLE_PERIOD)
+
+
+def test_rest_position_is_learned_while_the_wheels_stand(stand: "Stand") -> None:
+    first = cycle(stand, 520, 520, 520, 520)
+    for _ in range(100):
+        cycle(stand, 519, 520, 521, 520)
+    last = cycle(stand, 519, 520, 521, 520)
+    assert first is not None
+    assert last is not None
+    assert first.rate < -0.1
+    assert last.rate == pytest.approx(0.0, abs=1e-3)
+    assert last.variance < first.variance / 10
+
+
+def test_rest_position_is_not_learned_while_the_wheels_turn(stand: "Stand") -> None:
+    turning = StandardSip(left_velocity=-0.1, right_velocity=0.1)
+    for _ in range(100):
+        event = cycle(stand, 500, 500, 500, 500, sip=turning)
+    assert event is not None
+    assert event.rate == pytest.approx(12 * RATE_PER_COUNT * 1.626)
+
+
+def test_failed_gyro_says_nothing_until_it_works_again(stand: "Stand") -> None:
+    assert cycle(stand, 512, sip=StandardSip(fault_flags=FAILED)) is not None
+    assert cycle(stand, 900, sip=StandardSip(fault_flags=FAILED)) is None
+    assert cycle(stand, 900, sip=StandardSip(fault_flags=0)) is None
+    assert cycle(stand, 512) is not None
+
+
+def test_packet_without_readings_is_no_reading_of_zero(stand: "Stand") -> None:
+    assert cycle(stand) is None
+
+
+def test_gyro_is_calibrated_by_the_settings(make_stand: "MakeStand") -> None:
+    stand = make_stand(Gyro, settings=Settings(calibration=Calibration(gyro=1.0)))
+    stand.connect(Configuration(has_gyro=1))
+    event = cycle(stand, 502)
+    assert event is not None
+    assert event.rate == pytest.approx(10 * RATE_PER_COUNT)
