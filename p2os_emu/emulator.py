@@ -68,6 +68,10 @@ class Surroundings(Protocol):
         """Put a robot elsewhere, as a hand would; its odometry does not notice."""
         ...
 
+    def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
+        """Where the middle of each movable object is, m, m, m, and its heading, rad."""
+        ...
+
 
 @dataclass(slots=True)
 class EmulatedRobot:
@@ -204,6 +208,10 @@ class Emulator:
     def truth(self, name: str) -> Truth:
         """How a robot really moves."""
         return self._world.truth(name)
+
+    def objects(self) -> Mapping[str, tuple[float, float, float, float]]:
+        """Where the middle of each movable object is, m, m, m, and its heading, rad."""
+        return self._world.object_places()
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Put a robot elsewhere, as a hand would; its odometry does not notice."""

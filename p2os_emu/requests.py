@@ -102,7 +102,7 @@ def _checked(do: str, kind: _Request, key: str, value: Any) -> Any:
 
 def _truth(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     rows = {robot.name: _truth_of(desk, robot) for robot in desk.robots(fields)}
-    answer = {"robots": rows, "time": desk.emulator.time, **_pace(desk)}
+    answer = {"robots": rows, "objects": desk.emulator.objects(), "time": desk.emulator.time, **_pace(desk)}
     if len(rows) == 1:  # meant or alone: spares the asker a level
         answer |= {key: next(iter(rows.values()))[key] for key in ("x", "y", "heading")}
     return answer

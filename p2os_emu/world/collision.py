@@ -110,6 +110,7 @@ def build_object(client: int, movable: Movable) -> int:
         shape,
         basePosition=[pose.x, pose.y, movable.height / 2],
         baseOrientation=upright(pose.heading),
+        flags=engine.URDF_ENABLE_SLEEPING,  # what rests costs nothing until something touches it
         physicsClientId=client,
     )
     engine.changeDynamics(body, HULL, lateralFriction=movable.friction, physicsClientId=client)
