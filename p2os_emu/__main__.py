@@ -16,6 +16,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import configs
+from p2os_emu.cassette import CassetteError
 from p2os_emu.control import ControlSocket
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.factory import Factory
@@ -26,10 +27,11 @@ from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import HUNG_UP, Poller
 from p2os_emu.lists import listing
-from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PHYSICS, EXIT_PORT, Options, parse
+from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, Options, parse
 from p2os_emu.ports import Ports
 from p2os_emu.requests import Desk
 from p2os_emu.runner import Runner
+from p2os_emu.tapes import Recording, check, serve
 from p2os_emu.team import Team, TeamError
 
 if TYPE_CHECKING:
@@ -51,8 +53,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             print(listing(options.listing), flush=True)
             return EXIT_OK
         with _ended_by_signals():
-            _emulate(options)
-    except (configs.ConfigError, TeamError, FaultError) as error:
+            if options.check is not None:
+                return _check(options.check, options)
+            if options.serve is not None:
+                serve(options.serve, options)
+            else:
+                _emulate(options)
+    except (configs.ConfigError, TeamError, FaultError, CassetteError) as error:
         return _fail(error, EXIT_CONFIG)
     except PortError as error:
         return _fail(error, EXIT_PORT)
@@ -76,6 +83,9 @@ def _emulate(options: Options) -> None:
         stack.callback(emulator.close)
         ports = Ports(poller, pty=options.pty, tcp=_first_tcp_port(options), robots=len(options.robots))
         team = Team(emulator, ports, options.link, flash, str(options.flash), options.fits)
+        if options.record is not None:
+            recording = stack.enter_context(contextlib.closing(Recording(options.record, len(options.robots))))
+            team.whenever_added.append(recording.add)
         robots = [team.add(text) for text in options.robots]
         team.check_fits()
         faults = FaultBoard(emulator.robots)
@@ -101,6 +111,11 @@ def _emulate(options: Options) -> None:
         stack.callback(_report, options, runner)
         with world.until_window_closes():
             runner.run(options.duration)
+
+
+def _check(path: Path, options: Options) -> int:
+    with contextlib.closing(_make_world(options)) as world:
+        return EXIT_OK if check(path, options, world) else EXIT_PARTS
 
 
 @contextlib.contextmanager

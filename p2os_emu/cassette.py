@@ -11,7 +11,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from p2os import Command, Frame, FrameDecoder, Identity, encode_frame
+from p2os import (
+    BAUD_CODES,
+    Command,
+    ConnectionState,
+    Frame,
+    FrameDecoder,
+    Identity,
+    RobotHandshake,
+    decode_command,
+    encode_frame,
+)
 from p2os.handshake import read_identity
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import Source, Talk
@@ -152,10 +162,8 @@ class Player:
     their recorded times, counted from the client's OPEN, until its CLOSE or the end of the recording. Bytes that were
     damaged on the recorded line are not played.
 
-    baud: any; nothing between player and client looks at it unless the line does.
+    baud: bit/s of its port: that of a robot just switched on, then what the client sets with HOSTBAUD.
     """
-
-    baud = 9600
 
     def __init__(self, cassette: Cassette) -> None:
         start, *recorded = exchanges(cassette)
@@ -164,8 +172,9 @@ class Player:
         for each in recorded:
             self._same.setdefault((each.name, each.command), deque()).append(each)
             self._similar.setdefault(each.name, deque()).append(each)
+        self.baud = BAUD_CODES[0]
         self._decoder = FrameDecoder()
-        self._talk = Talk()
+        self._connection = RobotHandshake(Identity("", "", ""))  # its rules; the words are the recorded robot's
         self._now = 0.0
         self._answers: list[tuple[float, bytes]] = []
         self._stream: deque[tuple[float, bytes]] = deque()
@@ -188,17 +197,28 @@ class Player:
         self._answers = [each for each in self._answers if each[0] > self._now]
         while self._stream and self._stream[0][0] <= self._now:
             due.append(self._stream.popleft()[1])
-        for payload in due:
-            self._talk.hear(payload)
         return b"".join(map(encode_frame, due))
 
     def _hear(self, payload: bytes) -> None:
-        name = self._talk.name(payload) or f"command {payload[0]}"
+        name = self._name(payload)
         if name in ("OPEN", "CLOSE"):
             self._stream.clear()
         recorded = self._same.get((name, payload)) or self._similar.get(name)
+        if payload[0] == Command.HOSTBAUD:
+            code = decode_command(payload).value
+            self.baud = BAUD_CODES.get(code, self.baud) if isinstance(code, int) else self.baud
         if recorded:
             self._begin(recorded.popleft() if len(recorded) > 1 else recorded[0])
+
+    def _name(self, payload: bytes) -> str:
+        """As `Exchange.name`; empty for a SYNC out of turn, which no robot answers."""
+        number, was_open = payload[0], self._connection.state is ConnectionState.OPEN
+        if self._connection.receive(payload) is not None:
+            return f"SYNC{number}"
+        if number > Command.CLOSE:
+            return f"command {number}"
+        is_open = self._connection.state is ConnectionState.OPEN
+        return ("PULSE", "OPEN", "CLOSE")[number] if is_open or was_open else ""
 
     def _begin(self, exchange: Exchange) -> None:
         self._answers += [(self._now + delay, answer) for delay, answer in exchange.answers]

@@ -47,6 +47,8 @@ OF_THE_ROOM = frozenset(
 """Fields that the surroundings or the hour decide."""
 READING_BYTES = 3
 """Of one sonar reading in a SIP; how many a SIP carries is a matter of the moment."""
+SIPS_OF_ALL_DISCS = 10
+"""In so many SIPs every sonar disc has its turn."""
 ODOMETRY = ("x", "y", "heading")
 
 
@@ -188,7 +190,7 @@ class _Comparison:
 
     def _sonar(self) -> Iterator[Parting]:
         recorded, emulated = _discs(self._recorded), _discs(self._emulated)
-        if recorded != emulated:
+        if recorded != emulated and min(len(self._recorded), len(self._emulated)) >= SIPS_OF_ALL_DISCS:
             yield Parting(SIP, "sonar numbers", recorded, emulated, 1, 1, self._recorded[0].time)
 
     def _differing(

@@ -9,6 +9,7 @@ from pathlib import Path
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
 
 EXIT_OK = 0
+EXIT_PARTS = 1
 EXIT_USAGE = 2  # argparse's own
 EXIT_CONFIG = 3
 EXIT_PORT = 4
@@ -26,9 +27,13 @@ examples:
   p2os-emu -m lab.map -r p3dx:happy -p 8101          as with MobileSim; -R p3dx makes a robot for every client
   p2os-emu --robot p3dx --fault line-cut:robot=p3dx@5+10
                                                      5 s after the start the cable is cut for 10 s
+  p2os-emu --robot p3dx --record drive.jsonl         write down all that flows on its cable
+  p2os-emu --serve drive.jsonl --pty /tmp/happy      a client meets the robot as it was recorded
+  p2os-emu --check iron.jsonl                        where does the emulator part from a recorded robot?
 
 exit codes:
   0  ended by --duration, by SIGINT, by SIGTERM or over the control socket
+  1  --check found that the recorded robot and the emulated one part
   2  the command line is wrong
   3  a robot, world, link or fault does not exist, or a file has an error
   4  a port, a path for one or the control socket cannot be had
@@ -57,6 +62,9 @@ class Options:
     gui: bool
     perfect: bool
     hangup_stops: bool
+    record: Path | None
+    serve: Path | None
+    check: Path | None
     until_stdin_closes: bool
     json: bool
     quiet: bool
@@ -67,7 +75,8 @@ def parse(argv: Sequence[str] | None = None) -> Options:
     """Read the command line; ends the program with exit code 2 and a message where it is wrong."""
     parser = _parser()
     given = parser.parse_args(argv)
-    if given.listing is None and not (given.robot or given.tcp_robot or given.factory):
+    needs_robot = given.listing is None and given.serve is None and given.check is None
+    if needs_robot and not (given.robot or given.tcp_robot or given.factory):
         parser.error("which robot? give --robot MODEL[:NAME]; --list-robots shows the models")
     if given.factory and given.pty is not None:
         parser.error("-R serves its clients on TCP: give -p PORT, not --pty")
@@ -79,7 +88,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         robots=(*given.robot, *given.tcp_robot),
         factory=given.factory,
         fits=tuple(given.fit),
-        world=given.world,
+        world=given.world or ("office" if given.check is None else "empty"),
         pty=given.pty,
         tcp=given.tcp,
         link=given.link,
@@ -93,6 +102,9 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         gui=given.gui,
         perfect=given.perfect,
         hangup_stops=given.hangup_stops,
+        record=given.record,
+        serve=given.serve,
+        check=given.check,
         until_stdin_closes=given.until_stdin_closes,
         json=given.json,
         quiet=given.quiet,
@@ -111,6 +123,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_team(parser)
     _add_ports(parser)
     _add_run(parser)
+    _add_cassettes(parser)
     _add_lists(parser)
     return parser
 
@@ -151,9 +164,8 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         "--map",
         "--world",
         dest="world",
-        default="office",
         metavar="NAME|FILE",
-        help="a world, or a .toml or .map file (office)",
+        help="a world, or a .toml or .map file (office; empty for --check)",
     )
     group.add_argument("--perfect", action="store_true", help="no imperfections: exact wheels, sonar without noise")
     group.add_argument(
@@ -221,6 +233,28 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--json", action="store_true", help="print one line of JSON once every robot is ready")
     group.add_argument("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_cassettes(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group(
+        "cassettes", "recorded lines: one JSON object a line, with t (s), from (host or robot) and hex"
+    )
+    group.add_argument(
+        "--record", type=Path, metavar="FILE", help="record the robot's line; of several robots each has FILE-NAME"
+    )
+    group.add_argument(
+        "--serve",
+        type=Path,
+        metavar="FILE",
+        help="no emulation: answer a client with what the recorded robot answered to the same commands",
+    )
+    group.add_argument(
+        "--check",
+        type=Path,
+        metavar="FILE",
+        help="send the recorded client's bytes to an emulated robot and say where its answers differ; the model is "
+        "the recorded one unless --robot gives another",
+    )
 
 
 def _add_lists(parser: argparse.ArgumentParser) -> None:

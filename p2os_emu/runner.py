@@ -1,12 +1,26 @@
 """The loop that moves an emulator in step with a clock."""
 
 from collections.abc import Callable
+from typing import Protocol
 
-from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.emulator import STEP
 from p2os_emu.links.poller import Poller
 from p2os_emu.pacing import Pacer
 
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
+
+
+class Stepped(Protocol):
+    """What a runner moves: an emulator."""
+
+    @property
+    def time(self) -> float:
+        """Emulated time since the start, s."""
+        ...
+
+    def step(self) -> None:
+        """Move on by `STEP`."""
+        ...
 
 
 class Runner:
@@ -18,7 +32,7 @@ class Runner:
 
     def __init__(
         self,
-        emulator: Emulator,
+        emulator: Stepped,
         poller: Poller,
         *,
         clock: Callable[[], float],

@@ -1,7 +1,7 @@
 """The robots of one run: from `MODEL[:NAME]` to a robot with a name and a port of its own."""
 
 import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -45,6 +45,7 @@ class Team:
         fits: Sequence[str] = (),
     ) -> None:
         self.emulator = emulator
+        self.whenever_added: list[Callable[[EmulatedRobot], None]] = []
         self._ports = ports
         self._profile = profile
         self._flash = flash
@@ -98,6 +99,8 @@ class Team:
             except ValueError as error:
                 raise TeamError(str(error)) from error
             opened.pop_all()
+        for tell in self.whenever_added:
+            tell(robot)
         return robot
 
     def entry(self, robot: EmulatedRobot) -> dict[str, str | None]:
