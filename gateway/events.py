@@ -76,6 +76,15 @@ class GripperSeen(NamedTuple):
     right_contact: bool
 
 
+class HeadSeen(NamedTuple):
+    """Where the camera head looks: rad to the left, rad up, magnification (1 at the widest)."""
+
+    pan: float
+    tilt: float
+    zoom: float
+    moving: bool
+
+
 class LinkLost(NamedTuple):
     """The robot was connected and is no more; the driver begins anew."""
 
@@ -193,6 +202,7 @@ Event = (
     | JoystickSeen
     | InfraredSeen
     | ChargeSeen
+    | HeadSeen
     | LinkLost
     | SweepFailed
     | RobotRejected

@@ -1,6 +1,7 @@
 """What a person can set for one gateway, in a TOML file given with `--config`."""
 
 from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
 
 from configs import build, read
@@ -40,16 +41,27 @@ class Limits:
     angular_rad_s: float | None = None
 
 
+class PtzChoice(StrEnum):
+    """Which camera head hangs on AUX1: the one that answers, one that need not answer, or none to ask for."""
+
+    AUTO = "auto"
+    VCC4 = "vcc4"
+    EVID30 = "evid30"
+    NONE = "none"
+
+
 @dataclass(frozen=True, slots=True)
 class Fitted:
     """What only a person knows of the robot.
 
-    compass, joystick: false where asking for one is not wanted. lcd: it has a display, which never answers.
+    compass, joystick: false where asking for one is not wanted. lcd: it has a display, which never answers. ptz: its
+    camera head; "vcc4" or "evid30" serves one that hears but cannot answer as well.
     """
 
     compass: bool = True
     joystick: bool = True
     lcd: bool = False
+    ptz: PtzChoice = PtzChoice.AUTO
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from gateway.elements.gyro import Gyro
 from gateway.elements.infrared import Infrared
 from gateway.elements.joystick import Joystick
 from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
+from gateway.elements.ptz import Ptz
 from gateway.elements.sound import Sound
 
 ELEMENTS: tuple[type[Element], ...] = (
@@ -22,4 +23,5 @@ ELEMENTS: tuple[type[Element], ...] = (
     Batteries,
     Compass,
     Joystick,
+    Ptz,
 )

@@ -11,6 +11,7 @@ from gateway.faces.gyro import GyroFace, InnerGyroFace
 from gateway.faces.infrared import InfraredFace
 from gateway.faces.joystick import JoystickFace
 from gateway.faces.panel import ChargerFace, DisplayFace, PowerFace, ServosFace
+from gateway.faces.ptz import PtzFace
 from gateway.faces.sound import SoundFace
 
 FACES: tuple[type[Face], ...] = (
@@ -20,6 +21,7 @@ FACES: tuple[type[Face], ...] = (
     CompassFace,
     GripperFace,
     JoystickFace,
+    PtzFace,
     SoundFace,
     DisplayFace,
     ServosFace,

@@ -190,6 +190,11 @@ class AnswerDecoder:
     def __init__(self) -> None:
         self._frames = _Frames(ANSWER_START)
 
+    @property
+    def pending(self) -> int:
+        """Bytes of an answer that is not complete yet."""
+        return self._frames.pending
+
     def receive(self, data: bytes) -> list[HeadAnswer]:
         """Take bytes, in any pieces; noise between frames is passed over."""
         bodies = [body[2:] for body in self._frames.receive(data) if body[:2] == DEVICE and len(body) > 3]
@@ -202,6 +207,10 @@ class _Frames:
     def __init__(self, start: int) -> None:
         self._start = start
         self._body: bytearray | None = None
+
+    @property
+    def pending(self) -> int:
+        return 0 if self._body is None else 1 + len(self._body)
 
     def receive(self, data: bytes) -> list[bytes]:
         found = []

@@ -169,6 +169,11 @@ class ViscaDecoder:
     def __init__(self) -> None:
         self._message = bytearray()
 
+    @property
+    def pending(self) -> int:
+        """Bytes of a message that is not complete yet."""
+        return len(self._message)
+
     def receive(self, data: bytes) -> list[ViscaMessage]:
         """Take bytes, in any pieces; what begins with no header is passed over, and a header begins anew."""
         found = []

@@ -1,0 +1,107 @@
+"""Where a camera head looks: as it says, or reckoned from its speeds where it says nothing."""
+
+from math import radians
+from typing import NamedTuple
+
+from p2os.accessories.head_model import HeadModel
+
+ARRIVED = radians(0.3)
+"""rad; nearer to its goal than this, a head is there: more than a count of any axis."""
+ZOOM_ARRIVED = 0.02
+"""Likewise of the magnification, as a part of it."""
+SLACK = 1.0
+"""Seconds that a head may take beyond its speeds before it counts as resting elsewhere."""
+STILL_MOVES = 0.5
+"""Seconds for which a head that has just moved, though nobody told it to, counts as moving."""
+
+
+class Place(NamedTuple):
+    """pan: rad to the left. tilt: rad up. zoom: magnification."""
+
+    pan: float = 0.0
+    tilt: float = 0.0
+    zoom: float = 1.0
+
+
+class HeadPlace:
+    """Follows one head.
+
+    goal: where it was told to look.
+    """
+
+    def __init__(self, model: HeadModel) -> None:
+        self.goal = Place()
+        self._model = model
+        self._place = Place()
+        self._at = 0.0
+        self._moves_until = 0.0
+        self._is_reckoned = False
+
+    def reckon(self, now: float) -> None:
+        """From now on the head says nothing."""
+        self._is_reckoned = True
+        self._at = now
+
+    def now(self, now: float) -> Place:
+        """Where it looks, as far as one knows."""
+        if not self._is_reckoned:
+            return self._place
+        model, lens, seconds = self._model, self._model.lens, now - self._at
+        count = _towards(
+            lens.count_at(self._place.zoom), lens.count_at(self.goal.zoom), lens.counts / lens.travel_s * seconds
+        )
+        return Place(
+            _towards(self._place.pan, self.goal.pan, model.pan.top_speed * seconds),
+            _towards(self._place.tilt, self.goal.tilt, model.tilt.top_speed * seconds),
+            lens.ratio_at(count),
+        )
+
+    def is_moving(self, now: float) -> bool:
+        """It is on its way."""
+        return now < self._moves_until
+
+    @property
+    def zooms(self) -> bool:
+        """The lens is not where it was sent."""
+        return abs(self._place.zoom - self.goal.zoom) > ZOOM_ARRIVED * self.goal.zoom
+
+    @property
+    def turns(self) -> bool:
+        """Pan or tilt are not where they were sent."""
+        return max(abs(self._place.pan - self.goal.pan), abs(self._place.tilt - self.goal.tilt)) > ARRIVED
+
+    def send(self, goal: Place, now: float) -> None:
+        """It was told to look somewhere."""
+        self._place, self._at, self.goal = self.now(now), now, goal
+        self._moves_until = now + self._travel_time() + (0.0 if self._is_reckoned else SLACK)
+
+    def stop(self, now: float) -> None:
+        """It was told to stay where it is."""
+        self.send(self.now(now), now)
+
+    def expect(self, seconds: float, now: float) -> None:
+        """It moves by itself for some time."""
+        self._moves_until = max(self._moves_until, now + seconds)
+
+    def see(self, place: Place, now: float) -> bool:
+        """It says where it looks; returns whether that is new."""
+        has_moved = place != self._place
+        self._place, self._at = place, now
+        if has_moved:
+            self._moves_until = max(self._moves_until, now + STILL_MOVES)
+        elif not (self.turns or self.zooms):
+            self._moves_until = min(self._moves_until, now)
+        return has_moved
+
+    def _travel_time(self) -> float:
+        lens = self._model.lens
+        way = abs(lens.count_at(self.goal.zoom) - lens.count_at(self._place.zoom)) / lens.counts
+        return max(
+            abs(self.goal.pan - self._place.pan) / self._model.pan.top_speed,
+            abs(self.goal.tilt - self._place.tilt) / self._model.tilt.top_speed,
+            way * lens.travel_s,
+        )
+
+
+def _towards(start: float, goal: float, reach: float) -> float:
+    return goal if abs(goal - start) <= reach else start + (reach if goal > start else -reach)

@@ -1,0 +1,51 @@
+"""The camera head on the bus."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from bus import keys
+from bus.keys import Topic, frame
+from bus.messages import PanTiltZoom, header
+from gateway.commands import Arguments, CommandRow
+from gateway.driver import Driver
+from gateway.elements.ptz import Ptz
+from gateway.errors import CommandRefused
+from gateway.events import Event, HeadSeen
+from gateway.faces.face import Face
+
+
+def _look(driver: Driver, arguments: Arguments, now: float) -> None:
+    head = driver.element(Ptz, now)
+    what = arguments.get("do", "look")
+    if what == "stop":
+        head.stop(now)
+    elif what == "look":
+        head.look(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"), now)
+    else:
+        raise CommandRefused(f"a camera head cannot {what!r}; say stop, or give pan, tilt or zoom")
+
+
+class PtzFace(Face):
+    """`<robot>/ptz` and `command/ptz`."""
+
+    name = "ptz"
+    streams = (keys.PTZ,)
+    commands = (CommandRow(keys.LOOK, {}, _look, may_take={"pan": float, "tilt": float, "zoom": float, "do": str}),)
+
+    def is_present(self, driver: Driver) -> bool:
+        """It has answered, or the settings name it."""
+        return driver.has(Ptz)
+
+    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+        """One whenever it is known where it looks."""
+        if isinstance(event, HeadSeen):
+            yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
+
+    def describe(self, driver: Driver) -> Mapping[str, Any]:
+        """What it is, what it can be told, and its widest horizontal view."""
+        model = driver.lookup(Ptz).model
+        return {
+            "model": model.name,
+            "limits": {"pan": model.pan.limits, "tilt": model.tilt.limits, "zoom": (1.0, model.lens.ratio)},
+            "field_of_view": model.lens.field_of_view(1.0),
+        }
