@@ -12,6 +12,8 @@ from typing import Any
 from bus import keys
 from bus.keys import Topic
 from gateway.driver import Driver
+from gateway.elements.ports import UserPorts
+from gateway.elements.sonar import Sonar
 from gateway.errors import CommandRefused
 
 TOKEN = "token"
@@ -61,11 +63,11 @@ def _heading(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]
 
 
 def _sonar(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.switch_sonar(arguments["on"], now)
+    driver.element(Sonar, now).switch(arguments["on"])
 
 
 def _output(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.set_outputs(arguments["mask"], arguments["value"], now)
+    driver.element(UserPorts, now).set_outputs(arguments["mask"], arguments["value"])
 
 
 COMMANDS = (

@@ -7,7 +7,7 @@ on a rate is:
     STOP, CLOSE | silence, longer than a receiver keeps half a frame | STOP, CLOSE, SYNC0 | answers
 
 Whatever state the robot is in, the first command it understands is STOP: if half a frame swallows the first pair, the
-silence ends that frame and the second pair is heard.
+silence ends that frame and the second pair is heard. A radio modem is dialled before that, unless it was just in use.
 """
 
 import random
@@ -15,8 +15,10 @@ from collections.abc import Sequence
 from enum import Enum, auto
 from math import inf
 
+from gateway.dialler import Dialler
 from gateway.events import SweepFailed
-from gateway.outbox import BITS_PER_BYTE, PACE, Outbox
+from gateway.line import CABLE, Line
+from gateway.outbox import Outbox
 from p2os import PARTIAL_TIMEOUT, Command, HostHandshake, Identity, encode_command
 
 RATES = (9600, 38400, 19200, 115200, 57600)
@@ -27,22 +29,15 @@ AS_IT_IS = 0
 STOP = encode_command(Command.STOP)
 CLOSE = encode_command(Command.CLOSE)
 
-FIRST_WINDOW = 0.08
-"""Seconds for the answer to a SYNC: a robot answers within 50 ms, and 12 bytes take 12.5 ms at 9600 bit/s."""
-LAST_WINDOW = 0.25
-STEP_WINDOW = 0.25
-"""Seconds for each further answer of a robot that has begun to answer."""
-SETTLING = 0.01
 ROUNDS_FOR_A_TALKER = 3
 """Rounds on a rate at which sound frames come, before the next rate."""
-MAX_BACKOFF = 0.2
-"""Seconds of pause after a sweep, at most."""
 REST = 0.5
 """Seconds before an unwanted robot is asked again."""
 
 
 class _Phase(Enum):
     PAUSED = auto()
+    DIALLING = auto()
     HUSHED = auto()  # the first STOP and CLOSE are out, and now nothing is said
     SYNCING = auto()
 
@@ -54,18 +49,31 @@ class Connector:
     deadline: when `watch` is due, s.
     """
 
-    def __init__(self, rates: Sequence[int], outbox: Outbox, rng: random.Random) -> None:
+    def __init__(self, rates: Sequence[int], outbox: Outbox, rng: random.Random, line: Line = CABLE) -> None:
+        """Prepare to look for a robot.
+
+        Args:
+            rates: bit/s to try.
+            outbox: Takes frames for the robot.
+            rng: Of the pauses.
+            line: What leads to the robot.
+        """
         self._rates = tuple(rates)
+        self._line = line
+        self._dialler = Dialler(line.dial) if line.dial else None
+        self._must_dial = self._dialler is not None
+        self._backoff = line.first_backoff
         self._outbox = outbox
         self._rng = rng
         self._known: int | None = None
         self._plan: list[int] = []
         self._handshake = HostHandshake()
         self._phase = _Phase.PAUSED
-        self._window = FIRST_WINDOW
+        self._window = line.first_window
         self._talks = False
         self._rounds_left = 0
         self._bytes_heard = 0
+        outbox.share = line.share
         self.baud = self._rates[0]
         self.deadline = inf
 
@@ -79,9 +87,13 @@ class Connector:
             self._plan = [rate for other in others for rate in (self._known, other)] or [self._known]
         self._next_rate(now)
 
-    def hear(self, size: int) -> None:
-        """Count bytes of any kind, to tell a silent line from a stranger's."""
-        self._bytes_heard += size
+    def hear(self, data: bytes, now: float) -> None:
+        """Take bytes of any kind, to tell a silent line from a stranger's and to hear a modem."""
+        self._bytes_heard += len(data)
+        if self._dialler is not None and self._phase is _Phase.DIALLING:
+            self._dialler.hear(data)
+            if self._dialler.has_answered:
+                self._start_round(now)
 
     def receive(self, payload: bytes, now: float) -> Identity | None:
         """Take the payload of a sound frame; return the robot's identity once it has given it."""
@@ -95,11 +107,13 @@ class Connector:
         following = self._handshake.request()
         if identity is not None:
             self._known = self.baud
-            self._window = FIRST_WINDOW
+            self._window = self._line.first_window
+            self._backoff = self._line.first_backoff
+            self._must_dial = False
             self.deadline = inf
         elif following != before:
             self._outbox.put("sync", following)
-            self.deadline = now + STEP_WINDOW
+            self.deadline = now + self._outbox.time_to_send(following) + self._line.step_window
         return identity
 
     def watch(self, now: float) -> SweepFailed | None:
@@ -109,6 +123,10 @@ class Connector:
         match self._phase:
             case _Phase.PAUSED:
                 self.begin(now)
+            case _Phase.DIALLING:
+                assert self._dialler is not None  # only then this phase is entered
+                self._dialler.give_up()
+                self._start_round(now)
             case _Phase.HUSHED:
                 self._start_sync(now)
             case _Phase.SYNCING if self._rounds_left > 0:
@@ -130,7 +148,17 @@ class Connector:
         self.baud = self._outbox.baud = self._plan.pop(0)
         self._talks = False
         self._rounds_left = 0
-        self._start_round(now)
+        if self._dialler is not None and self._must_dial:
+            self._dial(self._dialler, now)
+        else:
+            self._start_round(now)
+
+    def _dial(self, dialler: Dialler, now: float) -> None:
+        dialler.begin()
+        self._outbox.clear()
+        self._outbox.put("dial", dialler.frame)
+        self._phase = _Phase.DIALLING
+        self.deadline = now + self._outbox.time_to_send(dialler.frame) + dialler.patience
 
     def _start_round(self, now: float) -> None:
         self._handshake = HostHandshake()
@@ -138,7 +166,7 @@ class Connector:
         self._outbox.put("stop", STOP)
         self._outbox.put("close", CLOSE)
         self._phase = _Phase.HUSHED
-        self.deadline = now + self._sending(STOP, CLOSE) + PARTIAL_TIMEOUT + SETTLING
+        self.deadline = now + self._outbox.time_to_send(STOP, CLOSE) + PARTIAL_TIMEOUT + self._line.settling
 
     def _start_sync(self, now: float) -> None:
         sync = self._handshake.request()
@@ -146,15 +174,13 @@ class Connector:
         self._outbox.put("close", CLOSE)
         self._outbox.put("sync", sync)
         self._phase = _Phase.SYNCING
-        self.deadline = now + self._sending(STOP, CLOSE, sync) + self._window
+        self.deadline = now + self._outbox.time_to_send(STOP, CLOSE, sync) + self._window
 
     def _pause(self, now: float) -> SweepFailed:
-        self._window = min(2 * self._window, LAST_WINDOW)
+        line = self._line
+        self._window = min(2.0 * self._window, line.last_window)
         self._phase = _Phase.PAUSED
-        self.deadline = now + self._rng.uniform(0.0, MAX_BACKOFF)
+        self._must_dial = True
+        self.deadline = now + self._rng.uniform(0.0, self._backoff)
+        self._backoff = min(2.0 * self._backoff, line.last_backoff)
         return SweepFailed(self._rates, self._bytes_heard)
-
-    def _sending(self, *frames: bytes) -> float:
-        """Seconds until the last byte of these frames is on its way."""
-        on_the_line = sum(map(len, frames)) * BITS_PER_BYTE / self.baud if self.baud else 0.0
-        return on_the_line + PACE * (len(frames) - 1)

@@ -15,17 +15,14 @@ from collections.abc import Callable, Sequence
 from math import inf, isfinite
 from typing import TypeVar
 
-from gateway.configurator import Configurator
 from gateway.connector import CLOSE, STOP, Connector
 from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
 from gateway.events import (
     ConfigurationReceived,
-    EncodersReceived,
     Event,
     HandshakeCompleted,
-    InputsOutputsReceived,
     LinkLost,
     RobotRejected,
     SipReceived,
@@ -42,10 +39,8 @@ from p2os import (
     Configuration,
     Damaged,
     DecodeError,
-    Encoders,
     FrameDecoder,
     Identity,
-    InputsOutputs,
     PacketType,
     RobotModel,
     SipCodec,
@@ -56,8 +51,6 @@ from p2os import (
 
 LONGEST_SILENCE = 0.5
 """Seconds between two calls, beyond which the driver distrusts itself and everything it is told at once afterwards."""
-SIP_TIMEOUT = 1.0
-"""Seconds without a SIP after which the robot is lost; and after OPEN, before the first."""
 LONGEST_MOVE = 30.0
 """m; the int argument of MOVE carries 65 m, and nobody means that."""
 LONGEST_TURN = 100.0
@@ -86,12 +79,12 @@ class Driver:
         self._settings = settings or Settings()
         self._find_model = find_model
         self._outbox = Outbox()
-        self._connector = Connector(rates, self._outbox, rng or random.Random())
+        self._line = self._settings.line
+        self._connector = Connector(rates, self._outbox, rng or random.Random(), self._line)
         self._decoder = FrameDecoder()
         self._events: list[Event] = []
         self._codec: SipCodec | None = None
         self._plausibility: Plausibility | None = None
-        self._configurator = Configurator(self._settings, self._outbox)
         self._motion = Motion(self._outbox, self._events.append, self._settings.enable_motors)
         self._elements = {
             kind: kind(self._outbox, self._events.append, self._settings) for kind in ELEMENTS
@@ -132,8 +125,7 @@ class Driver:
         return min(
             self._outbox.deadline,
             self._motion.deadline,
-            self._configurator.deadline,
-            self._sip_at + SIP_TIMEOUT,
+            self._sip_at + self._line.sip_timeout,
             *(element.deadline for element in self._elements.values()),
         )
 
@@ -171,7 +163,7 @@ class Driver:
         if self._wake(now):
             data = b""  # it was on the line before the freeze, or has been there for who knows how long
         if not self._is_open:
-            self._connector.hear(len(data))
+            self._connector.hear(data, now)
         for found in self._decoder.receive(data, now):
             if not isinstance(found, Damaged):
                 self._take(found.payload, now)
@@ -297,26 +289,6 @@ class Driver:
         self._check_link(now)
         self._motion.enable(on, now)
 
-    def switch_sonar(self, on: bool, now: float) -> None:
-        """Switch all sonar arrays.
-
-        Raises:
-            CommandRefused: Not connected.
-        """
-        self._check_link(now)
-        self._configurator.switch_sonar(on)
-
-    def set_outputs(self, mask: int, value: int, now: float) -> None:
-        """Set the digital outputs whose bits are set in `mask` to the bits of `value`.
-
-        Raises:
-            CommandRefused: Not connected, or not bytes.
-        """
-        self._check_link(now)
-        if not (0 <= mask <= 255 and 0 <= value <= 255):
-            raise CommandRefused(f"mask {mask} and value {value} must be 0 to 255")
-        self._configurator.set_outputs(mask, value)
-
     def has(self, kind: type[Element]) -> bool:
         """Whether the robot is known to have an element."""
         return self._elements[kind].is_present
@@ -381,7 +353,6 @@ class Driver:
         if self._is_open:
             self.lost[reason] += 1
             self._motion.lose_link()
-            self._configurator.lose_link()
             for element in self._elements.values():
                 element.lose_link()
             if self.is_connected:
@@ -400,11 +371,10 @@ class Driver:
             failed = self._connector.watch(now)
             if failed is not None:
                 self._events.append(failed)
-        elif now - self._sip_at >= SIP_TIMEOUT:
+        elif now - self._sip_at >= self._line.sip_timeout:
             self._restart("the robot fell silent", now)
         else:
             self._motion.watch(now)
-            self._configurator.watch(now)
             for element in self._elements.values():
                 if now >= element.deadline:
                     element.watch(now)
@@ -446,7 +416,6 @@ class Driver:
         self._events.append(HandshakeCompleted(identity, model, self.baud))
         self._outbox.put("open", encode_command(Command.OPEN))
         self._motion.begin_link(now)
-        self._configurator.begin_link(model, now)
         for element in self._elements.values():
             element.begin_link(model, now)
 
@@ -463,15 +432,10 @@ class Driver:
                 self._take_sip(packet, now)
             case Configuration():
                 self.configuration = packet
-                self._configurator.confirm()
                 self._limit_speeds()
                 self._events.append(ConfigurationReceived(packet))
                 for element in self._elements.values():
                     element.configure(packet, now)
-            case Encoders():
-                self._events.append(EncodersReceived(packet, self.model))
-            case InputsOutputs():
-                self._events.append(InputsOutputsReceived(packet))
         for taker in self._takers.get(type(packet), ()):
             taker.take(packet, now)
 

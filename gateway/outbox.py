@@ -19,11 +19,13 @@ class Outbox:
     """A queue of frames.
 
     baud: bit/s of the line, so that a slow line is not given more than it carries; 0 where it does not matter.
+    share: how much of that may be used; what stops the robot may exceed it.
     last_sent: when the latest frame left, s; None before the first.
     """
 
     def __init__(self) -> None:
         self.baud = 0
+        self.share = 1.0
         self.last_sent: float | None = None
         self._waiting: dict[Hashable, bytes] = {}
         self._requests: dict[Hashable, bytes] = {}
@@ -67,10 +69,16 @@ class Outbox:
             return b""
         queue = self._next_queue()
         frame = queue.pop(next(iter(queue)))
-        on_the_line = len(frame) * BITS_PER_BYTE / self.baud if self.baud else 0.0
-        self._free_at = now + max(PACE, on_the_line)
+        self._free_at = now + max(PACE, self._time_for(frame))
         self.last_sent = now
         return frame
+
+    def time_to_send(self, *frames: bytes) -> float:
+        """Seconds until the last byte of these frames is on its way, if nothing else waits."""
+        return sum(max(PACE, self._time_for(frame)) for frame in frames[:-1]) + sum(map(self._time_for, frames[-1:]))
+
+    def _time_for(self, frame: bytes) -> float:
+        return len(frame) * BITS_PER_BYTE / (self.baud * self.share) if self.baud else 0.0
 
     def _next_queue(self) -> dict[Hashable, bytes]:
         if self._waiting and (not self._requests or self._ahead < MOST_AHEAD):

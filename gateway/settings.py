@@ -5,6 +5,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from configs import build, read
+from gateway.line import CABLE, RADIO, Line
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ class Settings:
     model: take the robot for this one, whatever it says. enable_motors: switch the motors on after connecting. sonar:
     switch the sonar on or off after connecting; None, which no file can say, leaves it. encoders: ask for encoder
     packets. inputs_outputs: ask for I/O packets; as the model has it when left out. emulated: the robot is not real;
-    unknown when left out, which all treat as real.
+    unknown when left out, which all treat as real. radio: the robot is behind a radio modem, as `--radio` says.
     """
 
     model: str | None = None
@@ -80,10 +81,16 @@ class Settings:
     encoders: bool = False
     inputs_outputs: bool | None = None
     emulated: bool | None = None
+    radio: bool = False
     calibration: Calibration = field(default_factory=Calibration)
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
     limits: Limits = field(default_factory=Limits)
     fitted: Fitted = field(default_factory=Fitted)
+
+    @property
+    def line(self) -> Line:
+        """The kind of line that leads to the robot."""
+        return RADIO if self.radio else CABLE
 
 
 def load_settings(path: Path) -> Settings:

@@ -2,16 +2,24 @@
 
 from gateway.elements.batteries import Batteries
 from gateway.elements.compass import Compass
+from gateway.elements.configuration import ControllerConfiguration
 from gateway.elements.element import Element
+from gateway.elements.encoders import WheelEncoders
 from gateway.elements.gripper import Gripper
 from gateway.elements.gyro import Gyro
 from gateway.elements.infrared import Infrared
 from gateway.elements.joystick import Joystick
 from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
+from gateway.elements.ports import UserPorts
 from gateway.elements.ptz import Ptz
+from gateway.elements.sonar import Sonar
 from gateway.elements.sound import Sound
 
 ELEMENTS: tuple[type[Element], ...] = (
+    ControllerConfiguration,
+    Sonar,
+    UserPorts,
+    WheelEncoders,
     Gyro,
     Gripper,
     Infrared,

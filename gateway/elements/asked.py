@@ -6,22 +6,22 @@ from typing import ClassVar
 from gateway.elements.element import Element
 from p2os import Command, CommandValue, RobotModel
 
-PERIOD = 0.5
-"""Seconds to wait for an answer before asking again: robot or line may have dropped a frame."""
-TIMES = 3
-"""After which the robot is taken for one that has no answer."""
 SILENCE = 2.0
 """Seconds without a packet after which a stream is asked for again."""
 
-Question = tuple[Command, CommandValue]
+Question = tuple[Command, CommandValue | None]
 
 
 class AskedElement(Element):
     """Asks after every handshake until a packet comes, a few times.
 
     question: a command with its argument. stream: what asks for more packets once one has come; None if one is enough.
+    period: s to wait for an answer before asking again, since robot or line may have dropped a frame. times: to ask,
+    before the robot is taken for one that has no answer.
     """
 
+    period: ClassVar[float] = 0.5
+    times: ClassVar[int] = 3
     question: ClassVar[Question]
     stream: ClassVar[Question | None] = None
     _asks_left = 0
@@ -29,7 +29,7 @@ class AskedElement(Element):
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask."""
-        self._asks_left = TIMES
+        self._asks_left = self.times
         self.watch(now)
 
     def lose_link(self) -> None:
@@ -39,21 +39,22 @@ class AskedElement(Element):
 
     def take(self, packet: object, now: float) -> None:
         """It is answered."""
+        self._outbox.drop(self.question[0])
+        self.deadline = inf
         if self.stream is None:
-            self.deadline = inf
-            self._outbox.drop(self.question[0])
             return
         if not self._streams:
             self._streams = True
-            self._ask(*self.stream)
-        self.deadline = now + SILENCE
+            if self._settings.line.streams:
+                self._ask(*self.stream)
+        self.deadline = now + (SILENCE if self._settings.line.streams else self._settings.line.poll_period)
 
     def watch(self, now: float) -> None:
-        """Ask again."""
+        """Ask again; for one packet after another where the line carries no stream of them."""
         if self._streams and self.stream is not None:
-            self._ask(*self.stream)
+            self._ask(*(self.stream if self._settings.line.streams else self.question))
             self.deadline = now + SILENCE
         else:
             self._ask(*self.question)
             self._asks_left -= 1
-            self.deadline = now + PERIOD if self._asks_left else inf
+            self.deadline = now + self.period if self._asks_left else inf

@@ -42,8 +42,8 @@ class Gyro(Element):
     _has_failed = False
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """The robot says what gyro it has."""
-        self.is_present = configuration.has_gyro == SENT
+        """The robot says what gyro it has; a slow line cannot carry what it would send."""
+        self.is_present = configuration.has_gyro == SENT and self._settings.line.streams
         self.is_inside = configuration.has_gyro >= INSIDE
         if self.is_present:
             self._ask(Command.GYRO, 1)

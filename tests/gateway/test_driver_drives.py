@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from gateway.elements.ports import UserPorts
+from gateway.elements.sonar import Sonar
 from gateway.errors import CommandRefused
 from gateway.events import End, MotionEnded
 from gateway.settings import Limits, Settings
@@ -286,9 +288,9 @@ def test_move_beyond_reason_is_refused(bench: "Bench", distance: float) -> None:
 
 def test_outputs_and_sonar_are_set_and_set_again_after_a_reset(bench: "Bench") -> None:
     bench.connect()
-    bench.driver.set_outputs(0b0011, 0b0001, bench.now)
-    bench.driver.set_outputs(0b0100, 0b0100, bench.now)
-    bench.driver.switch_sonar(False, bench.now)
+    bench.driver.element(UserPorts, bench.now).set_outputs(0b0011, 0b0001)
+    bench.driver.element(UserPorts, bench.now).set_outputs(0b0100, 0b0100)
+    bench.driver.element(Sonar, bench.now).switch(False)
     bench.run(0.3)
     assert bench.robot.digital_out & 0b0111 == 0b0101
     assert bench.sips[-1].sip.sonar_arrays == 0
@@ -296,4 +298,4 @@ def test_outputs_and_sonar_are_set_and_set_again_after_a_reset(bench: "Bench") -
     bench.run(2.0)
     assert bench.robot.digital_out & 0b0111 == 0b0101
     assert bench.sips[-1].sip.sonar_arrays == 0
-    assert "0 to 255" in refusal(lambda: bench.driver.set_outputs(256, 0, bench.now))
+    assert "0 to 255" in refusal(lambda: bench.driver.element(UserPorts, bench.now).set_outputs(256, 0))

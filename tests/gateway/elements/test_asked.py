@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.asked import SILENCE, TIMES
+from gateway.elements.asked import SILENCE, AskedElement
 from gateway.elements.batteries import PERIOD, Batteries
 from gateway.elements.compass import Compass
 from gateway.elements.element import Element
@@ -35,7 +35,7 @@ def test_unanswered_question_is_asked_a_few_times_and_then_no_more(
     for _ in range(100):
         heard += asked(stand)
         stand.run(0.1)
-    assert heard == [kind.question] * TIMES
+    assert heard == [kind.question] * AskedElement.times
     assert not stand.has_it()
 
 

@@ -2,7 +2,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.asked import TIMES
 from gateway.elements.gripper import ORDERS, Gripper
 from gateway.errors import CommandRefused
 from gateway.events import GripperSeen
@@ -38,7 +37,7 @@ def test_robot_without_a_gripper_is_asked_a_few_times_and_then_left_alone(stand:
     heard += stand.sent()
     assert {command.command for command in heard} == {Command.GRIPREQUEST}
     assert stand.element.deadline == float("inf")
-    assert len(heard) <= TIMES
+    assert len(heard) <= Gripper.times
     stand.see(StandardSip(gripper_state=0x11))
     assert not stand.has_it()
     assert stand.announced == []
