@@ -6,7 +6,8 @@ Source: the layout as seen in public map files; lengths in mm, headings in degre
 """
 
 import re
-from collections.abc import Iterable
+import shlex
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite, radians
 from pathlib import Path
@@ -47,11 +48,13 @@ class MapFile:
     lines: walls, m.
     points: what a laser saw, (x, y) in m.
     cairns: named places in the order of the file.
+    kinds: what the file says of kinds of cairns of its own: attribute to value, by the kind's name.
     """
 
     lines: tuple[Segment, ...] = ()
     points: tuple[tuple[float, float], ...] = field(default=(), repr=False)
     cairns: tuple[Cairn, ...] = ()
+    kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     def places(self, kind: str) -> tuple[Cairn, ...]:
         """All cairns of one kind, in the order of the file."""
@@ -89,6 +92,7 @@ def parse_map(text: str, source: str) -> MapFile:
     lines: list[Segment] = []
     points: list[tuple[float, float]] = []
     cairns: list[Cairn] = []
+    kinds: dict[str, Mapping[str, str]] = {}
     section = ""
     for number, row in rows[1:]:
         if row[0].isalpha():
@@ -97,6 +101,9 @@ def parse_map(text: str, source: str) -> MapFile:
                 section = _section(row, f"{source}:{number}")
             elif key == "Cairn":
                 cairns.append(_cairn(value.strip(), f"{source}:{number}"))
+            elif key == "MapInfo":
+                attributes = _attributes(value, f"{source}:{number}")
+                kinds[attributes.get("Name", "")] = attributes
         elif section == "LINES":
             x1, y1, x2, y2 = _numbers(row, 4, f"{source}:{number}", "a line needs x1 y1 x2 y2")
             lines.append(Segment(x1 * _MM, y1 * _MM, x2 * _MM, y2 * _MM))
@@ -105,7 +112,7 @@ def parse_map(text: str, source: str) -> MapFile:
             points.append((x * _MM, y * _MM))
         elif not section:
             raise MapError(f"{source}:{number}: expected `Key: value`, LINES or DATA, found {row[:40]!r}")
-    return MapFile(tuple(lines), tuple(points), tuple(cairns))
+    return MapFile(tuple(lines), tuple(points), tuple(cairns), kinds)
 
 
 def _section(row: str, where: str) -> str:
@@ -130,6 +137,15 @@ def _floats(words: Iterable[str], where: str) -> list[float]:
     if not all(map(isfinite, values)):
         raise MapError(f"{where}: a coordinate is not finite")
     return values
+
+
+def _attributes(value: str, where: str) -> dict[str, str]:
+    """The `key=value` pairs of a row, each of which may stand in quotes as a whole."""
+    try:
+        words = shlex.split(value)
+    except ValueError as err:
+        raise MapError(f"{where}: {err}") from err
+    return {key: text for key, equals, text in (word.partition("=") for word in words) if equals}
 
 
 def _cairn(value: str, where: str) -> Cairn:

@@ -5,8 +5,9 @@
 
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.load import load_world
 from p2os_emu.world.robot_body import RobotBody
-from p2os_emu.world.spec import Block, WorldSpec, load_world
+from p2os_emu.world.spec import Block, WorldSpec
 from p2os_emu.world.world import Outline, Truth, World
 
 __all__ = ["STEP", "Block", "Outline", "RobotBody", "Truth", "World", "WorldError", "WorldSpec", "load_world"]

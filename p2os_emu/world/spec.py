@@ -6,16 +6,13 @@ A world comes from a `configs/worlds` file or from an ARIA `.map` file, and is a
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
-import configs
-from geometry import MapError, MapFile, Point, Polygon, Pose2D, Segment, read_map
+from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.movable import Drop, DropEntry, Movable, ObjectEntry
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
-LINE_THICKNESS = 0.02  # a line of a map is the face of a wall, whichever side one sees it from
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,24 +66,6 @@ def rectangle(pose: Pose2D, front: float, rear: float, width: float) -> Polygon:
     """Corners of a rectangle that reaches `front` ahead of a pose, `rear` behind it and half `width` to each side."""
     half = width / 2
     return tuple(pose.transform(x, y) for x, y in ((-rear, -half), (front, -half), (front, half), (-rear, half)))
-
-
-def load_world(name: str | Path) -> WorldSpec:
-    """Load a world.
-
-    Args:
-        name: Of a world in `configs/worlds` ("office"), or the path of a `.toml` or `.map` file.
-    Raises:
-        WorldError: there is no such world, or its file has an error; says which file, where and why.
-    """
-    try:
-        path = configs.find("worlds", str(name))
-        if path.suffix == ".map":
-            return _from_map(read_map(path), path.stem)
-        file = configs.build(WorldFile, configs.read(path), str(path))
-    except (configs.ConfigError, MapError) as err:
-        raise WorldError(str(err)) from err
-    return file.to_spec(path.stem, str(path))
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,15 +185,3 @@ class WorldFile:
             objects=tuple(objects),
             drops=tuple(drops),
         )
-
-
-def _from_map(file: MapFile, name: str) -> WorldSpec:
-    """Lines become thin walls; robots start at RobotHome, else at a dock or a goal, else at the origin."""
-    walls = tuple(
-        block
-        for line in file.lines
-        if line.length > 0.0
-        for block in WallEntry(line[:2], line[2:], thickness_m=LINE_THICKNESS).blocks()
-    )
-    places = [cairn.pose for kind in ("RobotHome", "Dock", "Goal") for cairn in file.places(kind)]
-    return WorldSpec(name, f"ARIA map {name}", walls, starts=tuple(places) or (Pose2D(),))

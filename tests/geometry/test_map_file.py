@@ -101,3 +101,13 @@ def test_any_text_is_a_map_or_a_map_error_that_names_it(text: str) -> None:
     except MapError as err:
         complaint = str(err)
     assert complaint.startswith("any.map:")
+
+
+def test_kinds_of_its_own_keep_their_attributes() -> None:
+    room = parse_map('2D-Map\nMapInfo: SectorType Name=Tin "Label=A tin box" Sim.Obstacle=yes Shape=Plain\n', "tin.map")
+    assert room.kinds == {"Tin": {"Name": "Tin", "Label": "A tin box", "Sim.Obstacle": "yes", "Shape": "Plain"}}
+
+
+def test_a_kind_with_a_quote_too_many_is_named_by_its_line() -> None:
+    with pytest.raises(MapError, match=r"tin\.map:2: No closing quotation"):
+        parse_map('2D-Map\nMapInfo: GoalType "Name=Goal\n', "tin.map")

@@ -1,0 +1,27 @@
+"""From a name or a file to a world."""
+
+from pathlib import Path
+
+import configs
+from geometry import MapError, read_map
+from p2os_emu.world.aria_map import world_of
+from p2os_emu.world.errors import WorldError
+from p2os_emu.world.spec import WorldFile, WorldSpec
+
+
+def load_world(name: str | Path) -> WorldSpec:
+    """Load a world.
+
+    Args:
+        name: Of a world in `configs/worlds` ("office"), or the path of a `.toml` or `.map` file.
+    Raises:
+        WorldError: there is no such world, or its file has an error; says which file, where and why.
+    """
+    try:
+        path = configs.find("worlds", str(name))
+        if path.suffix == ".map":
+            return world_of(read_map(path), path.stem)
+        file = configs.build(WorldFile, configs.read(path), str(path))
+    except (configs.ConfigError, MapError) as err:
+        raise WorldError(str(err)) from err
+    return file.to_spec(path.stem, str(path))

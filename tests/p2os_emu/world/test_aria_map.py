@@ -1,0 +1,58 @@
+from math import pi
+
+import pytest
+
+from geometry import Pose2D, parse_map
+from p2os_emu.world import WorldSpec
+from p2os_emu.world.aria_map import POINT_CELL, world_of
+
+HEAD = """2D-Map
+MapInfo: SectorType Name=Tin "Label=A tin box" Sim.Obstacle=yes Sim.LaserReflect=32
+MapInfo: SectorType Name=Marker Sim.Obstacle=no
+MapInfo: BoundaryType Name=Reflector "Desc=Throws light back"
+"""
+
+
+def world(rows: str) -> WorldSpec:
+    return world_of(parse_map(HEAD + rows, "lab.map"), "lab")
+
+
+def test_lines_become_thin_walls_and_points_beside_them_nothing() -> None:
+    spec = world("LINES\n0 0 2000 0\nDATA\n100 100\n")
+    (wall,) = spec.walls
+    assert (wall.x, wall.y, wall.width) == pytest.approx((1.0, 0.0, 0.02))
+    assert not wall.reflector
+
+
+def test_points_without_lines_become_blocks_where_they_lie_close() -> None:
+    spec = world("DATA\n0 0\n50 0\n100 10\n1000 0\n0 50\n")
+    assert [(round(block.x, 3), round(block.y, 3), round(block.length, 3)) for block in spec.walls] == [
+        (0.05, 0.0, round(3 * POINT_CELL, 3)),
+        (1.0, 0.0, POINT_CELL),
+        (0.0, 0.05, POINT_CELL),
+    ]
+
+
+def test_reflector_boundary_is_a_wall_that_reflects() -> None:
+    spec = world('Cairn: Reflector 0 0 0 "" ICON "" 0 0 0 1000\nLINES\n0 0 2000 0\n')
+    assert [block.reflector for block in spec.walls] == [False, True]
+
+
+def test_areas_that_are_obstacles_for_the_simulator_become_boxes_to_push() -> None:
+    spec = world(
+        'Cairn: Tin 0 0 90 "" ICON "tin" 1000 0 2000 500\n'
+        'Cairn: Sim.BoxObstacle 0 0 0 "" ICON "" -500 -500 0 0\n'
+        'Cairn: Marker 0 0 0 "" ICON "" 0 0 100 100\n'
+        'Cairn: ForbiddenArea 0 0 0 "" ICON "" 0 0 100 100\n'
+    )
+    tin, plain = spec.objects
+    assert (tin.name, tin.length, tin.width, tin.reflector) == ("tin", 1.0, 0.5, True)
+    assert (tin.pose.x, tin.pose.y, tin.pose.heading) == pytest.approx((-0.25, 1.5, pi / 2))
+    assert (plain.pose, plain.reflector) == (Pose2D(-0.25, -0.25, 0.0), False)
+
+
+def test_robots_start_at_home_then_docks_then_goals() -> None:
+    cairns = ("Goal 1000 0 0", "Dock 2000 0 0", "RobotHome 3000 0 0")
+    spec = world("".join(f'Cairn: {cairn} "" ICON ""\n' for cairn in cairns))
+    assert [start.x for start in spec.starts] == [3.0, 2.0, 1.0]
+    assert world("").starts == (Pose2D(),)
