@@ -85,6 +85,11 @@ class RobotModel:
     lasers: tuple[LaserMount, ...]
     flash: FlashDefaults
 
+    @property
+    def laser(self) -> LaserMount:
+        """Where a laser goes on this robot; over the middle of the axle on one of which nobody says."""
+        return self.lasers[0] if self.lasers else LaserMount("lms2xx", 0.0, 0.0)
+
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> "RobotModel":
         """Build a model from the table of a `configs/robots` file.

@@ -102,6 +102,7 @@ class Beams:
     """Beams of a planar scanner: m and rad in `base_link`, height in m above the floor.
 
     first: bearing of the first beam. step: to the next one, negative where they go clockwise. reach: how far to look.
+    noise: standard deviation of a distance, m.
     """
 
     x: float
@@ -111,6 +112,7 @@ class Beams:
     step: float
     count: int
     reach: float
+    noise: float = 0.0
 
 
 class Echoes(NamedTuple):
@@ -171,5 +173,5 @@ class Body(Protocol):
         ...
 
     def scan(self, beams: Beams) -> Echoes:
-        """Look along the beams of a planar scanner; exact, what a real scanner adds is the scanner's business."""
+        """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""
         ...

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from configs import load
 from p2os import RobotModel
 from p2os.accessories.arm_model import ArmModel
+from p2os_emu.accessories.lms200 import Lms200, ScannerModel
 from p2os_emu.body import Body
 from p2os_emu.device import Device
 from p2os_emu.fit import Fit
@@ -27,7 +28,11 @@ class Bench(NamedTuple):
     chance: Random
 
 
-CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {}
+CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {
+    ("laser", "lms200"): lambda bench: Lms200(
+        load(ScannerModel, "accessories", "lms200"), bench.model.laser, bench.body
+    ),
+}
 """Part and variant to what makes the device on its own cable."""
 
 

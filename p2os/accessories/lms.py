@@ -233,6 +233,20 @@ def partial_data(first: int, values: bytes, unit: Unit) -> bytes:
     return struct.pack("<HH", first + 1, last + 1) + scan_data(values, unit)
 
 
+def segment_data(beams: range) -> bytes:
+    """What follows `Mode.CONTINUOUS_PARTIAL`."""
+    return struct.pack("<HH", beams.start + 1, beams.stop)
+
+
+def read_segment(data: bytes) -> range | None:
+    """The beams that a partial scan is to show; None where the bytes name none. Some hosts count from 0."""
+    if len(data) != 4:
+        return None
+    first, last = struct.unpack("<HH", data)
+    beams = range(max(0, first - 1), last)
+    return beams or None
+
+
 def read_scan(telegram: Telegram) -> Scan:
     """Read a whole or a partial scan.
 

@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from configs import load
 from geometry import Point, Pose2D
 from p2os.accessories.arm_model import ArmModel
@@ -41,7 +43,9 @@ class RobotBody:
         objects: Objects,
         name: str,
         scene: PlanarScene,
+        chance: np.random.Generator | None,
     ) -> None:
+        self._chance = chance
         self._name = name
         self._scene = scene
         self.model = model
@@ -115,8 +119,12 @@ class RobotBody:
         return self._sonar.hear(discs, ends, cast(self._client, starts, ends, self.body_id))
 
     def scan(self, beams: Beams) -> Echoes:
-        """Look along the beams of a planar scanner; exact, what a real scanner adds is the scanner's business."""
-        return self._scene.cast(beams, self.pose, self._name)
+        """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""
+        echoes = self._scene.cast(beams, self.pose, self._name)
+        if self._chance is None or not beams.noise:
+            return echoes
+        disturbed = echoes.ranges + self._chance.normal(0.0, beams.noise, beams.count)
+        return echoes._replace(ranges=np.maximum(disturbed, 0.0))
 
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""

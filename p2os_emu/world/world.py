@@ -6,6 +6,8 @@ from math import isfinite
 from random import Random
 from typing import NamedTuple
 
+import numpy as np
+
 from geometry import Polygon, Pose2D
 from p2os.robot_model import RobotModel
 from p2os_emu.fit import BARE, Fit
@@ -146,6 +148,7 @@ class World:
             self.objects,
             name,
             self._scene,
+            None if random is None else np.random.default_rng(Random(f"{self._seed} {name} scan").getrandbits(64)),
         )
         if fit.has("arm"):
             engine.setPhysicsEngineParameter(numSolverIterations=CHAIN_ITERATIONS, physicsClientId=self._client)
