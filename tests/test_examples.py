@@ -1,0 +1,40 @@
+"""The example that others copy, run as they would run it."""
+
+import ast
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
+
+ROOT = Path(__file__).parents[1]
+EXAMPLE = ROOT / "examples" / "foreign-driver"
+LEFTOVERS = shutil.ignore_patterns("__pycache__", ".pytest_cache", "*.egg-info")
+LIMIT = 90.0  # s; it takes about ten
+
+
+def test_foreign_driver_passes_its_tests_on_emulated_robots(tmp_path: Path) -> None:
+    copy = tmp_path / "driver"
+    shutil.copytree(EXAMPLE, copy, ignore=LEFTOVERS)
+    command = [sys.executable, "-m", "pytest", "-n", "3", "-p", "no:cacheprovider"]  # its robots mostly wait
+    done = subprocess.run(command, cwd=copy, capture_output=True, text=True, timeout=LIMIT)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert " passed" in done.stdout
+
+
+def test_foreign_driver_is_foreign() -> None:
+    rooms = {init.parent.name for init in ROOT.glob("*/__init__.py")}
+    for source in EXAMPLE.rglob("*.py"):
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else [node.module or ""]
+                assert not {name.partition(".")[0] for name in names} & rooms, source.name
+
+
+def test_ci_of_the_example_installs_what_its_readme_says() -> None:
+    command = 'install -e . "acromovi[emu]" pytest pytest-timeout'
+    assert command in (EXAMPLE / "README.md").read_text()
+    assert command in (EXAMPLE / ".github" / "workflows" / "ci.yml").read_text()
