@@ -119,12 +119,29 @@ class GripperServo:
 
 
 @dataclass(frozen=True, slots=True)
+class CubeModel:
+    """What the modules of an arm have in common.
+
+    baud: bit/s of their line. watchdog_s: without a telegram after which a moving module halts.
+    acceleration_s: in which a module reaches its full speed, at best. lag_deg, lag_m: behind its way, at which a joint
+    or the gripper gives up. most_current_a: as the modules report it.
+    """
+
+    baud: int
+    watchdog_s: float
+    acceleration_s: float
+    lag_deg: float
+    lag_m: float
+    most_current_a: float
+
+
+@dataclass(frozen=True, slots=True)
 class ArmModel:
     """An arm of turning joints with a gripper at its end.
 
-    base_m: from the floor under the middle of the axle. servos: as a Pioneer's controller counts the joints, and
-    finger_servo the gripper; an arm of modules has none. manual_order: the controller sends the bytes of ARMpac in the
-    manual's order, not in the one that the most used client library reads.
+    base_m: from the floor under the middle of the axle. cubes: of an arm of modules.
+    servos, finger_servo: as a Pioneer's controller counts joints and gripper. manual_order: it sends the bytes of
+    ARMpac in the manual's order, not in the one that the most used client library reads.
     """
 
     name: str
@@ -134,6 +151,7 @@ class ArmModel:
     servos: tuple[ServoModel, ...] = ()
     finger_servo: GripperServo | None = None
     manual_order: bool = False
+    cubes: CubeModel | None = None
 
     @property
     def home(self) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ from p2os.accessories.arm_model import ArmModel, GripperModel
 from p2os_emu.world.engine import engine
 from p2os_emu.world.links import Joint, Link, Triple
 
-GAIN = 0.2
+GAIN = 0.5
 """Of what is left to go, the part that a servo wants to be rid of in one step; its speed bounds it before."""
 FINGERS = 2
 
