@@ -130,6 +130,7 @@ class Talk:
     def __init__(self) -> None:
         self._is_open = False
         self._is_synced = False
+        self._last_sync: int | None = None
         self._sips = 0  # since the connection was not open
 
     def name(self, payload: bytes) -> str | None:
@@ -137,14 +138,21 @@ class Talk:
         number = payload[0]
         if number > Command.CLOSE:
             return None
-        if not self._is_open and len(payload) == 1 and not (number == Command.OPEN and self._is_synced):
+        if not self._is_open and len(payload) == 1 and self._is_sync(number):
             self._is_synced &= number == Command.SYNC2
+            self._last_sync = number
             return f"SYNC{number}"
         if number != Command.PULSE:
             self._is_open = number == Command.OPEN
             self._is_synced = False
+            self._last_sync = None
             self._sips = 0
         return ("PULSE", "OPEN", "CLOSE")[number]
+
+    def _is_sync(self, number: int) -> bool:
+        if number == Command.SYNC2:  # out of turn it is the CLOSE of a client that does not know what it finds
+            return self._last_sync in (Command.SYNC1, Command.SYNC2)
+        return number == Command.SYNC0 or not self._is_synced
 
     def hear(self, payload: bytes) -> None:
         """Take a payload of the robot's."""

@@ -76,30 +76,28 @@ class Loss:
     """Bytes vanish: seldom in good times, often in bursts."""
 
     def __init__(self, impairments: Impairments, chance: Random) -> None:
-        self._rates = (impairments.loss, impairments.burst_loss)
-        self._leave = (impairments.burst_start, impairments.burst_end)
-        self._chance = chance
+        rates = impairments.loss, impairments.burst_loss, impairments.burst_start, impairments.burst_end
+        # Each draws from a source of its own: how the bytes are cut into calls must not mix them.
+        lost, lost_in_burst, begin, end = (Hits(rate, Random(chance.getrandbits(64))) for rate in rates)
+        self._hits = lost, lost_in_burst
+        self._changes = begin, end
         self._in_burst = False
-        self._stay = distance(self._leave[False], chance)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `Stage.carry`."""
-        kept = b""
+        kept = bytearray()
         while data:
-            while self._stay == 0:
+            change = self._changes[self._in_burst].first(len(data))
+            end = len(data) if change is None else change
+            kept += self._thin(data[:end])
+            data = data[end:]
+            if change is not None:
                 self._in_burst = not self._in_burst
-                self._stay = distance(self._leave[self._in_burst], self._chance)
-            count = int(min(self._stay, len(data)))
-            kept += self._thin(data[:count], self._rates[self._in_burst])
-            data = data[count:]
-            self._stay -= count
-        return kept
+        return bytes(kept)
 
-    def _thin(self, data: bytes, rate: float) -> bytes:
-        if rate >= 1.0:
-            return b""
+    def _thin(self, data: bytes) -> bytes:
         kept = bytearray(data)
-        for index in reversed(list(hits(len(data), rate, self._chance))):
+        for index in reversed(list(self._hits[self._in_burst].among(len(data)))):
             del kept[index]
         return bytes(kept)
 
@@ -108,15 +106,12 @@ class BitErrors:
     """Bits turn round, each by itself."""
 
     def __init__(self, rate: float, chance: Random) -> None:
-        self._rate = rate
-        self._chance = chance
+        self._hits = Hits(rate, chance)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `Stage.carry`."""
-        if not data:
-            return data
         heard = bytearray(data)
-        for bit in hits(8 * len(data), self._rate, self._chance):
+        for bit in self._hits.among(8 * len(data)):
             heard[bit // 8] ^= 1 << bit % 8
         return bytes(heard)
 
@@ -125,15 +120,13 @@ class ByteDamage:
     """Bytes become other bytes; a byte that is hit never stays what it was."""
 
     def __init__(self, rate: float, chance: Random) -> None:
-        self._rate = rate
+        self._hits = Hits(rate, chance)
         self._chance = chance
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `Stage.carry`."""
-        if not data:
-            return data
         heard = bytearray(data)
-        for index in hits(len(data), self._rate, self._chance):
+        for index in self._hits.among(len(data)):
             heard[index] ^= self._chance.randint(1, 255)
         return bytes(heard)
 
@@ -184,18 +177,38 @@ class Freeze:
         return b""
 
 
-def hits(count: int, rate: float, chance: Random) -> Iterator[int]:
-    """Indices below `count`, rising, each drawn with a chance of `rate`; costs time by the hit, not by the index."""
-    index = distance(rate, chance)
-    while index < count:
-        yield int(index)
-        index += 1 + distance(rate, chance)
+class Hits:
+    """Trials, each of which succeeds with the same chance. Costs time by the hit, not by the trial.
 
+    How the trials are cut into calls does not matter.
+    """
 
-def distance(rate: float, chance: Random) -> float:
-    """How many trials fail before the next success; infinite if none ever succeeds."""
-    if rate <= 0.0:
-        return math.inf
-    if rate >= 1.0:
-        return 0
-    return int(math.log(1.0 - chance.random()) / math.log1p(-rate))
+    def __init__(self, rate: float, chance: Random) -> None:
+        self._rate = rate
+        self._chance = chance
+        self._misses = self._draw()
+
+    def among(self, count: int) -> Iterator[int]:
+        """Make so many trials; the indices of those that succeed, rising."""
+        index = self._misses
+        while index < count:
+            yield int(index)
+            index += 1 + self._draw()
+        self._misses = index - count
+
+    def first(self, count: int) -> int | None:
+        """Make trials up to the first that succeeds, and not that one; None if none of so many does."""
+        if self._misses >= count:
+            self._misses -= count
+            return None
+        index = int(self._misses)
+        self._misses = self._draw()
+        return index
+
+    def _draw(self) -> float:
+        """How many trials fail before the next success; infinite if none ever succeeds."""
+        if self._rate <= 0.0:
+            return math.inf
+        if self._rate >= 1.0:
+            return 0
+        return int(math.log(1.0 - self._chance.random()) / math.log1p(-self._rate))

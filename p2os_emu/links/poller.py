@@ -32,9 +32,9 @@ class Poller:
         del self._handlers[descriptor]
         self._epoll.unregister(descriptor)
 
-    def poll(self) -> None:
-        """Call the handlers of everything that is ready now, without waiting."""
-        for descriptor, events in self._epoll.poll(0):
+    def poll(self, timeout: float = 0.0) -> None:
+        """Call the handlers of everything that is ready now, or within so many s."""
+        for descriptor, events in self._epoll.poll(timeout):
             # A handler that ran a moment ago may have closed this one.
             handler = self._handlers.get(descriptor)
             if handler is not None:

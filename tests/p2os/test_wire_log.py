@@ -60,6 +60,10 @@ def test_who_joins_in_the_middle_sees_pulses_after_a_few_sips(log: WireLog) -> N
     assert host(log, SYNC0).name == "PULSE"
 
 
+def test_bare_02_out_of_turn_is_a_close(log: WireLog) -> None:
+    assert [host(log, frame).name for frame in (SYNC2, SYNC0, SYNC2)] == ["CLOSE", "SYNC0", "CLOSE"]
+
+
 def test_late_sip_behind_a_close_opens_nothing(log: WireLog) -> None:
     host(log, OPEN)
     host(log, CLOSE)
