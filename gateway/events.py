@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gateway.errors import GatewayError
 from geometry import Pose2D
@@ -16,6 +16,10 @@ from p2os import (
     RobotModel,
     StandardSip,
 )
+
+if TYPE_CHECKING:  # numpy takes longer to load than the robot to answer
+    from p2os.accessories.lms import Configuration as LaserConfiguration
+    from p2os.accessories.lms import Scan, Variant
 
 
 class HandshakeCompleted(NamedTuple):
@@ -163,6 +167,20 @@ class ElementSilent(NamedTuple):
     element: str
 
 
+class LaserScanned(NamedTuple):
+    """A scan of the laser.
+
+    variant, configuration: as the laser has them. age: since its first beam, when the last byte came, s.
+    period: between scans, s.
+    """
+
+    scan: "Scan"
+    variant: "Variant"
+    configuration: "LaserConfiguration"
+    age: float
+    period: float
+
+
 class End(StrEnum):
     """How a long motion ended."""
 
@@ -209,5 +227,6 @@ Event = (
     | ElementFound
     | ElementLost
     | ElementSilent
+    | LaserScanned
     | MotionEnded
 )

@@ -65,6 +65,36 @@ class Fitted:
     ptz: PtzChoice = PtzChoice.AUTO
 
 
+class LaserUnit(StrEnum):
+    """In what the laser measures; the finest reaches least far."""
+
+    MILLIMETRE = "mm"
+    CENTIMETRE = "cm"
+    DECIMETRE = "10cm"
+
+
+@dataclass(frozen=True, slots=True)
+class LaserSettings:
+    """How a laser on a cable of its own is to scan, and where it sits.
+
+    baud: bit/s to bring it to; left out, 38400, or what it has where the port has no rate. angle_deg, resolution_deg:
+    180 by 1 or 0.5, 100 by 1, 0.5 or 0.25. reflector_bits: how finely it tells how strongly reflectors shine, 1 to 3;
+    each bit halves its reach. x_m, y_m, z_m, heading_deg, flipped: where it sits in `base_link`; as the robot's model
+    has it when left out.
+    """
+
+    baud: int | None = None
+    angle_deg: int = 180
+    resolution_deg: float = 1.0
+    unit: LaserUnit = LaserUnit.MILLIMETRE
+    reflector_bits: int = 1
+    x_m: float | None = None
+    y_m: float | None = None
+    z_m: float = 0.0
+    heading_deg: float | None = None
+    flipped: bool | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Settings:
     """The file.
@@ -86,6 +116,7 @@ class Settings:
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
     limits: Limits = field(default_factory=Limits)
     fitted: Fitted = field(default_factory=Fitted)
+    laser: LaserSettings = field(default_factory=LaserSettings)
 
     @property
     def line(self) -> Line:

@@ -11,12 +11,21 @@ from gateway.settings import Settings
 class CablePart:
     """One kind of element.
 
-    help: of the option that names its port. make: its driver, from whether the port has a rate and the settings.
+    help: of the option that names its port. make: its driver, from whether the port has a rate and the settings; raises
+    ConfigError where these want what there is not.
     """
 
     help: str
     make: Callable[[bool, Settings], ElementDriver]
 
 
-CABLES: Mapping[str, CablePart] = {}
+def _laser(has_rate: bool, settings: Settings) -> ElementDriver:
+    from gateway.cables.laser import LaserDriver  # here and not at the top: a gateway without one starts sooner
+
+    return LaserDriver(settings.laser, has_rate=has_rate)
+
+
+CABLES: Mapping[str, CablePart] = {
+    "laser": CablePart("a SICK LMS 2xx on a port of its own: a device or a URL", _laser),
+}
 """By name; `p2os-gateway --NAME PORT` opens the port."""

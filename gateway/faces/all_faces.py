@@ -10,6 +10,7 @@ from gateway.faces.gripper import GripperFace
 from gateway.faces.gyro import GyroFace, InnerGyroFace
 from gateway.faces.infrared import InfraredFace
 from gateway.faces.joystick import JoystickFace
+from gateway.faces.laser import LaserFace
 from gateway.faces.panel import ChargerFace, DisplayFace, PowerFace, ServosFace
 from gateway.faces.ptz import PtzFace
 from gateway.faces.sound import SoundFace
@@ -29,5 +30,5 @@ FACES: tuple[type[Face], ...] = (
     ChargerFace,
 )
 
-CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {}
+CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {LaserFace.name: LaserFace}
 """Those of elements on cables of their own, by name. The option of `p2os-gateway` is called the same."""

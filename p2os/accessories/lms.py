@@ -5,14 +5,14 @@ Source: accessory sheet, section 1. The special distances are those of the maker
 
 import struct
 from enum import Enum, IntEnum
-from math import inf, nan, pi, radians
+from math import inf, nan, radians
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from p2os.accessories.lms_framing import Telegram
-from p2os.errors import DecodeError, EncodeError
+from p2os.errors import DecodeError
 
 PASSWORD = b"SICK_LMS"
 MIRROR_PERIOD = 1 / 75
@@ -309,21 +309,6 @@ def read_variant(data: bytes) -> tuple[bool, Variant]:
         raise DecodeError(f"an answer of {len(data)} bytes does not say angle and resolution")
     accepted, angle, resolution = struct.unpack_from("<BHH", data)
     return accepted == 1, Variant(angle, resolution)
-
-
-def variant_of(angle: float, resolution: float) -> Variant:
-    """The beams of an angle and a step, rad.
-
-    Raises:
-        EncodeError: The laser has no such beams; the message lists them.
-    """
-    wanted = Variant(round(angle * 180 / pi), round(resolution * 18000 / pi))
-    if wanted not in VARIANTS:
-        known = ", ".join(f"{each.angle_deg} by {each.resolution_cdeg / 100:g}" for each in VARIANTS)
-        raise EncodeError(
-            f"the laser has no {wanted.angle_deg} degrees by {wanted.resolution_cdeg / 100:g}; it has {known}"
-        )
-    return wanted
 
 
 def _largest(flag_bits: int) -> int:

@@ -1,0 +1,110 @@
+"""The laser scanner on the bus: scans in a frame of its own, whose z axis points up however the scanner hangs."""
+
+from collections.abc import Iterable, Mapping
+from math import pi, radians
+from typing import Any
+
+import numpy as np
+
+from bus import keys
+from bus.keys import Topic, frame
+from bus.messages import LaserScan, TransformStamped, header, placed
+from gateway.cables.laser import NAME, LaserDriver
+from gateway.events import Event, LaserScanned
+from gateway.faces.cable_face import CableFace, ElementCommander
+from gateway.settings import Settings
+from p2os import RobotModel
+from p2os.accessories.lms import MIRROR_PERIOD
+
+NEAREST = 0.01
+"""m; a hand on the window is measured too."""
+FARTHEST = 80.0
+"""m; what the scanner reaches at best, however large the numbers that its values could say."""
+NS_PER_S = 1_000_000_000
+
+
+class LaserFace(CableFace[LaserDriver]):
+    """Publishes `<robot>/scan` in `<robot>/laser`.
+
+    Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no measurement. The stamp is the time
+    of the first beam. Angles rise counter-clockwise: what a flipped scanner sends from left to right is turned round.
+    """
+
+    name = NAME
+    streams = (keys.SCAN,)
+
+    def __init__(
+        self,
+        robot: str,
+        model: RobotModel,
+        settings: Settings,
+        driver: LaserDriver,
+        commander: ElementCommander[LaserDriver],
+    ) -> None:
+        super().__init__(robot, model, settings, driver, commander)
+        mount, own = model.laser, settings.laser
+        self._frame = frame(robot, "laser")
+        self._base = frame(robot, "base_link")
+        self._x = mount.x if own.x_m is None else own.x_m
+        self._y = mount.y if own.y_m is None else own.y_m
+        self._z = own.z_m
+        self._heading = mount.heading if own.heading_deg is None else radians(own.heading_deg)
+        self._is_flipped = mount.flipped if own.flipped is None else own.flipped
+
+    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+        """The scan."""
+        if isinstance(event, LaserScanned):
+            yield keys.SCAN, self._scan(event, stamp)
+
+    def transforms(self, stamp: int) -> Iterable[TransformStamped]:
+        """`<robot>/laser` in `<robot>/base_link`."""
+        transform = placed(header(stamp, self._base), self._frame, self._x, self._y, self._heading)
+        transform.transform.translation.z = self._z
+        yield transform
+
+    def describe(self) -> Mapping[str, Any]:
+        """Geometry and reach."""
+        variant = self._driver.variant
+        return {
+            "type": self._driver.type,
+            "frame": self._frame,
+            "geometry": {
+                "x": self._x,
+                "y": self._y,
+                "z": self._z,
+                "heading": self._heading,
+                "flipped": self._is_flipped,
+            },
+            "angle_min": variant.first_bearing,
+            "angle_max": -variant.first_bearing,
+            "angle_increment": variant.resolution,
+            "beams": variant.beams,
+            "range_max": self._range_max,
+        }
+
+    @property
+    def _range_max(self) -> float:
+        return min(FARTHEST, self._driver.configuration.max_range)
+
+    def _scan(self, event: LaserScanned, stamp: int) -> LaserScan:
+        scan, variant, configuration, age, period = event
+        ranges = scan.ranges(configuration.flag_bits).astype(np.float32)
+        flags = scan.flags(configuration.flag_bits).astype(np.float32)
+        angle_min = variant.first_bearing + scan.first * variant.resolution
+        angle_max = angle_min + (len(ranges) - 1) * variant.resolution
+        if self._is_flipped:
+            ranges, flags = ranges[::-1].copy(), flags[::-1].copy()
+            angle_min, angle_max = -angle_max, -angle_min
+        return LaserScan(
+            header=header(stamp - round(age * NS_PER_S), self._frame),
+            angle_min=angle_min,
+            angle_max=angle_max,
+            angle_increment=variant.resolution,
+            # Of the mirror; the beams between the degrees, which come in turns of their own, are not told apart.
+            time_increment=MIRROR_PERIOD * variant.resolution / (2 * pi),
+            scan_time=period,
+            range_min=NEAREST,
+            range_max=self._range_max,
+            ranges=ranges,
+            intensities=flags,
+        )
