@@ -43,6 +43,7 @@ PARTS: Mapping[str, Part] = {
         Part("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
         Part("compass", "a TCM2 compass", ("tcm2",)),
         Part("joystick", "a joystick in the robot's socket"),
+        Part("ledge", "infrared sensors that look for edges of the floor, far and near"),
     )
 }
 

@@ -1,20 +1,33 @@
 """The board: all of the microcontroller but its connection. Commands change it, packets show it, steps move it."""
 
-from p2os.firmware import BAUD_CODES
+from random import Random
+
+from p2os.command_table import known_commands
+from p2os.firmware import BAUD_CODES, FIRMWARES
+from p2os.packets import Packet
 from p2os.robot_model import RobotModel
 from p2os_emu.body import Body, BodyState
 from p2os_emu.microcontroller.arm import ArmServer
+from p2os_emu.microcontroller.aux_port import AuxPort
 from p2os_emu.microcontroller.battery import Battery
+from p2os_emu.microcontroller.buzzer import Buzzer
+from p2os_emu.microcontroller.charger import Charger
+from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.gripper import GripperServer
+from p2os_emu.microcontroller.gyro import GyroServer
+from p2os_emu.microcontroller.joystick import JoystickServer
 from p2os_emu.microcontroller.motion import Motion
-from p2os_emu.microcontroller.motors import Motors
+from p2os_emu.microcontroller.motors import AT_REST, Motors
 from p2os_emu.microcontroller.odometry import Odometry
+from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import Panel
 from p2os_emu.microcontroller.requests import Requests
 from p2os_emu.microcontroller.sonar import SonarScheduler
 from p2os_emu.microcontroller.watchdog import Watchdog
 
+STOPS_WHEN_DOCKED = 2
+"""Argument of DOCK."""
 GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
 
 
@@ -26,7 +39,12 @@ class Board:
     stops_on_button: the STOP button disables the motors (ESTALL). e_stalled: it has done so.
     digital_out: levels of the user outputs, bit 0 to 7. analog_port: the one that the SIP reports.
     fake_battery: V that BATTEST pretends, None for the real ones.
-    host_baud: bit/s of the host line. reset_due: RESET was commanded.
+    host_baud: bit/s of the host line. reset_due: RESET was commanded. in_maintenance: only the power switch helps.
+    known: numbers of the commands that this firmware knows. time: s since power-on.
+    has_client: a connection is open. answers: packets for the client that follow the next SIP.
+    aux: the AUX ports, 1 to 3. gyro, compass: their servers, where they are fitted. gyro_cw, gyro_ccw: calibration of
+    the gyro; accepted and reported, since no source gives its unit.
+    temperature: °C that a test command pretends, None for unknown. shutdown_wanted: the computer is told to shut down.
     """
 
     def __init__(self, model: RobotModel, name: str, flash: Flash, panel: Panel, seed: int) -> None:
@@ -52,6 +70,15 @@ class Board:
         self.requests = Requests()
         self.gripper = GripperServer()
         self.arm = ArmServer()
+        self.known = known_commands(model.firmware, FIRMWARES[model.firmware].version)
+        self.answers: list[Packet] = []
+        self.aux = {port: AuxPort(port, flash.aux_baud, Random(f"{seed} AUX{port}")) for port in (1, 2, 3)}
+        self.buzzer = Buzzer(model.firmware)
+        self.charger = Charger()
+        self.joystick = JoystickServer(flash)
+        self.gyro: GyroServer | None = None
+        self.compass: CompassServer | None = None
+        self.time = 0.0
         self.power_on()
 
     def power_on(self) -> None:
@@ -61,6 +88,16 @@ class Board:
         self.digital_out = 0
         self.fake_battery: float | None = None
         self.reset_due = False
+        self.in_maintenance = False
+        self.temperature: float | None = None
+        self.outputs = Outputs()
+        for port in self.aux.values():
+            port.baud = self.flash.aux_baud
+            port.clear()
+        if self.gyro is not None:
+            self.gyro.power_on()
+        if self.compass is not None:
+            self.compass.power_on()
         self.odometry.power_on()
         self.gripper.power_on()
         self.arm.power_on()
@@ -68,6 +105,7 @@ class Board:
 
     def open(self) -> None:
         """A client has come: motors off, sonar as FLASH says."""
+        self.has_client = True
         self.motors.disable()
         self.e_stalled = False
         self.sonar.enable(self.flash.sonar_enabled)
@@ -76,6 +114,18 @@ class Board:
     def restore(self) -> None:
         """The client has gone: motors and sonar off, working parameters as in FLASH."""
         flash = self.flash
+        self.has_client = False
+        self.answers.clear()
+        self.joystick.restore()
+        self.charger.release()
+        self.charger.docking = 0
+        self.buzzer.on = True
+        self.shutdown_wanted = False
+        self.gyro_cw = self.gyro_ccw = 0
+        if self.gyro is not None:
+            self.gyro.restore()
+        if self.compass is not None:
+            self.compass.restore()
         self.motion.restore(flash)
         self.motors.restore(flash)
         self.sonar.restore(flash)
@@ -107,9 +157,25 @@ class Board:
         """ENABLE; a pressed STOP button keeps the motors off."""
         if not on:
             self.motors.disable()
-        elif not (self.panel.stop_button and self.stops_on_button):
+        elif self.may_enable:
             self.e_stalled = False
+            self.charger.release()
             self.motors.enable()
+
+    @property
+    def may_enable(self) -> bool:
+        """No STOP button keeps the motors off."""
+        return not (self.panel.stop_button and self.stops_on_button)
+
+    def charge(self, on: bool) -> None:
+        """CHARGE; a robot without a charger ignores it."""
+        if not self.flash.charger:
+            return
+        if on:
+            self.motors.disable()
+            self.charger.deploy()
+        else:
+            self.charger.release()
 
     @property
     def battery_voltage(self) -> float:
@@ -120,22 +186,45 @@ class Board:
         return self.battery.voltage
 
     def advance(self, body: Body, state: BodyState, dt: float) -> None:
-        """Take one step: encoders, motors, sonar, arm."""
-        self.odometry.update(state.left_travel, state.right_travel)
+        """Take one step: encoders, gyro, joystick, motors, sonar, gripper, arm, AUX ports."""
+        self.time += dt
+        self.odometry.update(state.left_travel, state.right_travel, self._turned(state, dt))
         if self.panel.stop_button and self.stops_on_button:
             self.e_stalled = True
             self.motors.brake_and_disable()
-        self.motion.halted = self.watchdog.barking
+        stick = self.panel.joystick
+        if stick is not None:
+            self.joystick.advance(stick, self.motors, self.motion, self.has_client, self.may_enable)
+        self.motion.halted = self.watchdog.barking and not self.joystick.driving
         self.motors.advance(body, state, dt)
         self.sonar.advance(body, dt)
         if self.gripper.kind:
             self.gripper.advance(body.gripper, dt)
         self.arm.advance(body.arm, dt, is_deserted=self.watchdog.barking)
+        for port in self.aux.values():
+            port.advance(dt)
+
+    def _turned(self, state: BodyState, dt: float) -> float | None:
+        """Rad that the gyro inside the controller has turned in this step; None where the wheels decide."""
+        gyro = self.gyro
+        if gyro is None:
+            return None
+        standing = abs(state.left_velocity) < AT_REST and abs(state.right_velocity) < AT_REST
+        failed = self.panel.gyro_failed
+        gyro.advance(state.turn_rate, standing, failed, dt)
+        return gyro.turned(standing, failed, dt)
 
     def begin_step(self) -> None:
         """What was asked for in the last step and waited for its bytes to go out."""
         self.host_baud = self._next_baud
 
     def consume(self, state: BodyState, dt: float) -> None:
-        """Draw from the battery, or charge it."""
-        self.battery.advance(dt, (state.left_load + state.right_load) / 2, self.panel.charger_plugged)
+        """Once a cycle of `dt`, s: draw from the battery or charge it, and read the compass."""
+        charger = self.charger
+        if charger.advance(dt, self.panel.charger_plugged, self.panel.docked) and charger.docking == STOPS_WHEN_DOCKED:
+            self.motion.stop()
+        self.battery.advance(dt, (state.left_load + state.right_load) / 2, charger.power_good)
+        if self.compass is not None:
+            report = self.compass.advance(state.heading, dt)
+            if report is not None:
+                self.answers.append(report)

@@ -9,11 +9,12 @@ from typing import Any
 
 from p2os.command_table import Command
 from p2os.commands import decode_command
-from p2os.firmware import Family
+from p2os.firmware import BAUD_CODES, Family
 from p2os.packets import PacketType
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.motion import Motion
 from p2os_emu.microcontroller.panel import ANALOG_PORTS
+from p2os_emu.microcontroller.requests import STANDING
 from p2os_emu.microcontroller.sonar import ARRAYS
 from p2os_emu.microcontroller.telemetry import EXTRAS
 
@@ -21,13 +22,18 @@ Handler = Callable[[Board, Any], None]
 
 _FAKES_BATTERY = frozenset({Family.ARCOS, Family.UARCS})
 _DECIVOLT = 0.1
+_CALL_OFF, _LOW_POWER, _SHUT_DOWN = range(3)  # arguments of SHUTDOWN
+WARM = 80.0
+"""°C that DIGTEMPTEST pretends (assumed)."""
+HOTTEST = 127
+"""°C that the SIP can show; SPOOFANALOGTEMP with more ends the pretence (assumed)."""
 
 
 def execute(board: Board, payload: bytes) -> None:
-    """Carry out a command of an open connection; commands without a handler are ignored."""
+    """Carry out a command of an open connection, if this firmware knows it and it has a handler."""
     received = decode_command(payload)
     handler = HANDLERS.get(received.number)
-    if handler is not None:
+    if handler is not None and received.number in board.known:
         handler(board, received.value)
 
 
@@ -121,10 +127,99 @@ def _driftfactor(board: Board, drift: int) -> None:
         board.calibrate()
 
 
-def _battest(board: Board, decivolts: int) -> None:
-    """On AROS the number means SHUTDOWN, of a computer that is not there."""
+def _battest(board: Board, voltage: float) -> None:
+    """BATTEST on ARCOS; on AROS the number means SHUTDOWN."""
     if board.model.firmware in _FAKES_BATTERY:
-        board.fake_battery = decivolts * _DECIVOLT if decivolts > 0 else None
+        board.fake_battery = voltage if voltage > 0 else None
+    else:
+        _shutdown(board, round(voltage / _DECIVOLT))
+
+
+def _shutdown(board: Board, stage: int) -> None:
+    """0 calls it off, 1 pretends a low battery, 2 tells the robot's computer to shut down."""
+    if stage == _CALL_OFF:
+        board.fake_battery = None
+    elif stage == _LOW_POWER:
+        board.fake_battery = board.flash.low_battery * board.model.battery_nominal - _DECIVOLT
+    board.shutdown_wanted = stage == _SHUT_DOWN
+
+
+def _writes(port: int) -> Handler:
+    return lambda board, data: board.aux[port].write(data)
+
+
+def _collects(port: int) -> Handler:
+    return lambda board, count: board.aux[port].ask(count)
+
+
+def _sets_aux_baud(port: int) -> Handler:
+    def handle(board: Board, code: int) -> None:
+        aux = board.aux[port]
+        aux.baud = BAUD_CODES.get(code, aux.baud)
+
+    return handle
+
+
+def _gyro(board: Board, mode: int) -> None:
+    if board.gyro is None:
+        return
+    board.gyro.set_mode(mode)
+    if not board.gyro.inside:
+        board.requests.ask(PacketType.GYRO, STANDING if mode > 0 else 0)
+
+
+def _gyrocalcw(board: Board, value: int) -> None:
+    board.gyro_cw = value
+
+
+def _gyrocalccw(board: Board, value: int) -> None:
+    board.gyro_ccw = value
+
+
+def _tcm2(board: Board, mode: int) -> None:
+    if board.compass is not None:
+        board.compass.command(mode)
+
+
+def _calcomp(board: Board, on: int) -> None:
+    if board.compass is not None:
+        board.compass.calibrate(on != 0)
+
+
+def _joydrive(board: Board, on: int) -> None:
+    board.joystick.allowed = on != 0
+
+
+def _soundtog(board: Board, on: int) -> None:
+    board.buzzer.on = on != 0
+
+
+def _dock(board: Board, mode: int) -> None:
+    board.charger.docking = mode
+
+
+def _powers(name: str) -> Handler:
+    def handle(board: Board, on: int) -> None:
+        board.outputs.power[name] = on != 0
+
+    return handle
+
+
+def _movingblink(board: Board, on: int) -> None:
+    board.outputs.lamp = on != 0
+
+
+def _digtemptest(board: Board, on: int) -> None:
+    board.temperature = WARM if on else None
+
+
+def _spoofanalogtemp(board: Board, celsius: int) -> None:
+    board.temperature = float(celsius) if abs(celsius) <= HOTTEST else None
+
+
+def _maintenance(board: Board, _: None) -> None:
+    board.motors.disable()
+    board.in_maintenance = True
 
 
 def _reset(board: Board, _: None) -> None:
@@ -193,9 +288,52 @@ HANDLERS: Mapping[int, Handler] = {
     Command.ARM_STOP: lambda board, joint: board.arm.stop(joint),
     Command.ARM_AUTOPARK: lambda board, seconds: board.arm.park_after(seconds),
     Command.ARM_GRIPPARK: lambda board, seconds: board.arm.park_gripper_after(seconds),
+    Command.BATTERYINFO: _requests(PacketType.BATTERY),
+    Command.SETPBIOPORT: lambda board, ports: board.outputs.set_power_port(*ports),
+    Command.PTUPOS: lambda board, servo: board.outputs.set_servo(*servo),
+    Command.LCDWRITE: lambda board, text: board.outputs.show(text),
+    Command.MOVINGBLINK: _movingblink,
+    Command.POWER_PC: _powers("pc"),
+    Command.POWER_LRF: _powers("lrf"),
+    Command.POWER_5V: _powers("5v"),
+    Command.POWER_12V: _powers("12v"),
+    Command.POWER_AUX_PC: _powers("aux_pc"),
+    Command.POWER_TOUCHSCREEN: _powers("touchscreen"),
+    Command.POWER_PTZ: _powers("ptz"),
+    Command.POWER_AUDIO: _powers("audio"),
+    Command.POWER_LRF2: _powers("lrf2"),
+    # AUX ports
+    Command.TTY2: _writes(1),
+    Command.TTY3: _writes(2),
+    Command.TTY4: _writes(3),
+    Command.GETAUX: _collects(1),
+    Command.GETAUX2: _collects(2),
+    Command.GETAUX3: _collects(3),
+    Command.AUX1BAUD: _sets_aux_baud(1),
+    Command.AUX2BAUD: _sets_aux_baud(2),
+    Command.AUX3BAUD: _sets_aux_baud(3),
+    # gyro, compass, joystick
+    Command.GYRO: _gyro,
+    Command.GYROCALCW: _gyrocalcw,
+    Command.GYROCALCCW: _gyrocalccw,
+    Command.TCM2: _tcm2,
+    Command.CALCOMP: _calcomp,
+    Command.JOYREQUEST: _requests(PacketType.JOYSTICK),
+    Command.JOYDRIVE: _joydrive,
+    # sounds
+    Command.SAY: lambda board, pairs: board.buzzer.say(pairs, board.time),
+    Command.SOUND: lambda board, number: board.buzzer.sound(number, board.time),
+    Command.SOUNDTOG: _soundtog,
+    Command.PLAYLIST: lambda board, number: board.answers.extend(board.buzzer.playlist(number)),
+    # charger
+    Command.CHARGE: lambda board, on: board.charge(on != 0),
+    Command.DOCK: _dock,
     # the controller itself
     Command.HOSTBAUD: lambda board, code: board.request_baud(code),
     Command.BATTEST: _battest,
+    Command.DIGTEMPTEST: _digtemptest,
+    Command.SPOOFANALOGTEMP: _spoofanalogtemp,
+    Command.MAINTENANCE: _maintenance,
     Command.RESET: _reset,
 }
 
@@ -211,6 +349,12 @@ EMULATED_PACKETS: frozenset[PacketType] = frozenset(EXTRAS) | {
     PacketType.SYNC2,
     PacketType.SIP_STOPPED,
     PacketType.SIP_MOVING,
+    PacketType.AUX1,
+    PacketType.AUX2,
+    PacketType.AUX3,
+    PacketType.COMPASS,
+    PacketType.PLAYLIST,
+    PacketType.RESET_WITH_DATA,
     PacketType.RESET,
 }
 """Types of the packets that the microcontroller sends."""

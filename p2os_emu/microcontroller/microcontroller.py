@@ -1,24 +1,28 @@
 """The firmware of a robot, without port and clock: bytes and time in, bytes out."""
 
-from collections.abc import Iterable
-
 from p2os.accessories.arm_model import ArmModel
+from p2os.accessory_packets import Reset
 from p2os.framing import Frame, FrameDecoder, encode_frame
 from p2os.handshake import ConnectionState, Identity, RobotHandshake
-from p2os.packets import PacketType, encode_packet
+from p2os.packets import Packet, PacketType, encode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec
+from p2os_emu.accessories.analog_gyro import AnalogGyro
+from p2os_emu.accessories.tcm2 import Tcm2
 from p2os_emu.body import Body, BodyState
+from p2os_emu.device import Device
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.microcontroller.board import Board
+from p2os_emu.microcontroller.buzzer import Note
 from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.commands import execute
+from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.panel import Panel
-from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, standard_sip
-
-_RESET_FRAME = encode_frame(bytes([PacketType.RESET]))
+from p2os_emu.microcontroller.gyro import GyroServer
+from p2os_emu.microcontroller.outputs import Outputs
+from p2os_emu.microcontroller.panel import CENTRED, Panel
+from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, answers, standard_sip
 
 
 class Microcontroller:
@@ -44,7 +48,7 @@ class Microcontroller:
             LocalProtocolError: The name does not fit the handshake.
             EncodeError: A FLASH parameter does not fit CONFIGpac.
         """
-        self.panel = Panel()
+        self.panel = Panel(joystick=CENTRED if fit.has("joystick") else None)
         self.fit = fit
         self._board = Board(model, name, flash or Flash.of(model, name), self.panel, seed)
         self._handshake = RobotHandshake(Identity(name, model.robot_class, model.name))
@@ -89,14 +93,45 @@ class Microcontroller:
         """Wire a gripper to the inputs and outputs."""
         self._board.gripper.fit(gripper)
 
+    @property
+    def outputs(self) -> Outputs:
+        """What the board switches and shows, to look at."""
+        return self._board.outputs
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """What the buzzer played last, oldest first."""
+        return tuple(self._board.buzzer.notes)
+
+    @property
+    def shutdown_wanted(self) -> bool:
+        """The robot's computer has been told to shut down."""
+        return self._board.shutdown_wanted
+
+    def plug(self, port: int, device: Device) -> None:
+        """Plug a device into an AUX port, 1 to 3; one device to a port."""
+        self._board.aux[port].device = device
+
+    def fit_gyro(self, gyro: AnalogGyro, inside: bool) -> None:
+        """Fit a gyro: for clients to read by packets, or inside the controller, which corrects its heading by it."""
+        self._board.gyro = GyroServer(gyro, inside)
+
+    def fit_compass(self, module: Tcm2) -> None:
+        """Fit a compass."""
+        self._board.compass = CompassServer(module)
+
     def receive(self, data: bytes) -> None:
         """Take bytes from the line."""
         self._inbox += data
 
-    def power_cycle(self) -> None:
-        """Lose power for a moment: a connected client is told, then everything is as after the power switch."""
+    def power_cycle(self, reason: bytes = b"") -> None:
+        """Lose power for a moment: a connected client is told, then everything is as after the power switch.
+
+        Args:
+            reason: What the reset packet says beside that; it has another type then.
+        """
         if self.connected:
-            self._outbox.append(_RESET_FRAME)
+            self._say(Reset(reason))
         self._handshake.reset()
         self._decoder = FrameDecoder()
         self._inbox.clear()
@@ -113,6 +148,8 @@ class Microcontroller:
         """
         board = self._board
         self._now += dt
+        if board.in_maintenance:
+            self._inbox.clear()
         board.begin_step()
         if self._inbox:
             self._listen()
@@ -162,13 +199,18 @@ class Microcontroller:
         board = self._board
         board.consume(state, self._sip_clock.period)
         self._handle_frames(b"")
-        if not self.connected:
+        if not self.connected or board.in_maintenance:
             return
-        extras = board.requests.take()
-        self._send_extras(state, (packet for packet in extras if packet in AHEAD))
+        due = board.requests.take()
+        for kind in AHEAD:
+            if kind in due:
+                self._say(EXTRAS[kind](board, state))
         self._outbox.append(encode_frame(self._codec.encode(standard_sip(board, state))))
-        self._send_extras(state, (packet for packet in extras if packet not in AHEAD))
+        for kind in due:
+            if kind not in AHEAD:
+                self._say(EXTRAS[kind](board, state))
+        for packet in answers(board):
+            self._say(packet)
 
-    def _send_extras(self, state: BodyState, extras: Iterable[PacketType]) -> None:
-        for packet in extras:
-            self._outbox.append(encode_frame(encode_packet(EXTRAS[packet](self._board, state), self._board.model)))
+    def _say(self, packet: Packet) -> None:
+        self._outbox.append(encode_frame(encode_packet(packet, self._board.model)))

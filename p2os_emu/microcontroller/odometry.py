@@ -72,18 +72,19 @@ class Odometry:
         self._left_metres = self._right_metres * (1.0 + drift * DRIFT_UNIT)
         self._track = self._wheel_track * revolution / ticks
 
-    def update(self, left_travel: float, right_travel: float) -> None:
+    def update(self, left_travel: float, right_travel: float, turned: float | None = None) -> None:
         """Read the encoders.
 
         Args:
             left_travel: m rolled by the left rim since some fixed time.
             right_travel: m, likewise.
+            turned: rad counter-clockwise since the update before, where something knows better than the wheels.
         """
         left_count = floor(left_travel * self._ticks_per_metre)
         right_count = floor(right_travel * self._ticks_per_metre)
         left_step = left_count - self._left_seen
         right_step = right_count - self._right_seen
-        if not (left_step or right_step) and self._started:
+        if not (left_step or right_step or turned) and self._started:
             return
         self._left_seen = left_count
         self._right_seen = right_count
@@ -92,12 +93,12 @@ class Odometry:
             return
         self.left_ticks += left_step
         self.right_ticks += right_step
-        self._integrate(left_step * self._left_metres, right_step * self._right_metres)
+        self._integrate(left_step * self._left_metres, right_step * self._right_metres, turned)
 
-    def _integrate(self, left: float, right: float) -> None:
+    def _integrate(self, left: float, right: float, turned: float | None) -> None:
         """Move the pose along the chord of the arc that the wheels rolled, m."""
         forward = (left + right) / 2
-        turn = (right - left) / self._track
+        turn = (right - left) / self._track if turned is None else turned
         bearing = self.turned - self._turned_at_reset + turn / 2
         self.x += forward * cos(bearing)
         self.y += forward * sin(bearing)

@@ -2,21 +2,27 @@
 
 from collections.abc import Callable, Mapping
 
+from p2os.accessory_packets import BatteryReport, GyroReport, JoystickReport
 from p2os.configuration import Configuration
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family
 from p2os.packets import Encoders, InputsOutputs, Packet, PacketType
-from p2os.sip import SipFlag, StandardSip, stall_word
+from p2os.sip import GYRO_FAULT, SipFlag, StandardSip, stall_word
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.gripper import USER_INPUTS, USER_IO
+from p2os_emu.microcontroller.panel import CENTRED
 
 SHOWS = 0.0005
 """m/s of a wheel rim from which the SIP shows it turning: what rounds to 1 mm/s."""
+UNKNOWN_TEMPERATURE = -128.0
+"""As the SIP says it, °C."""
 ANALOG_TOP = 5.0
 """V; the converters measure no more."""
 BATTERY_DIVIDER = 4
 """Of a 12 V battery's divider to its A/D port; in proportion for others (assumed)."""
 PIONEER_BATTERY = 12.0
+OLD_TABLE_PINS = {0: 1, 1: 0, 2: 3, 3: 2}
+"""Table sensors of the older PeopleBots: infrared sensor (right and left table, left and right beam) to input pin."""
 
 _BAUD_CODE = {baud: code for code, baud in BAUD_CODES.items()}
 _INFRARED_INPUTS = frozenset({Family.ARCOS, Family.UARCS})
@@ -43,17 +49,19 @@ def standard_sip(board: Board, state: BodyState) -> StandardSip:
         battery=voltage,
         stall=stall_word(stall.left, stall.right, front, rear),
         control=board.motion.heading_setpoint,
-        flags=_flags(board),
+        flags=_flags(board, state),
+        compass=board.compass.byte if board.compass is not None else 0,
         sonar=board.sonar.take(),
         gripper_state=gripper.state,
         analog_port=gripper.second_byte if gripper.kind else port,
         analog=_clip(panel.analog[port]),
-        digital_in=_user_inputs(board),
+        digital_in=_user_inputs(board, state),
         digital_out=board.digital_out,
         battery_fine=voltage,
         charge_state=board.battery.charging,
         rotational_velocity=(right - left) / board.model.wheel_track,
-        fault_flags=0,
+        fault_flags=GYRO_FAULT if panel.gyro_failed and board.gyro is not None else 0,
+        temperature=UNKNOWN_TEMPERATURE if board.temperature is None else board.temperature,
     )
 
 
@@ -75,7 +83,7 @@ def configuration(board: Board, state: BodyState) -> Configuration:
         name=board.name,
         sip_cycle=flash.sip_cycle,
         host_baud=_BAUD_CODE[board.host_baud],
-        aux1_baud=_BAUD_CODE[flash.aux_baud],
+        aux1_baud=_BAUD_CODE[board.aux[1].baud],
         gripper=board.gripper.kind,
         front_sonar=front_arrays,
         rear_sonar=rear_arrays,
@@ -97,13 +105,16 @@ def configuration(board: Board, state: BodyState) -> Configuration:
         rear_bumpers=model.rear_bumpers,
         charger=flash.charger,
         sonar_cycle=board.sonar.cycle,
-        auto_baud=1,
+        auto_baud=flash.auto_baud,
+        has_gyro=_has_gyro(board),
         drift_factor=board.drift_factor,
-        aux2_baud=_BAUD_CODE[flash.aux_baud],
-        aux3_baud=_BAUD_CODE[flash.aux_baud],
+        aux2_baud=_BAUD_CODE[board.aux[2].baud],
+        aux3_baud=_BAUD_CODE[board.aux[3].baud],
         ticks_per_mm=board.ticks_mm,
         shutdown_voltage=flash.shutdown_battery * model.battery_nominal,
         firmware_version=FIRMWARES[model.firmware].version,
+        gyro_cw=board.gyro_cw,
+        gyro_ccw=board.gyro_ccw,
         kinematics_delay=flash.kinematics_delay,
     )
 
@@ -117,44 +128,98 @@ def encoders(board: Board, state: BodyState) -> Encoders:
 def inputs_outputs(board: Board, state: BodyState) -> InputsOutputs:
     """IOpac: user inputs, bumpers and, on ARCOS, infrared sensors; the battery's A/D port comes last."""
     panel = board.panel
-    digital_in = [_user_inputs(board), *_bumpers(board, state)]
-    if board.model.firmware in _INFRARED_INPUTS:
-        digital_in.append(panel.infrared & 0xFF)
+    digital_in = [_user_inputs(board, state), *_bumpers(board, state)]
+    if board.model.firmware in _INFRARED_INPUTS or board.model.new_table_sensing_ir:
+        digital_in.append(panel.infrared & state.infrared & 0xFF)
     divided = board.battery_voltage * PIONEER_BATTERY / board.model.battery_nominal / BATTERY_DIVIDER
     analog = (*map(_clip, panel.analog), _clip(divided))
     return InputsOutputs(bytes(digital_in), bytes([board.digital_out]), analog)
+
+
+def gyro(board: Board, state: BodyState) -> GyroReport:
+    """GYROpac: the samples since the last one."""
+    return board.gyro.report() if board.gyro is not None else GyroReport(())
+
+
+def joystick(board: Board, state: BodyState) -> JoystickReport:
+    """JOYSTICKpac; an empty socket reads as a stick at rest."""
+    hand = board.panel.joystick or CENTRED
+    return JoystickReport(hand.button1, hand.button2, hand.x, hand.y, hand.throttle)
+
+
+def battery(board: Board, state: BodyState) -> BatteryReport:
+    """Battery packet: one battery, without flags."""
+    percent = round(100 * board.battery.charge)
+    return BatteryReport(((0, 0, 0, percent, percent),))
+
+
+def answers(board: Board) -> list[Packet]:
+    """What servers have to say after this SIP, beside the packets of `EXTRAS`."""
+    said: list[Packet] = []
+    for port in board.aux.values():
+        answer = port.answer()
+        if answer is not None:
+            said.append(answer)
+    said += board.answers
+    board.answers.clear()
+    return said
 
 
 EXTRAS: Mapping[PacketType, Callable[[Board, BodyState], Packet]] = {
     PacketType.CONFIGURATION: configuration,
     PacketType.ENCODERS: encoders,
     PacketType.INPUTS_OUTPUTS: inputs_outputs,
+    PacketType.GYRO: gyro,
+    PacketType.JOYSTICK: joystick,
+    PacketType.BATTERY: battery,
     PacketType.GRIPPER: lambda board, _: board.gripper.report(),
     PacketType.ARM: lambda board, _: board.arm.report,
     PacketType.ARM_INFO: lambda board, _: board.arm.information,
 }
 """Packets that go with a standard SIP when a client has asked for them: after it, but for those in `AHEAD`."""
 
-AHEAD = frozenset({PacketType.ARM, PacketType.ARM_INFO})
-"""Packets right before the SIP: one well-known driver waits for another packet after them."""
+AHEAD = (PacketType.JOYSTICK, PacketType.ARM, PacketType.ARM_INFO, PacketType.GYRO)
+"""Packets right before the SIP, in this order, whatever the family.
+
+That is ARCOS' place for JOYSTICKpac and GYROpac; older firmware is said to have sent everything behind the SIP, but one
+well-known driver waits for another packet after a GYROpac, an ARMpac or an ARMINFOpac.
+"""
 
 
-def _flags(board: Board) -> int:
+def _has_gyro(board: Board) -> int:
+    """As CONFIGpac counts: 0 none, 1 by packets, 2 inside the controller."""
+    if board.gyro is None:
+        return 0
+    return 2 if board.gyro.inside else 1
+
+
+def _flags(board: Board, state: BodyState) -> int:
     panel = board.panel
     return (
         (board.motors.enabled and SipFlag.MOTORS_ENABLED.value)
         | board.sonar.firing << 1
         | (panel.stop_button and SipFlag.STOP_BUTTON.value)
         | (board.e_stalled and SipFlag.E_STALL.value)
-        | (panel.charger_plugged and SipFlag.CHARGER_GOOD.value)
+        | (state.far_ledge and SipFlag.FAR_LEDGE.value)
+        | (state.near_ledge and SipFlag.NEAR_LEDGE.value)
+        | (panel.joystick is not None and panel.joystick.button1 and SipFlag.JOYSTICK_BUTTON_1.value)
+        | (board.charger.power_good and SipFlag.CHARGER_GOOD.value)
     )
 
 
-def _user_inputs(board: Board) -> int:
-    """DIGIN: the user's pins, but for those that a gripper on the user I/O takes."""
+def _user_inputs(board: Board, state: BodyState) -> int:
+    """DIGIN: the user's pins, but for those that table sensors or a gripper on the user I/O take."""
     panel = board.panel.digital_in & 0xFF
+    if board.model.table_sensing_ir and not board.model.new_table_sensing_ir:
+        panel &= _old_table_pins(state.infrared & board.panel.infrared)
     taken = USER_INPUTS if board.gripper.kind == USER_IO else 0
     return panel & ~taken | board.gripper.inputs & taken if taken else panel
+
+
+def _old_table_pins(infrared: int) -> int:
+    """Levels of the input pins: low where a table sensor sees something, high elsewhere."""
+    seen = sum(1 << pin for sensor, pin in OLD_TABLE_PINS.items() if not infrared >> sensor & 1)
+    return 0xFF & ~seen
 
 
 def _bumpers(board: Board, state: BodyState) -> tuple[int, int]:

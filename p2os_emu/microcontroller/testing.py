@@ -43,6 +43,7 @@ class PlainBody:
 
     lag: time constant of the wheels, s; 0 follows within one step. wall: m of travel beyond which the wheels only push.
     front_bumpers, rear_bumpers: as `BodyState` has them, to be pressed by hand. ranges: range that a disc measures, m.
+    infrared, far_ledge, near_ledge, heading, turn_rate: likewise, whatever the wheels do.
     powered: the motors are driven. pings: the discs of every firing, in order. told: how often the motors were told.
     """
 
@@ -56,6 +57,9 @@ class PlainBody:
         self.rear_bumpers = 0
         self.ranges: Callable[[int], float] = lambda disc: 1.0 + disc / 10
         self.powered = True  # until the controller first says otherwise
+        self.infrared = 0xFF
+        self.far_ledge = self.near_ledge = False
+        self.heading = self.turn_rate = 0.0
         self.pings: list[tuple[int, ...]] = []
         self.told = 0
         self.left = Wheel()
@@ -74,6 +78,11 @@ class PlainBody:
             right_load=right.load,
             front_bumpers=self.front_bumpers,
             rear_bumpers=self.rear_bumpers,
+            heading=self.heading,
+            turn_rate=self.turn_rate,
+            infrared=self.infrared,
+            far_ledge=self.far_ledge,
+            near_ledge=self.near_ledge,
         )
 
     @property

@@ -193,6 +193,13 @@ def _finish_link(client: int, body: int, index: int, link: Link) -> None:
         _join(client, body, index, Group.HULL)
 
 
+def lift_wheels(client: int, body: int, off_the_floor: bool) -> None:
+    """Let a robot's wheels turn in the air, or put them on the floor again."""
+    touched = Group(0) if off_the_floor else _TOUCHES[Group.WHEEL]
+    for link in WHEELS:
+        engine.setCollisionFilterGroupMask(body, link, int(Group.WHEEL), int(touched), physicsClientId=client)
+
+
 def mass_position(pose: Pose2D) -> tuple[float, float, float]:
     """Where the centre of mass of a robot is when the middle of its axle is at a pose, m in the world."""
     return pose.x, pose.y, MASS_HEIGHT

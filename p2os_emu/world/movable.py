@@ -1,4 +1,4 @@
-"""Things that can be pushed and gripped, and areas where the floor ends, as a world file has them."""
+"""Things that can be pushed and gripped, as a world file has them."""
 
 import math
 from dataclasses import dataclass
@@ -88,38 +88,3 @@ class ObjectEntry:
         return Movable(
             self.name, self.shape, pose, *self.size_m, self.mass_kg, self.friction, self.colour, self.reflector
         )
-
-
-@dataclass(frozen=True, slots=True)
-class Drop:
-    """Where the floor ends, as at stairs that go down: a rectangle; middle (m) and heading (rad), size (m)."""
-
-    pose: Pose2D
-    length: float
-    width: float
-    name: str = ""
-
-    def contains(self, x: float, y: float) -> bool:
-        """Tell whether there is no floor at a place."""
-        along, across = self.pose.locate(x, y)
-        return abs(along) <= self.length / 2 and abs(across) <= self.width / 2
-
-
-@dataclass(frozen=True, slots=True)
-class DropEntry:
-    """An area without floor: middle, size (length, width) and heading of its length."""
-
-    at_m: tuple[float, float]
-    size_m: tuple[float, float]
-    name: str = ""
-    heading_deg: float = 0.0
-
-    def drop(self) -> Drop:
-        """The area in SI.
-
-        Raises:
-            ValueError: A size is not above zero.
-        """
-        if not min(self.size_m) > 0.0:
-            raise ValueError("length and width must be above 0 m")
-        return Drop(Pose2D(*self.at_m, math.radians(self.heading_deg)), *self.size_m, self.name)

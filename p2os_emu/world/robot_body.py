@@ -19,11 +19,14 @@ from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
 from p2os_emu.world.engine import engine
 from p2os_emu.world.gripper import RobotGripper, gripper_links
+from p2os_emu.world.infrared import Infrared, sensors_of
+from p2os_emu.world.ledges import LedgeModel, Ledges
 from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import Sonar
+from p2os_emu.world.spec import Block
 
 
 class RobotBody:
@@ -41,6 +44,7 @@ class RobotBody:
         pose: Pose2D,
         fit: Fit,
         objects: Objects,
+        drops: Sequence[Block],
         name: str,
         scene: PlanarScene,
         chance: np.random.Generator | None,
@@ -60,6 +64,9 @@ class RobotBody:
         self._gripper = (
             RobotGripper(client, self.body_id, FIRST + len(arm_parts), gripper, objects) if gripper else None
         )
+        self._infrared = Infrared(client, self.body_id, model, chassis) if sensors_of(model) else None
+        ledge = load(LedgeModel, "accessories", "ledge") if fit.has("ledge") else None
+        self._ledges = Ledges(client, self.body_id, drops, chassis.front, ledge) if drops else None
         self._client = client
         self._floor_id = floor_id
         self._sonar = sonar
@@ -129,7 +136,7 @@ class RobotBody:
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""
         client = self._client
-        self.let_go()
+        self.lift()
         engine.resetBasePositionAndOrientation(
             self.body_id, mass_position(pose), upright(pose.heading), physicsClientId=client
         )
@@ -138,10 +145,12 @@ class RobotBody:
             engine.resetJointState(self.body_id, wheel, angle, 0.0, physicsClientId=client)
         self.refresh()
 
-    def let_go(self) -> None:
-        """Hold nothing any more, as when the robot is lifted."""
+    def lift(self) -> None:
+        """Take the robot off whatever it holds and hangs on."""
         if self._gripper is not None:
             self._gripper.let_go()
+        if self._ledges is not None:
+            self._ledges.free()
 
     def refresh(self) -> None:
         """Read the machine anew; `World.step` does so after every step."""
@@ -160,6 +169,17 @@ class RobotBody:
             front,
             rear,
         )
+        if self._infrared is not None or self._ledges is not None:
+            self._look_around(self.pose)
+
+    def _look_around(self, pose: Pose2D) -> None:
+        """Add what sensors see that few robots have."""
+        if self._infrared is not None:
+            self._state = self._state._replace(infrared=self._infrared.levels(pose))
+        if self._ledges is not None:
+            self._ledges.follow(pose)
+            far, near = self._ledges.sensed(pose)
+            self._state = self._state._replace(far_ledge=far, near_ledge=near)
 
     def _joints(self) -> Sequence[tuple[float, float, Any, float]]:
         """Angle (rad), speed (rad/s), forces and motor torque (N m) of each wheel, left first."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.movable import Drop, DropEntry, Movable, ObjectEntry
+from p2os_emu.world.movable import Movable, ObjectEntry
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
@@ -49,7 +49,7 @@ class WorldSpec:
     walls, furniture: boxes that do not move.
     starts: where robots begin, best place first; never empty.
     routes: named lists of waypoints, m; a round trip ends where it begins.
-    objects: what can be pushed and gripped. drops: where the floor ends.
+    objects: what can be pushed and gripped. drops: where the floor ends, as at stairs that go down; of no height.
     """
 
     name: str
@@ -59,7 +59,7 @@ class WorldSpec:
     starts: tuple[Pose2D, ...] = (Pose2D(),)
     routes: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
     objects: tuple[Movable, ...] = ()
-    drops: tuple[Drop, ...] = ()
+    drops: tuple[Block, ...] = ()
 
 
 def rectangle(pose: Pose2D, front: float, rear: float, width: float) -> Polygon:
@@ -125,6 +125,22 @@ class FurnitureEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class DropEntry:
+    """An area without floor: centre, size (length, width) and heading of its length."""
+
+    at_m: tuple[float, float]
+    size_m: tuple[float, float]
+    name: str = ""
+    heading_deg: float = 0.0
+
+    def block(self) -> Block:
+        """The area in SI."""
+        if not min(self.size_m) > 0.0:
+            raise ValueError("length and width must be above 0 m")
+        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, 0.0, self.name)
+
+
+@dataclass(frozen=True, slots=True)
 class StartEntry:
     """Where a robot may begin."""
 
@@ -153,7 +169,7 @@ class WorldFile:
         walls: list[Block] = []
         furniture: list[Block] = []
         objects: list[Movable] = []
-        drops: list[Drop] = []
+        drops: list[Block] = []
         entry = ""
         try:
             for i, wall in enumerate(self.walls):
@@ -169,7 +185,7 @@ class WorldFile:
                 objects.append(thing.movable())
             for i, drop in enumerate(self.drops):
                 entry = f"drops[{i}] {drop.name}"
-                drops.append(drop.drop())
+                drops.append(drop.block())
         except ValueError as err:
             raise WorldError(f"{source}: {entry.strip()}: {err}") from err
         if not self.starts:

@@ -69,7 +69,7 @@ class World:
         )
         self._seed = seed
         self._perfect = perfect
-        self._obstacles = Obstacles((*spec.walls, *spec.furniture))
+        self._obstacles = Obstacles((*spec.walls, *spec.furniture, *spec.drops))
         self._robots: dict[str, RobotBody] = {}
         self._moving: tuple[Moving, ...] | None = None
         self._has_window = gui
@@ -146,6 +146,7 @@ class World:
             pose,
             fit,
             self.objects,
+            self.spec.drops,
             name,
             self._scene,
             None if random is None else np.random.default_rng(Random(f"{self._seed} {name} scan").getrandbits(64)),
@@ -165,7 +166,7 @@ class World:
             WorldError: There is no such robot.
         """
         robot = self._robot(name)
-        robot.let_go()
+        robot.lift()
         engine.removeBody(robot.body_id, physicsClientId=self._client)
         del self._robots[name]
         self._moving = None

@@ -96,7 +96,7 @@ def test_every_stream_of_the_elements_comes_with_its_type_at_its_rate(office: Of
     office.run(2.0)
     rates = {key.removeprefix("happy/"): len(samples) for key, samples in office.heard.items()}
     every_sip = {"odom", "tf", "sonar", "sonar/points", "bumpers"}
-    every_second = {"battery", "state", "io", "tf_static", "diagnostics"}
+    every_second = {"battery", "state", "io", "ir", "tf_static", "diagnostics"}
     assert set(rates) == every_sip | every_second
     assert all(rates[suffix] == 20 for suffix in every_sip)
     assert all(2 <= rates[suffix] <= 4 for suffix in every_second)

@@ -1,0 +1,71 @@
+"""AUX ports: the controller's own serial ports, which a client reaches through TTYn and GETAUXn.
+
+What comes in waits in a circular buffer until a client asks for so many bytes; the answer leaves once they are all
+there, and what is left over stays. Source: fact sheet section 6, SERAUXpac. Where it is silent, assumed: the size of
+the buffer; a new GETAUX takes the place of one not yet met.
+"""
+
+from random import Random
+
+from p2os.accessory_packets import AuxData
+from p2os_emu.device import Device
+
+BUFFER = 256
+"""Bytes that wait at most; the oldest are overwritten."""
+MOST = 200
+"""Bytes of one answer: what keeps a frame within what every client takes."""
+
+
+class AuxPort:
+    """One port.
+
+    baud: its rate, bit/s. device: what is plugged in.
+    """
+
+    __slots__ = ("_buffer", "_chance", "_number", "_wanted", "baud", "device")
+
+    def __init__(self, number: int, baud: int, chance: Random) -> None:
+        self.baud = baud
+        self.device: Device | None = None
+        self._number = number
+        self._chance = chance
+        self.clear()
+
+    def clear(self) -> None:
+        """Flush the buffer and forget what was asked for."""
+        self._buffer = bytearray()
+        self._wanted = 0
+
+    def write(self, data: bytes) -> None:
+        """TTYn: send bytes to the device; noise, if it listens at another rate."""
+        if self.device is not None:
+            self.device.receive(self._carried(data, self.device))
+
+    def ask(self, count: int) -> None:
+        """GETAUXn: ask for so many bytes; 0 flushes."""
+        if count <= 0:
+            self.clear()
+        else:
+            self._wanted = min(count, MOST)
+
+    def advance(self, dt: float) -> None:
+        """Let the device take a step, s, and take what it says."""
+        if self.device is None:
+            return
+        data = self.device.step(dt)
+        if data:
+            self._buffer += self._carried(data, self.device)
+            del self._buffer[:-BUFFER]
+
+    def answer(self) -> AuxData | None:
+        """What was asked for, once it is all there."""
+        count = self._wanted
+        if not 0 < count <= len(self._buffer):
+            return None
+        data = bytes(self._buffer[:count])
+        del self._buffer[:count]
+        self._wanted = 0
+        return AuxData(self._number, data)
+
+    def _carried(self, data: bytes, device: Device) -> bytes:
+        return data if device.baud == self.baud else self._chance.randbytes(len(data))

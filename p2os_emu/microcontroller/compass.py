@@ -1,0 +1,96 @@
+"""The compass server: the TCM2 command, the compass byte of the SIP and TCM2pac.
+
+Source: fact sheet section 7 of the accessories. Assumed: with a module fitted the byte is in the SIP from power-on;
+CALCOMP 1 and 0 begin and end a calibration as modes 4 and 6 do.
+"""
+
+from enum import IntEnum
+from math import degrees
+
+from p2os.accessory_packets import CompassReport
+from p2os_emu.accessories.tcm2 import Tcm2
+from p2os_emu.microcontroller.cadence import Cadence
+
+
+class Mode(IntEnum):
+    """Arguments of TCM2."""
+
+    OFF = 0
+    BYTE = 1
+    ONE_PACKET = 2
+    CONTINUOUS = 3
+    USER_CALIBRATION = 4
+    AUTO_CALIBRATION = 5
+    END_CALIBRATION = 6
+    SOFT_RESET = 7
+
+
+class CompassServer:
+    """Reads the module five times a second.
+
+    byte: what the SIP carries, 2 degrees a count clockwise from north; north is 180, since one well-known driver takes
+    0 for no compass; 0 while it is off.
+    """
+
+    def __init__(self, module: Tcm2) -> None:
+        self._module = module
+        self._cadence = Cadence(module.spec.period_s)
+        self.power_on()
+
+    def power_on(self) -> None:
+        """Begin as after the power switch; the module remembers its calibration."""
+        self.byte = 0
+        self.restore()
+
+    def restore(self) -> None:
+        """The client has gone."""
+        self._module.end_calibration()
+        self._reads = True
+        self._packets = 0
+
+    def command(self, mode: int) -> None:
+        """TCM2; other numbers are ignored."""
+        match mode:
+            case Mode.OFF | Mode.BYTE:
+                self._packets = 0
+            case Mode.ONE_PACKET:
+                self._packets = 1
+            case Mode.CONTINUOUS:
+                self._packets = 2
+            case Mode.USER_CALIBRATION | Mode.AUTO_CALIBRATION:
+                self._module.begin_calibration()
+            case Mode.END_CALIBRATION:
+                self._module.end_calibration()
+                self._packets = 1
+            case Mode.SOFT_RESET:
+                self._module.reset()
+                self._packets = 0
+            case _:
+                return
+        self._reads = mode != Mode.OFF
+        if not self._reads:
+            self.byte = 0
+
+    def calibrate(self, on: bool) -> None:
+        """CALCOMP."""
+        if on:
+            self._module.begin_calibration()
+        else:
+            self._module.end_calibration()
+
+    def advance(self, heading: float, dt: float) -> CompassReport | None:
+        """Let time pass, s; give the packet that is due, if a client has asked for it.
+
+        Args:
+            heading: True, rad in the world.
+            dt: s.
+        """
+        if not self._cadence.advance(dt) or not self._reads:
+            return None
+        report = self._module.measure(heading)
+        self.byte = round(degrees(report.heading) / 2) % 180 or 180
+        if not self._packets:
+            return None
+        if self._packets == 1:
+            self._packets = 0
+        return report

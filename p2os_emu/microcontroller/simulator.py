@@ -1,0 +1,208 @@
+"""Commands that no real robot knows: MobileSim's, which clients send when they take a robot for a simulated one.
+
+The new numbers (224 and on) always work here. The old ones (35 to 38) mean something else on a real robot: they are a
+laser's only where the emulator poses as a simulator. Source: fact sheet section 7.
+"""
+
+import struct
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from math import degrees, pi, radians
+from typing import Any, Protocol
+
+from geometry import Pose2D
+from p2os.command_table import Command
+from p2os.commands import ReceivedCommand
+from p2os.packets import Packet
+from p2os.robot_model import RobotModel
+from p2os.simulator_packets import (
+    ExtendedLaser,
+    LaserReading,
+    MapChanged,
+    SimulatedLaser,
+    SimulatorState,
+)
+from p2os_emu.body import Beams, Body
+from p2os_emu.microcontroller.requests import STANDING
+
+OFF, PLAIN, EXTENDED = range(3)
+"""Values of SIM_LRF_ENABLE."""
+READINGS_PLAIN, READINGS_EXTENDED = 96, 38
+"""Readings in a packet that old clients' buffers hold."""
+LASER_HEIGHT = 0.2  # m, assumed
+LASER_REACH = 32.0  # m; what MobileSim's laser saw
+LASER_NOISE = 0.005  # m
+FINEST = radians(0.25)  # between two beams, assumed
+REFLECTANCE = 33  # of a reflector, as MobileSim's own maps had it; anything else is 0
+LOAD_MAP, MASTER_LOAD_MAP = 1, 2
+"""Operations of SIM_CTRL that other robots would have to live with: refused."""
+MESSAGES_KEPT = 50
+LARGEST = 32.767  # m; what the pose in a laser packet carries, which clients do not read
+OLD_NUMBERS: Mapping[int, Command] = {
+    Command.ADSEL: Command.SIM_LRF_ENABLE,
+    Command.GRIPPERVAL: Command.SIM_LRF_SET_FOV_START,
+    Command.GRIPREQUEST: Command.SIM_LRF_SET_FOV_END,
+    Command.GYROCALCW: Command.SIM_LRF_SET_RES,
+}
+"""What a client of an old simulator sends, and what it means by it; angles in degrees, of 38 in hundredths."""
+
+
+class Stage(Protocol):
+    """What a simulator may do with a robot, as a hand from above."""
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the robot truly is, in the world."""
+        ...
+
+    def place(self, pose: Pose2D) -> str:
+        """Put it elsewhere; returns why not, empty when it is done."""
+        ...
+
+    def restart(self) -> None:
+        """Put it back to where it began, and its odometry to zero."""
+        ...
+
+
+class Simulator:
+    """One robot's simulator commands.
+
+    messages: what clients wanted to be known, and what was refused them, the latest last.
+    """
+
+    def __init__(self, model: RobotModel, stage: Stage, body: Body, *, poses: bool = False) -> None:
+        """Stand by.
+
+        Args:
+            model: What the robot is; its first laser says where the simulated one sits.
+            stage: The hand from above.
+            body: Casts the beams.
+            poses: Take the old numbers for a laser's.
+        """
+        self.messages: deque[str] = deque(maxlen=MESSAGES_KEPT)
+        self.poses = poses
+        self._stage = stage
+        self._body = body
+        mount = next(iter(model.lasers), None)
+        self._x, self._y = (mount.x, mount.y) if mount else (0.0, 0.0)
+        self._answers: list[Packet] = []
+        self._handlers: Mapping[int, Callable[[Any], None]] = {
+            Command.SIM_SET_POSE: self._place,
+            Command.SIM_RESET: lambda _: stage.restart(),
+            Command.SIM_LRF_ENABLE: self._switch_laser,
+            Command.SIM_LRF_SET_FOV_START: self._set_first,
+            Command.SIM_LRF_SET_FOV_END: self._set_last,
+            Command.SIM_LRF_SET_RES: self._set_step,
+            Command.SIM_STAT: self._ask_for_state,
+            Command.SIM_CTRL: self._control,
+            Command.SIM_MESSAGE: lambda text: self.messages.append(text.decode("latin-1")),
+            Command.SIM_EXIT: lambda _: self.messages.append("SIM_EXIT was refused: end the emulator itself"),
+            Command.SIM_MODEL_CONFIG: lambda _: self.messages.append("SIM_MODEL_CONFIG was refused: models are files"),
+        }
+        self.power_on()
+
+    def power_on(self) -> None:
+        """Send nothing, look to the front."""
+        self._laser = OFF
+        self._first, self._last, self._step = -pi / 2, pi / 2, radians(1.0)
+        self._states = 0
+        self._answers.clear()
+
+    def obeys(self, received: ReceivedCommand) -> bool:
+        """Carry out a command as a client sent it, if it is a simulator's."""
+        number, value = received.number, received.value
+        if self.poses and number in OLD_NUMBERS:
+            number, value = OLD_NUMBERS[number], _in_new_units(number, value)
+        handler = self._handlers.get(number)
+        if handler is None:
+            return False
+        handler(value)
+        return True
+
+    def packets(self, pose: Pose2D, cycle: float) -> Iterator[Packet]:
+        """What follows the standard SIP of this cycle.
+
+        Args:
+            pose: By odometry.
+            cycle: s.
+        """
+        yield from self._answers
+        self._answers.clear()
+        if self._states:
+            self._states = self._states if self._states == STANDING else 0
+            yield self._state(cycle)
+        if self._laser:
+            yield from self._sweep(pose)
+
+    def _switch_laser(self, mode: int) -> None:
+        self._laser = mode if mode in (PLAIN, EXTENDED) else OFF
+
+    def _set_first(self, bearing: float) -> None:
+        self._first = max(-pi, min(pi, bearing))
+
+    def _set_last(self, bearing: float) -> None:
+        self._last = max(-pi, min(pi, bearing))
+
+    def _set_step(self, step: float) -> None:
+        self._step = max(FINEST, step)
+
+    def _ask_for_state(self, count: int) -> None:
+        self._states = min(max(0, count), STANDING)
+
+    def _place(self, data: bytes) -> None:
+        """Three i32: mm, mm, degrees."""
+        if len(data) < 12:
+            self.messages.append(f"SIM_SET_POSE of {len(data)} bytes was refused: it needs x, y and heading, i32 each")
+            return
+        x, y, heading = struct.unpack("<iii", data[:12])
+        why_not = self._stage.place(Pose2D(x / 1000, y / 1000, radians(heading)))
+        if why_not:
+            self.messages.append(f"SIM_SET_POSE was refused: {why_not}")
+
+    def _control(self, data: bytes) -> None:
+        operation = int.from_bytes(data[:2], "little")
+        if operation in (LOAD_MAP, MASTER_LOAD_MAP):
+            name = data[4:].split(b"\0")[0].decode("latin-1")
+            self.messages.append(f"map {name!r} was not loaded: start the emulator with --world")
+            self._answers.append(MapChanged(by_user=False, loaded=False, name=name))
+        else:
+            self.messages.append(f"SIM_CTRL {operation}: {data[2:].decode('latin-1').rstrip(chr(0))}")
+
+    def _state(self, cycle: float) -> SimulatorState:
+        pose = self._stage.pose
+        return SimulatorState(
+            interval=cycle, real_interval=cycle, last_interval=cycle, x=pose.x, y=pose.y, heading=pose.heading
+        )
+
+    def _sweep(self, pose: Pose2D) -> Iterator[Packet]:
+        """One sweep, in as many packets as it takes."""
+        span = self._last - self._first
+        count = int(abs(span) / self._step + 1e-6) + 1
+        step = self._step if span >= 0.0 else -self._step
+        beams = Beams(self._x, self._y, LASER_HEIGHT, self._first, step, count, LASER_REACH, LASER_NOISE)
+        echoes = self._body.scan(beams)
+        ranges = [min(LASER_REACH, float(distance)) for distance in echoes.ranges]
+        if self._laser == PLAIN:
+            x, y = (max(-LARGEST, min(LARGEST, each)) for each in (pose.x, pose.y))
+            heading = _wrapped(pose.heading)
+            for first in range(0, count, READINGS_PLAIN):
+                yield SimulatedLaser(x, y, heading, count, first, tuple(ranges[first : first + READINGS_PLAIN]))
+            return
+        readings = [
+            LaserReading(distance, REFLECTANCE if reflects else 0)
+            for distance, reflects in zip(ranges, echoes.reflects, strict=True)
+        ]
+        for first in range(0, count, READINGS_EXTENDED):
+            yield ExtendedLaser(count, first, tuple(readings[first : first + READINGS_EXTENDED]))
+
+
+def _in_new_units(number: int, value: Any) -> Any:
+    """The value of an old command as its new one has it."""
+    if number == Command.ADSEL:
+        return value
+    return radians(value / 100 if number == Command.GYROCALCW else value)
+
+
+def _wrapped(angle: float) -> float:
+    """Whole degrees that an i16 carries, as an angle."""
+    return radians(round(degrees(pi - (pi - angle) % (2 * pi))))
