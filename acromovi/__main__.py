@@ -14,6 +14,7 @@ COMMANDS = {
     "echo": ("acromovi.echo", "Print what flows on a key"),
     "topics": ("acromovi.topics", "List the robots, and what flows now and how often"),
     "teleop": ("acromovi.teleop", "Drive a robot with the keys of this terminal"),
+    "command": ("acromovi.command", "Tell a robot something: stop, move, gripper, ptz and more"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),

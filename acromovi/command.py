@@ -1,0 +1,59 @@
+"""`acromovi command`: tell a robot something, as any program on the bus can."""
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from acromovi.options import add_bus, seconds
+
+EPILOG = """\
+examples:
+  acromovi command happy enable on=true
+  acromovi command happy move distance=0.5
+  acromovi command happy gripper do=close
+  acromovi command happy arm do=move 'joints={"1": 0.5}'
+  acromovi command happy description            what the robot is, and what it obeys
+
+A value is JSON, or text where it is no JSON. The robot's answer is printed as one line of JSON.
+
+Exit codes: 0 accepted, 1 refused or no such robot (the reason is on stderr), 2 wrong usage.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
+    parser.add_argument("what", metavar="COMMAND", help="such as stop, gripper, ptz; or lease, or description")
+    parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", type=argument, help="what goes with it")
+    parser.add_argument("--timeout", type=seconds, default=3.0, metavar="S", help="wait so long for the answer (3)")
+    add_bus(parser)
+
+
+def argument(text: str) -> tuple[str, Any]:
+    """Read `key=value`."""
+    key, equals, value = text.partition("=")
+    if not (key and equals):
+        raise argparse.ArgumentTypeError(f"{text!r} is not KEY=VALUE; write for example on=true")
+    try:
+        return key, json.loads(value)
+    except ValueError:
+        return key, value
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask once, print the answer."""
+    from bus import ZenohBus, keys
+
+    known = {topic.suffix for topic in keys.TOPICS if topic.kind is keys.Kind.QUERY}
+    suffix = next((each for each in (f"command/{arguments.what}", arguments.what) if each in known), None)
+    if suffix is None:
+        names = ", ".join(sorted(each.removeprefix("command/") for each in known))
+        print(f"acromovi command: there is no {arguments.what!r}; choose one of {names}", file=sys.stderr)
+        return 2
+    key = f"{keys.robot_name(arguments.robot)}/{suffix}"
+    with ZenohBus.open(arguments.bus) as bus:
+        (answer,) = bus.query(key, dict(arguments.arguments), arguments.timeout)
+    print(json.dumps(answer.value))
+    return 0
