@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from geometry import Polygon, Pose2D
-from p2os_emu.hints import nearest
-from p2os_emu.world.colours import COLOURS
+from p2os_emu.world.colours import check_colour
 
 _CORNERS = 16  # of the polygon that stands for a circle
 LEAST_HEIGHT = 0.06
@@ -82,8 +81,7 @@ class ObjectEntry:
             raise ValueError(f"it must be at least {LEAST_HEIGHT:.2f} m high, or robots would drive over it")
         if self.shape is Shape.CYLINDER and self.size_m[0] != self.size_m[1]:
             raise ValueError("length and width of a cylinder are both its diameter; make them equal")
-        if self.colour not in COLOURS:
-            raise ValueError(f"there is no colour {self.colour!r}; {nearest(self.colour, COLOURS)}")
+        check_colour(self.colour)
         pose = Pose2D(*self.at_m, math.radians(self.heading_deg))
         return Movable(
             self.name, self.shape, pose, *self.size_m, self.mass_kg, self.friction, self.colour, self.reflector

@@ -58,7 +58,8 @@ class RobotBody:
         gripper = gripper_of(fit)
         arm_parts = arm_links(arm) if arm else ()
         gripper_parts = gripper_links(gripper, chassis) if gripper else ()
-        self.body_id = build_robot(client, chassis, pose, joined([arm_parts, gripper_parts]))
+        self.links = joined([arm_parts, gripper_parts])
+        self.body_id = build_robot(client, chassis, pose, self.links)
         if arm is not None:
             self.arm = JointedArm(client, self.body_id, FIRST, arm)
         self._gripper = (

@@ -8,11 +8,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from geometry import Point, Polygon, Pose2D, Segment
+from p2os_emu.world.colours import check_colour
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.floor import Floor
 from p2os_emu.world.movable import Movable, ObjectEntry
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
+WALL_COLOUR = "cream"
+FURNITURE_COLOUR = "brown"
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +24,7 @@ class Block:
     """A box on the floor that does not move: centre (m), heading of its length (rad), size (m).
 
     reflector: it throws light back where it came from, as the marks do that scanners steer by.
+    colour: one of `colours.COLOURS`.
     """
 
     x: float
@@ -30,6 +35,7 @@ class Block:
     height: float
     name: str = ""
     reflector: bool = False
+    colour: str = WALL_COLOUR
 
     def contains(self, x: float, y: float) -> bool:
         """Tell whether a point of the floor lies under the block."""
@@ -60,6 +66,16 @@ class WorldSpec:
     routes: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
     objects: tuple[Movable, ...] = ()
     drops: tuple[Block, ...] = ()
+    floor: Floor = field(default_factory=Floor)
+
+    @property
+    def middle(self) -> tuple[float, float, float]:
+        """Centre and greatest extent of what stands there, m; the first start where nothing does."""
+        corners = [corner for block in (*self.walls, *self.furniture) for corner in block.footprint]
+        if not corners:
+            return self.starts[0].x, self.starts[0].y, 0.0
+        xs, ys = [x for x, _ in corners], [y for _, y in corners]
+        return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2, max(max(xs) - min(xs), max(ys) - min(ys))
 
 
 def rectangle(pose: Pose2D, front: float, rear: float, width: float) -> Polygon:
@@ -87,10 +103,12 @@ class WallEntry:
     height_m: float = WALL_HEIGHT
     doors: tuple[DoorEntry, ...] = ()
     reflector: bool = False
+    colour: str = WALL_COLOUR
 
     def blocks(self) -> Iterator[Block]:
         """The wall cut at its doors; it reaches half its thickness beyond its ends, so that corners close."""
         line = Segment(*self.from_m, *self.to_m)
+        check_colour(self.colour)
         if not min(line.length, self.thickness_m, self.height_m) > 0.0:
             raise ValueError("length, thickness and height must be above 0 m")
         begin = -self.thickness_m / 2
@@ -104,7 +122,8 @@ class WallEntry:
     def _block(self, line: Segment, begin: float, end: float) -> Block:
         heading = math.atan2(line.y2 - line.y1, line.x2 - line.x1)
         x, y = Pose2D(line.x1, line.y1, heading).transform((begin + end) / 2, 0.0)
-        return Block(x, y, heading, end - begin, self.thickness_m, self.height_m, self.name, self.reflector)
+        size = end - begin, self.thickness_m, self.height_m
+        return Block(x, y, heading, *size, self.name, self.reflector, self.colour)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,12 +135,14 @@ class FurnitureEntry:
     name: str = ""
     heading_deg: float = 0.0
     reflector: bool = False
+    colour: str = FURNITURE_COLOUR
 
     def block(self) -> Block:
         """The box in SI."""
+        check_colour(self.colour)
         if not min(self.size_m) > 0.0:
             raise ValueError("length, width and height must be above 0 m")
-        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, self.name, self.reflector)
+        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, self.name, self.reflector, self.colour)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +178,7 @@ class WorldFile:
     furniture: tuple[FurnitureEntry, ...] = ()
     objects: tuple[ObjectEntry, ...] = ()
     drops: tuple[DropEntry, ...] = ()
+    floor: Floor = field(default_factory=Floor)
     starts: tuple[StartEntry, ...] = (StartEntry((0.0, 0.0)),)
     routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
 
@@ -186,6 +208,8 @@ class WorldFile:
             for i, drop in enumerate(self.drops):
                 entry = f"drops[{i}] {drop.name}"
                 drops.append(drop.block())
+            entry = "floor"
+            self.floor.check()
         except ValueError as err:
             raise WorldError(f"{source}: {entry.strip()}: {err}") from err
         if not self.starts:
@@ -200,4 +224,5 @@ class WorldFile:
             self.routes_m,
             objects=tuple(objects),
             drops=tuple(drops),
+            floor=self.floor,
         )

@@ -1,18 +1,13 @@
 """The window on a world: `p2os-emu --gui`."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 from p2os_emu.world.engine import engine
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.spec import Block, WorldSpec
+from p2os_emu.world.look import Look
+from p2os_emu.world.spec import WorldSpec
 
-Colour = tuple[float, float, float, float]
-
-WALL_COLOUR: Colour = (0.86, 0.85, 0.82, 1.0)
-FURNITURE_COLOUR: Colour = (0.62, 0.48, 0.34, 1.0)
-ROBOT_COLOUR: Colour = (0.72, 0.10, 0.12, 1.0)
-WHEEL_COLOUR: Colour = (0.12, 0.12, 0.12, 1.0)
 PITCH_DEG = -60.0
 LEAST_DISTANCE = 6.0  # m from the camera to what it looks at
 ROOM = 0.75  # distance per metre that the world is wide
@@ -37,7 +32,7 @@ def arrange(client: int, spec: WorldSpec) -> None:
     """Show the whole world from above at a slant, without the engine's own panels."""
     for name in (*_PANELS, *_EFFECTS):
         engine.configureDebugVisualizer(getattr(engine, name), 0, physicsClientId=client)
-    x, y, extent = _middle(spec)
+    x, y, extent = spec.middle
     engine.resetDebugVisualizerCamera(
         cameraDistance=max(LEAST_DISTANCE, ROOM * extent),
         cameraYaw=0.0,
@@ -47,24 +42,7 @@ def arrange(client: int, spec: WorldSpec) -> None:
     )
 
 
-def paint(client: int, bodies: Iterable[int], colour: Colour) -> None:
-    """Give bodies and their hulls a colour."""
-    for body in bodies:
-        engine.changeVisualShape(body, -1, rgbaColor=colour, physicsClientId=client)
-
-
-def paint_robot(client: int, body: int) -> None:
-    """Give a robot the colours that these robots have."""
-    paint(client, [body], ROBOT_COLOUR)
-    for wheel in range(engine.getNumJoints(body, physicsClientId=client)):
-        engine.changeVisualShape(body, wheel, rgbaColor=WHEEL_COLOUR, physicsClientId=client)
-
-
-def _middle(spec: WorldSpec) -> tuple[float, float, float]:
-    """Centre and greatest extent of what stands in a world, m; its first start where nothing does."""
-    blocks: tuple[Block, ...] = (*spec.walls, *spec.furniture)
-    corners = [corner for block in blocks for corner in block.footprint]
-    if not corners:
-        return spec.starts[0].x, spec.starts[0].y, 0.0
-    xs, ys = [x for x, _ in corners], [y for _, y in corners]
-    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2, max(max(xs) - min(xs), max(ys) - min(ys))
+def paint(client: int, body: int, looks: Mapping[int, Look]) -> None:
+    """Give a body's links the colours of their looks."""
+    for link, look in looks.items():
+        engine.changeVisualShape(body, link, rgbaColor=look[0].colour, physicsClientId=client)

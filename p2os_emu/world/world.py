@@ -14,14 +14,15 @@ from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world import window
 from p2os_emu.world.chassis import GRAVITY, HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
-from p2os_emu.world.collision import build_blocks, build_floor
-from p2os_emu.world.colours import COLOURS
+from p2os_emu.world.collision import HULL, build_blocks, build_floor
 from p2os_emu.world.engine import STEP, engine
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.look import Look, floor_look, furniture_look, movable_look, robot_looks, wall_look
 from p2os_emu.world.objects import Moving, ObjectPlace, Objects
 from p2os_emu.world.placement import Obstacles, free_pose, overlapping
 from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.robot_body import RobotBody
+from p2os_emu.world.sight import Sight
 from p2os_emu.world.sonar import Sonar
 from p2os_emu.world.spec import WorldSpec
 
@@ -88,12 +89,16 @@ class World:
         furniture = build_blocks(self._client, spec.furniture)
         self.objects = Objects(self._client, spec.objects)
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
+        self.sight = Sight(self._client)
         if gui:
             window.arrange(self._client, spec)
-            window.paint(self._client, walls, window.WALL_COLOUR)
-            window.paint(self._client, furniture, window.FURNITURE_COLOUR)
-            for body, movable in self.objects.bodies.items():
-                window.paint(self._client, [body], COLOURS[movable.colour])
+        self.sight.add(self._floor_id, {HULL: floor_look(spec)}, is_fixed=True)
+        for body, wall in zip(walls, spec.walls, strict=True):
+            self._show(body, {HULL: wall_look(wall)}, is_fixed=True)
+        for body, piece in zip(furniture, spec.furniture, strict=True):
+            self._show(body, {HULL: furniture_look(piece)}, is_fixed=True)
+        for body, movable in self.objects.bodies.items():
+            self._show(body, {HULL: movable_look(movable)})
 
     @property
     def time(self) -> float:
@@ -155,8 +160,7 @@ class World:
             engine.setPhysicsEngineParameter(numSolverIterations=CHAIN_ITERATIONS, physicsClientId=self._client)
         self._robots[name] = robot
         self._moving = None
-        if self._has_window:
-            window.paint_robot(self._client, robot.body_id)
+        self._show(robot.body_id, robot_looks(name, chassis, robot.links))
         return robot
 
     def remove_robot(self, name: str) -> None:
@@ -167,6 +171,7 @@ class World:
         """
         robot = self._robot(name)
         robot.lift()
+        self.sight.remove(robot.body_id)
         engine.removeBody(robot.body_id, physicsClientId=self._client)
         del self._robots[name]
         self._moving = None
@@ -219,6 +224,11 @@ class World:
         except engine.error:
             if engine.isConnected(physicsClientId=self._client):
                 raise
+
+    def _show(self, body: int, looks: Mapping[int, Look], *, is_fixed: bool = False) -> None:
+        self.sight.add(body, looks, is_fixed=is_fixed)
+        if self._has_window:
+            window.paint(self._client, body, looks)
 
     def __enter__(self) -> "World":
         return self

@@ -57,7 +57,7 @@ def test_a_wall_is_cut_at_its_doors(write: Write) -> None:
 
 def test_furniture_starts_and_routes_are_read(write: Write) -> None:
     spec = load_world(write(GOOD))
-    assert spec.furniture == (Block(2.0, 3.0, pi / 2, 1.6, 0.8, 0.7, "desk"),)
+    assert spec.furniture == (Block(2.0, 3.0, pi / 2, 1.6, 0.8, 0.7, "desk", colour="brown"),)
     assert spec.starts == (Pose2D(1.0, 2.0, pi / 2),)
     assert spec.routes == {"there_and_back": ((0.0, 1.0), (2.0, 1.0), (0.0, 1.0))}
     assert spec.about == "one wall"

@@ -1,0 +1,63 @@
+"""What a floor looks like: a picture made here, from two colours and a pattern."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from p2os_emu.world.colours import COLOURS, check_colour
+
+PIXELS = 1024
+"""Edge of the picture that covers the whole floor."""
+JOINT = 0.06
+"""Width of what separates tiles and planks, in pattern lengths."""
+PLANK_LENGTH = 4
+"""In widths of a plank."""
+
+
+class Texture(Enum):
+    """Patterns."""
+
+    PLAIN = "plain"
+    CHECKER = "checker"
+    TILES = "tiles"
+    PLANKS = "planks"
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """How a world file describes its floor: two of `COLOURS`, and the pattern's length."""
+
+    texture: Texture = Texture.CHECKER
+    colour: str = "light grey"
+    second_colour: str = "grey"
+    pattern_m: float = 0.5
+
+    def check(self) -> None:
+        """See that it makes sense.
+
+        Raises:
+            ValueError: A colour is unknown, or the pattern has no length.
+        """
+        check_colour(self.colour)
+        check_colour(self.second_colour)
+        if not self.pattern_m > 0.0:
+            raise ValueError("pattern_m must be above 0 m")
+
+
+def picture(floor: Floor, edge: float) -> NDArray[np.uint8]:
+    """The floor from above, a square of `edge` m: rows of pixels with red, green, blue."""
+    along = (np.arange(PIXELS) + 0.5) * edge / PIXELS / floor.pattern_m
+    x, y = np.meshgrid(along, along)
+    match floor.texture:
+        case Texture.CHECKER:
+            is_second = (np.floor(x) + np.floor(y)) % 2 == 1
+        case Texture.TILES:
+            is_second = (x % 1 < JOINT) | (y % 1 < JOINT)
+        case Texture.PLANKS:
+            is_second = (y % 1 < JOINT) | ((x + np.floor(y) * 1.5) % PLANK_LENGTH < JOINT)
+        case Texture.PLAIN:
+            is_second = np.zeros_like(x, bool)
+    first, second = (np.array(COLOURS[name][:3]) * 255 for name in (floor.colour, floor.second_colour))
+    return np.where(is_second[..., None], second, first).astype(np.uint8)

@@ -1,0 +1,110 @@
+"""What things look like: boxes, cylinders and spheres with colours, by which a world can be drawn elsewhere.
+
+Nothing public states the looks of these robots beyond their outlines: hull, deck, wheels and a light on the nose, in a
+body colour that follows from the robot's name.
+"""
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import NamedTuple
+from zlib import crc32
+
+from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, MASS_HEIGHT, Chassis
+from p2os_emu.world.collision import HULL, WHEELS
+from p2os_emu.world.colours import COLOURS, Colour
+from p2os_emu.world.floor import Floor
+from p2os_emu.world.links import FIRST, Link
+from p2os_emu.world.movable import Movable, Shape
+from p2os_emu.world.spec import Block, WorldSpec
+
+Triple = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+LEVEL: Quaternion = (0.0, 0.0, 0.0, 1.0)
+ON_ITS_SIDE: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)  # a cylinder along y
+SKIRTING_HEIGHT = 0.08
+SKIRTING_DEPTH = 0.01  # m that a skirting board stands out
+DECK = 0.02  # m, thickness of a robot's top plate
+WHEEL_WIDTH = 0.05
+FLOOR_MARGIN = 4.0  # m of floor around what stands in a world
+LEAST_FLOOR = 24.0  # m
+FLOOR_DEPTH = 0.02
+NOSE = 0.06  # m, edge of the light in front
+ROBOT_COLOURS = ("red", "blue", "orange", "green", "yellow", "purple", "teal", "pink")
+
+
+class Form(Enum):
+    """What a part is."""
+
+    BOX = "box"
+    CYLINDER = "cylinder"
+    SPHERE = "sphere"
+
+
+class Part(NamedTuple):
+    """One part of a thing, in the thing's own frame.
+
+    size: of a box along x, y, z; of a cylinder diameter, diameter, height along its own z; of a sphere its diameter, m.
+    floor: what is painted on the top of a box that is the floor.
+    """
+
+    form: Form
+    size: Triple
+    colour: Colour
+    place: Triple = (0.0, 0.0, 0.0)
+    turn: Quaternion = LEVEL
+    floor: Floor | None = None
+
+
+Look = tuple[Part, ...]
+
+
+def floor_look(spec: WorldSpec) -> Look:
+    """The floor of a world, seen from its origin."""
+    x, y, extent = spec.middle
+    edge = max(LEAST_FLOOR, extent + 2 * FLOOR_MARGIN)
+    size = edge, edge, FLOOR_DEPTH
+    return (Part(Form.BOX, size, COLOURS["white"], (x, y, -FLOOR_DEPTH / 2), floor=spec.floor),)
+
+
+def wall_look(block: Block) -> Look:
+    """A wall with a skirting board, seen from its middle."""
+    board = block.length + 2 * SKIRTING_DEPTH, block.width + 2 * SKIRTING_DEPTH, SKIRTING_HEIGHT
+    place = 0.0, 0.0, (SKIRTING_HEIGHT - block.height) / 2
+    return (*furniture_look(block), Part(Form.BOX, board, COLOURS["dark grey"], place))
+
+
+def furniture_look(block: Block) -> Look:
+    """A piece of furniture, seen from its middle."""
+    return (Part(Form.BOX, (block.length, block.width, block.height), COLOURS[block.colour]),)
+
+
+def movable_look(movable: Movable) -> Look:
+    """A movable object, seen from its middle."""
+    form = Form.CYLINDER if movable.shape is Shape.CYLINDER else Form.BOX
+    return (Part(form, (movable.length, movable.width, movable.height), COLOURS[movable.colour]),)
+
+
+def robot_looks(name: str, chassis: Chassis, links: Sequence[Link]) -> dict[int, Look]:
+    """A robot by its links: hull, wheels, and what its accessories add; each seen from its centre of mass."""
+    wheel = 2 * chassis.wheel_radius, 2 * chassis.wheel_radius, WHEEL_WIDTH
+    wheels = {link: (Part(Form.CYLINDER, wheel, COLOURS["black"], turn=ON_ITS_SIDE),) for link in WHEELS}
+    others = {number: (Part(Form.BOX, link.size, COLOURS["grey"]),) for number, link in enumerate(links, FIRST)}
+    return {HULL: _hull(name, chassis), **wheels, **others}
+
+
+def _hull(name: str, chassis: Chassis) -> Look:
+    """The body colour, the deck on top, and the light on the nose."""
+    colour = COLOURS[ROBOT_COLOURS[crc32(name.encode()) % len(ROBOT_COLOURS)]]
+    length, middle = chassis.front + chassis.rear, (chassis.front - chassis.rear) / 2
+    top = HULL_TOP - DECK
+    return (
+        Part(Form.BOX, (length, chassis.width, top - HULL_BOTTOM), colour, _seen(middle, 0.0, (top + HULL_BOTTOM) / 2)),
+        Part(Form.BOX, (length, chassis.width, DECK), COLOURS["black"], _seen(middle, 0.0, HULL_TOP - DECK / 2)),
+        Part(Form.BOX, (NOSE / 2, 2 * NOSE, NOSE), COLOURS["white"], _seen(chassis.front, 0.0, top - NOSE)),
+    )
+
+
+def _seen(x: float, y: float, z: float) -> Triple:
+    """From the floor under the axle to the centre of mass, m."""
+    return x, y, z - MASS_HEIGHT

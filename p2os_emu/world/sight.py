@@ -1,0 +1,79 @@
+"""What there is to see in a world, told in pieces that are small enough to be sent often."""
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from p2os_emu.world.collision import HULL
+from p2os_emu.world.engine import engine
+from p2os_emu.world.look import Look, Quaternion, Triple
+
+MOST_NEW = 100
+"""Things described in one piece of news."""
+
+
+class Placed(NamedTuple):
+    """Where a thing is in the world: of its centre of mass, m, and how it is turned."""
+
+    place: Triple
+    turn: Quaternion
+
+
+class Thing(NamedTuple):
+    """Something to be drawn. is_fixed: it never moves."""
+
+    body: int
+    link: int
+    look: Look
+    is_fixed: bool
+
+
+@dataclass(slots=True)
+class News:
+    """What has changed since the news before, by the number of the thing."""
+
+    new: dict[int, tuple[Look, Placed]] = field(default_factory=dict)
+    gone: set[int] = field(default_factory=set)
+    moved: dict[int, Placed] = field(default_factory=dict)
+
+    def add(self, later: "News") -> None:
+        """Take in what has changed since."""
+        for number in later.gone:
+            self.moved.pop(number, None)
+            if self.new.pop(number, None) is None:
+                self.gone.add(number)
+        self.new |= later.new
+        self.moved |= later.moved
+
+
+class Sight:
+    """Everything that can be seen in one world."""
+
+    def __init__(self, client: int) -> None:
+        self._client = client
+        self._numbers = itertools.count()
+        self._things: dict[int, Thing] = {}
+
+    def add(self, body: int, looks: Mapping[int, Look], *, is_fixed: bool = False) -> None:
+        """A body has come, with the looks of its links."""
+        for link, look in looks.items():
+            self._things[next(self._numbers)] = Thing(body, link, look, is_fixed)
+
+    def remove(self, body: int) -> None:
+        """A body has gone."""
+        self._things = {number: thing for number, thing in self._things.items() if thing.body != body}
+
+    def news(self, known: set[int]) -> News:
+        """What somebody has to hear who knows some things already, and where all that can move are now."""
+        unknown = [number for number in self._things if number not in known][:MOST_NEW]
+        return News(
+            {number: (self._things[number].look, self._placed(self._things[number])) for number in unknown},
+            known - self._things.keys(),
+            {n: self._placed(thing) for n, thing in self._things.items() if n in known and not thing.is_fixed},
+        )
+
+    def _placed(self, thing: Thing) -> Placed:
+        if thing.link == HULL:
+            return Placed(*engine.getBasePositionAndOrientation(thing.body, physicsClientId=self._client))
+        return Placed(*engine.getLinkState(thing.body, thing.link, physicsClientId=self._client)[:2])
