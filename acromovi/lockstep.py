@@ -11,7 +11,12 @@ from typing import Self, TypeVar
 
 import configs
 from bus import Bus, MemoryBus, MemoryNetwork
+from gateway.cables.all_cables import CABLES
+from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
+from gateway.events import Event
+from gateway.faces.all_faces import CABLE_FACES
+from gateway.faces.cable_face import CableFace
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import Settings
 from geometry import Pose2D
@@ -19,6 +24,7 @@ from p2os import RobotModel
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import parse_fault
 from p2os_emu.faults.board import FaultBoard
+from p2os_emu.fit import read_fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.world import World, WorldSpec
@@ -36,16 +42,26 @@ class Lockstep:
     Everything happens in `run`; the same arguments and the same calls give the same bytes and messages.
     """
 
-    def __init__(self, world: WorldSpec, robots: Mapping[str, str], *, seed: int = 0, perfect: bool = False) -> None:
+    def __init__(
+        self,
+        world: WorldSpec,
+        robots: Mapping[str, str],
+        *,
+        fits: Mapping[str, str] | None = None,
+        seed: int = 0,
+        perfect: bool = False,
+    ) -> None:
         """Put the robots on their places and open the bus; their drivers connect within the first second of `run`.
 
         Args:
             world: From `load_world`.
             robots: Name to model, as `{"happy": "p3dx-sh"}`.
+            fits: Name to accessories, as `{"happy": "gyro,laser"}`.
             seed: Of every imperfection and every chance.
             perfect: No imperfections of body and sensors.
         Raises:
             ConfigError: There is no such model.
+            FitError: There is no such accessory, or it does not go onto this robot.
             WorldError: There is no room for a robot.
         """
         self._network = MemoryNetwork()
@@ -55,10 +71,11 @@ class Lockstep:
         self._emulator.before_step = self._faults.advance
         self._hosts: dict[str, _Host] = {}
         for name, model_name in robots.items():
-            model = configs.load(RobotModel, "robots", model_name)
-            link = MemoryLink()
-            self._emulator.add(name, model, link)
-            self._hosts[name] = _Host(name, model, link, self.bus(), lambda: self.time, seed)
+            parts = (fits or {}).get(name, "")
+            model, fit = read_fit(filter(None, parts.split(",")), configs.load(RobotModel, "robots", model_name))
+            link, cables = MemoryLink(), {part: MemoryLink() for part in fit.cables}
+            self._emulator.add(name, model, link, fit=fit, cables=cables)
+            self._hosts[name] = _Host(name, model, link, cables, self.bus(), lambda: self.time, seed)
 
     @property
     def time(self) -> float:
@@ -127,13 +144,48 @@ class Lockstep:
         self.close()
 
 
+class _Element:
+    """The host's end of the cable of an accessory that has one of its own."""
+
+    def __init__(self, part: str, link: MemoryLink, clock: Callable[[], float]) -> None:
+        self.driver = CABLES[part].make(False, SETTINGS)
+        self._link = link
+        self._clock = clock
+        self.driver.port_opened(clock())
+
+    def step(self) -> list[Event]:
+        """What the thread of this cable does when it wakes."""
+        events = self.driver.receive(self._link.client_read(), self._clock())
+        self._flush()
+        return events
+
+    def command(self, give: Callable[[ElementDriver, float], T]) -> T:
+        """The way to the driver for what comes from the bus."""
+        try:
+            return give(self.driver, self._clock())
+        finally:
+            self._flush()
+
+    def _flush(self) -> None:
+        self._link.client_write(self.driver.bytes_due(self._clock()))
+
+
 class _Host:
     """The host's end of one cable: what the gateway's bridge is between threads, without threads."""
 
     def __init__(
-        self, name: str, model: RobotModel, link: MemoryLink, bus: Bus, clock: Callable[[], float], seed: int
+        self,
+        name: str,
+        model: RobotModel,
+        link: MemoryLink,
+        cables: Mapping[str, MemoryLink],
+        bus: Bus,
+        clock: Callable[[], float],
+        seed: int,
     ) -> None:
         self._name = name
+        self._elements = {part: _Element(part, cables[part], clock) for part in cables if part in CABLES}
+        self._faces: dict[str, CableFace[ElementDriver]] = {}
         self.heard = bytearray()
         self._link = link
         self._bus = bus
@@ -155,16 +207,23 @@ class _Host:
         if self._robot is None:
             if self._driver.model is None:
                 return
+            self._faces = {
+                part: CABLE_FACES[part](self._name, self._driver.model, SETTINGS, element.driver, element)
+                for part, element in self._elements.items()
+            }
             self._robot = RobotOnBus(
                 self._name,
                 self._bus,
                 self._driver,
                 self,
                 SETTINGS,
+                cable_faces=list(self._faces.values()),
                 new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,
             )
         self._robot.happened(events, now, self._stamp_ns())
+        for part, element in self._elements.items():
+            self._robot.element_happened(self._faces[part], element.step(), self._stamp_ns())
 
     def command(self, give: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
