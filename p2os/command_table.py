@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from p2os.fields import Quantity
+from p2os.firmware import Family
+from p2os.since import Since
 
 
 class Argument(Enum):
@@ -37,7 +39,7 @@ class CommandSpec:
     argument: Argument
     quantity: Quantity
     meaning: str
-    since: str
+    since: Since
     source: str
 
 
@@ -229,7 +231,7 @@ _ROWS = (
     (Command.VEL, _INT, _SPEED, "translate at a speed", "all", _MANUALS),
     (Command.HEAD, _INT, _ANGLE, "turn to an absolute heading, counter-clockwise", "all", _MANUALS),
     (Command.DHEAD, _INT, _ANGLE, "turn relative to the present heading", "all", _MANUALS),
-    (Command.SETRV_DIRECTIONAL, _INT, _ROTATION, "maximum turn rates: positive left, negative right", "C 2.x", _NOTES),
+    (Command.SETRV_DIRECTIONAL, _INT, _ROTATION, "maximum turn rates: positive left, negative right", "C 2.8", _NOTES),
     (Command.SAY, _STRING, _COUNT, "up to 20 pairs of duration (20 ms) and tone", "all", _MANUALS),
     (Command.JOYREQUEST, _INT, _COUNT, "JOYSTICKpac: 0 stop, 1 one, 2 continuous", "C", _P3),
     (Command.CONFIG, _NONE, _COUNT, "request a CONFIGpac", "P2 1.4", _P2),
@@ -282,7 +284,14 @@ _ROWS = (
     (Command.LOADWORLD, _STRING, _COUNT, "an older simulator's command", "library", _LIBRARY),
     (Command.STEP, _NONE, _COUNT, "single step, simulator only", "PSOS 3.x, P2 1.0", _P2),
     (Command.CALCOMP, _INT, _COUNT, "compass calibration", "library", _LIBRARY),
-    (Command.TTY3, _STRING, _COUNT, "send bytes out of AUX2", "C 1.0, AmigOS 1.3", _P3_AMIGO),
+    (
+        Command.TTY3,
+        _STRING,
+        _COUNT,
+        "send bytes out of AUX2",
+        "A 1.1 (assumed: as GETAUX2), C 1.0, AmigOS 1.3",
+        _P3_AMIGO,
+    ),
     (Command.GETAUX2, _UINT, _COUNT, "as GETAUX for AUX2", "A 1.1, C 1.0, AmigOS 1.3", _H8_P3_AMIGO),
     (Command.CHARGE, _INT, _COUNT, "1 deploy, 0 release the automatic charger", "A 1.7, C 1.0", _H8_P3),
     (Command.RESETSIMTOORIGIN, _NONE, _COUNT, "an older simulator's command", "library", _LIBRARY),
@@ -377,7 +386,12 @@ _ROWS = (
 )
 
 COMMANDS: Mapping[int, CommandSpec] = {
-    command.value: CommandSpec(command.value, command.name, argument, quantity, meaning, since, source)
+    command.value: CommandSpec(command.value, command.name, argument, quantity, meaning, Since.read(since), source)
     for command, argument, quantity, meaning, since, source in _ROWS
 }
 """The table by command number."""
+
+
+def known_commands(family: Family, version: str) -> frozenset[int]:
+    """Numbers of the commands that firmware of a family and version, such as "1.M", knows."""
+    return frozenset(number for number, spec in COMMANDS.items() if spec.since.known_to(family, version))

@@ -132,7 +132,7 @@ def _commands(emulated: Collection[int]) -> str:
             spec.argument.value,
             spec.quantity.unit or "-",
             spec.meaning,
-            spec.since,
+            str(spec.since),
             "yes",
             "yes",
             _yes(spec.number in emulated),

@@ -27,6 +27,7 @@ class FlashDefaults:
     Source: FLASH parameter table of the Pioneer 3/2 H8-series manual; `assumed` marks what it does not say.
     sonar_cycle: s between two firings of one array. stall_value: in PWM units; above `pwm_max` it would never stall.
     bump_stall: as the BUMPSTALL command counts: 0 none, 1 front, 2 rear, 3 both.
+    auto_baud: as CONFIGpac says: 1 the host may change the rate, 2 it should do so by itself.
     low_battery, shutdown_battery: fractions of the nominal voltage.
     """
 
@@ -35,6 +36,7 @@ class FlashDefaults:
     watchdog: float = 2.0
     host_baud: int = 9600
     aux_baud: int = 9600
+    auto_baud: int = 1
     acceleration: float = 0.3
     deceleration: float = 0.3
     rotational_acceleration: float = radians(100)  # assumed, the limit that clients fall back to

@@ -7,10 +7,13 @@ from typing import NamedTuple
 from configs import load
 from p2os import RobotModel
 from p2os.accessories.arm_model import ArmModel
+from p2os_emu.accessories.analog_gyro import AnalogGyro, AnalogGyroSpec
 from p2os_emu.accessories.lms200 import Lms200, ScannerModel
+from p2os_emu.accessories.powercube import PowerCubeArm
+from p2os_emu.accessories.tcm2 import Tcm2, Tcm2Spec
 from p2os_emu.body import Body
 from p2os_emu.device import Device
-from p2os_emu.fit import Fit
+from p2os_emu.fit import Fit, FitError
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
 
@@ -28,10 +31,17 @@ class Bench(NamedTuple):
     chance: Random
 
 
+def _powercube(bench: Bench) -> Device:
+    if bench.body.arm is None:
+        raise FitError("this world has no joints, and so no arm; take one with physics")
+    return PowerCubeArm(load(ArmModel, "accessories", "powercube-arm"), bench.body.arm)
+
+
 CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {
     ("laser", "lms200"): lambda bench: Lms200(
         load(ScannerModel, "accessories", "lms200"), bench.model.laser, bench.body
     ),
+    ("arm", "powercube"): _powercube,
 }
 """Part and variant to what makes the device on its own cable."""
 
@@ -42,7 +52,17 @@ def _wire_gripper(bench: Bench) -> None:
         bench.microcontroller.fit_gripper(gripper)
 
 
+def _fit_gyro(bench: Bench, inside: bool) -> None:
+    spec = load(AnalogGyroSpec, "accessories", "analog-gyro")
+    bench.microcontroller.fit_gyro(AnalogGyro(spec, bench.chance), inside)
+
+
 PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
+    ("gyro", "analog"): lambda bench: _fit_gyro(bench, inside=False),
+    ("gyro", "controller"): lambda bench: _fit_gyro(bench, inside=True),
+    ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
+        Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.chance)
+    ),
     ("gripper", "pioneer"): _wire_gripper,
     ("gripper", "peoplebot"): _wire_gripper,
     ("arm", "pioneer"): lambda bench: bench.microcontroller.fit_arm(load(ArmModel, "accessories", "pioneer-arm")),

@@ -186,6 +186,12 @@ def _calcomp(board: Board, on: int) -> None:
         board.compass.calibrate(on != 0)
 
 
+def _joyrequest(board: Board, count: int) -> None:
+    """An empty socket has nothing to report (assumed)."""
+    if board.panel.joystick is not None:
+        board.requests.ask(PacketType.JOYSTICK, count)
+
+
 def _joydrive(board: Board, on: int) -> None:
     board.joystick.allowed = on != 0
 
@@ -318,7 +324,7 @@ HANDLERS: Mapping[int, Handler] = {
     Command.GYROCALCCW: _gyrocalccw,
     Command.TCM2: _tcm2,
     Command.CALCOMP: _calcomp,
-    Command.JOYREQUEST: _requests(PacketType.JOYSTICK),
+    Command.JOYREQUEST: _joyrequest,
     Command.JOYDRIVE: _joydrive,
     # sounds
     Command.SAY: lambda board, pairs: board.buzzer.say(pairs, board.time),

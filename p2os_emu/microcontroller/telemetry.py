@@ -142,7 +142,7 @@ def gyro(board: Board, state: BodyState) -> GyroReport:
 
 
 def joystick(board: Board, state: BodyState) -> JoystickReport:
-    """JOYSTICKpac; an empty socket reads as a stick at rest."""
+    """JOYSTICKpac."""
     hand = board.panel.joystick or CENTRED
     return JoystickReport(hand.button1, hand.button2, hand.x, hand.y, hand.throttle)
 

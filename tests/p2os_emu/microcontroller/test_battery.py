@@ -70,7 +70,7 @@ def test_a_plugged_charger_shows_in_flags_and_charge_state(robot: Bench) -> None
 
 def test_battest_pretends_a_voltage_until_zero(robot: Bench) -> None:
     real = robot.sip().battery_fine
-    robot.send(Command.BATTEST, 214)
+    robot.controller.receive(bytes.fromhex("FA FB 06  FA 3B D6 00  D0 3B"))  # 214: the unit is 0.1 V
     assert robot.sip().battery_fine == pytest.approx(21.4)
     robot.send(Command.BATTEST, 0)
     assert robot.sip().battery_fine == pytest.approx(real, abs=0.1)

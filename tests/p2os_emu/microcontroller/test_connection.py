@@ -136,7 +136,7 @@ def test_odometry_outlives_the_client(robot: Bench) -> None:
 def test_unknown_commands_and_those_of_absent_parts_are_ignored(robot: Bench) -> None:
     before = robot.sip()
     for number in range(256):
-        if number not in (Command.CLOSE, Command.RESET, Command.SONAR, Command.POLLING):
+        if number not in (Command.CLOSE, Command.RESET, Command.MAINTENANCE, Command.SONAR, Command.POLLING):
             robot.controller.receive(encode_unknown(number))
     sips = robot.sips(1.0)
     assert len(sips) == 10

@@ -63,9 +63,18 @@ def test_what_follows_a_reset_in_the_same_read_is_lost(robot: Bench) -> None:
     assert robot.step() == RESET_FRAME
 
 
-def test_maintenance_is_ignored(robot: Bench) -> None:
+def test_maintenance_silences_the_robot_until_somebody_switches_it_off_and_on(robot: Bench) -> None:
+    robot.send(Command.VEL, 0.2)
+    robot.run(1.0)
     robot.send(Command.MAINTENANCE)
-    assert len(robot.sips(1.0)) == 10
+    robot.run(0.5)
+    assert not robot.body.is_turning()
+    for command in (Command.SYNC0, Command.CLOSE, Command.RESET, Command.CONFIG):
+        robot.send(command)
+        assert robot.run(1.0) == []
+    robot.controller.power_cycle()
+    robot.run(0.1)
+    assert len(robot.connect().sips(1.0)) == 10
 
 
 class TestHostBaud:
