@@ -129,7 +129,7 @@ def inputs_outputs(board: Board, state: BodyState) -> InputsOutputs:
     """IOpac: user inputs, bumpers and, on ARCOS, infrared sensors; the battery's A/D port comes last."""
     panel = board.panel
     digital_in = [_user_inputs(board, state), *_bumpers(board, state)]
-    if board.model.firmware in _INFRARED_INPUTS or board.model.new_table_sensing_ir:
+    if board.model.firmware in _INFRARED_INPUTS or board.model.irs:
         digital_in.append(panel.infrared & state.infrared & 0xFF)
     divided = board.battery_voltage * PIONEER_BATTERY / board.model.battery_nominal / BATTERY_DIVIDER
     analog = (*map(_clip, panel.analog), _clip(divided))
