@@ -5,6 +5,7 @@ import signal
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from configs import ConfigError
@@ -15,6 +16,7 @@ from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
 from gateway.errors import GatewayError, NoSuchPort
 from gateway.gateway import Gateway, Options
+from gateway.line import RADIO_BAUD
 from gateway.search import model_finder, rates_to_try
 from gateway.serial_port import Port, has_rate, open_port
 from gateway.settings import Settings, load_settings
@@ -31,6 +33,7 @@ examples:
   p2os-gateway /tmp/happy --name happy --wait          an emulated one, also if it is not there yet
   p2os-gateway socket://localhost:8101                 behind a TCP bridge
   p2os-gateway /dev/ttyS0 --baud 9600 --config happy.toml
+  p2os-gateway /dev/ttyS1 --radio                      a robot behind radio modems
 
 exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not a port, 5 no permission, 6 port in use,
 7 no robot answers, 8 something else answers, 9 unknown robot model"""
@@ -38,10 +41,14 @@ exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse, build and run; returns an exit code."""
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    arguments = parser.parse_args(argv)
+    if arguments.radio and arguments.baud not in (None, RADIO_BAUD):
+        parser.error(f"radio modems know {RADIO_BAUD} bit/s only; leave out --baud, or --radio")
     sys.setswitchinterval(SWITCH_INTERVAL)
     try:
         settings = Settings() if arguments.config is None else load_settings(arguments.config)
+        settings = replace(settings, radio=settings.radio or arguments.radio)
         options = Options(
             port=arguments.port,
             name=arguments.name,
@@ -63,7 +70,7 @@ def _serve(options: Options, settings: Settings, baud: int | None, ports: Mappin
     find_model = model_finder(settings)
     port = _open_first(options)
     cables = [_cable(name, at, settings, options.waits) for name, at in ports.items()]
-    driver = Driver(find_model, rates_to_try(port, baud), settings)
+    driver = Driver(find_model, rates_to_try(port, RADIO_BAUD if settings.radio else baud), settings)
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
     before = {number: signal.signal(number, lambda *_: bridge.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -113,6 +120,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
     parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
     parser.add_argument("--baud", type=_baud, metavar="auto|N", help="the only rate to try, bit/s (default: auto)")
+    parser.add_argument("--radio", action="store_true", help="dial a radio modem, and ask no more than it carries")
     for name, part in CABLES.items():
         parser.add_argument(f"--{name}", metavar="PORT", help=part.help)
     parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")

@@ -145,7 +145,8 @@ class Connector:
         self.deadline = now + REST
 
     def _next_rate(self, now: float) -> None:
-        self.baud = self._outbox.baud = self._plan.pop(0)
+        self.baud = self._plan.pop(0)
+        self._outbox.baud = self._line.baud or self.baud
         self._talks = False
         self._rounds_left = 0
         if self._dialler is not None and self._must_dial:

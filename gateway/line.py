@@ -17,7 +17,8 @@ class Line:
     first_backoff, last_backoff: longest pause after a sweep, at first and after many. sip_timeout: without a SIP,
     after which the robot is lost; below its watchdog's 2 s, so that it is told STOP before it can resume anything.
     share: of the line's bytes to the robot that may be used. streams: the robot may be asked for more packets than
-    SIPs in every cycle; else one at a time, every `poll_period`. dial: what to say to the line before the robot hears.
+    SIPs in every cycle; else one at a time, every `poll_period`. baud: bit/s that it carries, whatever the port is set
+    to; 0 where the port's rate says it. dial: what to say to the line before the robot hears.
     """
 
     first_window: float
@@ -30,6 +31,7 @@ class Line:
     share: float = 1.0
     streams: bool = True
     poll_period: float = 2.0
+    baud: int = 0
     dial: bytes = b""
 
 
@@ -56,5 +58,6 @@ RADIO = Line(
     sip_timeout=1.5,
     share=0.25,
     streams=False,
+    baud=RADIO_BAUD,
     dial=DIAL,
 )
