@@ -55,12 +55,13 @@ class PtzChoice(StrEnum):
 class Fitted:
     """What only a person knows of the robot.
 
-    compass, joystick: false where asking for one is not wanted. lcd: it has a display, which never answers. ptz: its
-    camera head; "vcc4" or "evid30" serves one that hears but cannot answer as well.
+    compass: false where asking for one is not wanted. joystick: there is one in the robot's socket; left out, there is
+    one as soon as a hand moves it. lcd: it has a display, which never answers. ptz: its camera head; "vcc4" or "evid30"
+    serves one that hears but cannot answer as well.
     """
 
     compass: bool = True
-    joystick: bool = True
+    joystick: bool | None = None
     lcd: bool = False
     ptz: PtzChoice = PtzChoice.AUTO
 

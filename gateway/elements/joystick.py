@@ -1,4 +1,8 @@
-"""The joystick plugged into the robot. Source: Pioneer 3 operations manual (JOYINFO, JOYDRIVE)."""
+"""The joystick plugged into the robot. Source: Pioneer 3 operations manual (JOYINFO, JOYDRIVE).
+
+An empty socket may read as a stick at rest. So the robot is asked for a packet now and then, and for all of them once a
+hand has moved the stick, or if the settings know that there is one.
+"""
 
 from gateway.elements.asked import AskedElement
 from gateway.events import JoystickSeen
@@ -6,10 +10,14 @@ from p2os import Command, JoystickReport, RobotModel
 
 ONE_PACKET, CONTINUOUS = 1, 2
 """Arguments of JOYINFO."""
+LOOK_PERIOD = 2.0
+"""Seconds from one look at a socket that may be empty to the next."""
+REST = 0.02
+"""How far from its centre a stick at rest may read."""
 
 
 class Joystick(AskedElement):
-    """Asks for one packet, and if it comes for all of them."""
+    """is_present: somebody has moved it, or the settings say so."""
 
     takes = (JoystickReport,)
     question = Command.JOYREQUEST, ONE_PACKET
@@ -17,16 +25,25 @@ class Joystick(AskedElement):
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
-        if self._settings.fitted.joystick:
+        if self._settings.fitted.joystick is not False:
+            self.is_present = self.is_present or bool(self._settings.fitted.joystick)
             super().begin_link(model, now)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass it on."""
-        super().take(packet, now)
+        """Pass it on, if it is one."""
         assert isinstance(packet, JoystickReport)
-        self.is_present = True
-        self._announce(JoystickSeen(packet))
+        self.is_present = self.is_present or _is_held(packet)
+        if self.is_present:
+            super().take(packet, now)
+            self._announce(JoystickSeen(packet))
+        else:
+            self._asks_left = self.times
+            self.deadline = now + LOOK_PERIOD
 
     def let_drive(self, on: bool) -> None:
         """Let it drive the robot, or not."""
         self._ask(Command.JOYDRIVE, int(on))
+
+
+def _is_held(report: JoystickReport) -> bool:
+    return report.button1 or report.button2 or max(abs(report.x), abs(report.y)) > REST

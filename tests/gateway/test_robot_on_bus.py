@@ -91,14 +91,14 @@ def office(make_office: Callable[[Settings], Office]) -> Office:
 
 
 def test_every_stream_of_the_elements_comes_with_its_type_at_its_rate(office: Office) -> None:
-    office.run(0.05)
+    office.run(0.15)
     office.heard.clear()
     office.run(2.0)
     rates = {key.removeprefix("happy/"): len(samples) for key, samples in office.heard.items()}
-    every_sip = {"odom", "tf", "sonar", "sonar/points", "bumpers"}
-    every_second = {"battery", "state", "io", "ir", "tf_static", "diagnostics"}
+    every_sip = {"odom", "tf", "sonar", "sonar/points", "bumpers", "ir", "io"}  # an IOpac comes with each SIP
+    every_second = {"battery", "state", "tf_static", "diagnostics"}
     assert set(rates) == every_sip | every_second
-    assert all(rates[suffix] == 20 for suffix in every_sip)
+    assert {suffix: rates[suffix] for suffix in every_sip} == dict.fromkeys(every_sip, 20)
     assert all(2 <= rates[suffix] <= 4 for suffix in every_second)
     for key, samples in office.heard.items():
         topic = keys.topic_of(key)
@@ -130,7 +130,7 @@ def test_sonar_gives_fresh_ranges_in_the_frames_of_their_discs_and_points_in_the
     assert set(by_frame) == {f"happy/sonar_{n}" for n in range(31) if n % 8 != 7}
     assert by_frame["happy/sonar_1"] == inf  # the blocks' odd discs hear nothing
     assert by_frame["happy/sonar_2"] == pytest.approx(1.2, abs=0.01)
-    assert {each.child_frame_id for each in office.last("tf_static").transforms} == set(by_frame)
+    assert {each.child_frame_id for each in office.last("tf_static").transforms} >= set(by_frame)
     cloud = office.last("sonar/points")
     assert cloud.header.frame_id == "happy/base_link"
     assert len(cloud.data) == 12 * cloud.width == cloud.row_step
@@ -295,7 +295,7 @@ def test_description_names_model_elements_geometry_and_versions(make_office: Cal
     said = office.ask("description")
     assert (said["name"], said["model"], said["class"], said["emulated"]) == ("happy", "powerbot-sh", "Pioneer", True)
     always = {"base", "battery", "io", "sonar", "bumpers", "sound", "servos"}
-    assert {element["name"] for element in said["elements"]} == always | {"power"}
+    assert {element["name"] for element in said["elements"]} == always | {"ir", "power"}
     assert len(said["geometry"]["sonar"]) == 28
     assert said["versions"]["acromovi"]
     assert json.dumps(said)

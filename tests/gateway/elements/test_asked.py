@@ -9,7 +9,7 @@ from gateway.elements.asked import SILENCE, AskedElement
 from gateway.elements.batteries import PERIOD, Batteries
 from gateway.elements.compass import Compass
 from gateway.elements.element import Element
-from gateway.elements.joystick import Joystick
+from gateway.elements.joystick import LOOK_PERIOD, Joystick
 from gateway.events import ChargeSeen, CompassSeen, JoystickSeen
 from gateway.settings import Fitted, Settings
 from p2os import BatteryReport, Command, CompassReport, JoystickReport
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 NORTH_EAST = CompassReport(radians(45.0), 0.01, 0.02, 2e-5, 1e-6, 4e-5, 21.5, 0, 0, 0, 0.0)
 STILL = JoystickReport(False, False, 0.0, 0.0, 0.0)
+HELD = JoystickReport(False, False, 0.25, 0.5, 0.0)
 
 
 def asked(stand: "Stand") -> list[tuple[object, object]]:
@@ -39,7 +40,7 @@ def test_unanswered_question_is_asked_a_few_times_and_then_no_more(
     assert not stand.has_it()
 
 
-@pytest.mark.parametrize(("kind", "packet"), [(Compass, NORTH_EAST), (Joystick, STILL)])
+@pytest.mark.parametrize(("kind", "packet"), [(Compass, NORTH_EAST), (Joystick, HELD)])
 def test_answer_starts_the_stream_and_silence_starts_it_anew(
     make_stand: "MakeStand", kind: type[Compass | Joystick], packet: object
 ) -> None:
@@ -63,7 +64,7 @@ def test_settings_keep_the_question_back(make_stand: "MakeStand", kind: type[Ele
     assert asked(stand) == []
 
 
-@pytest.mark.parametrize(("kind", "packet"), [(Compass, NORTH_EAST), (Joystick, STILL)])
+@pytest.mark.parametrize(("kind", "packet"), [(Compass, NORTH_EAST), (Joystick, HELD)])
 def test_lost_robot_is_asked_nothing_and_everything_when_it_is_back(
     make_stand: "MakeStand", kind: type[Compass | Joystick], packet: object
 ) -> None:
@@ -91,13 +92,37 @@ def test_compass_heading_is_turned_counter_clockwise(make_stand: "MakeStand") ->
 def test_joystick_is_passed_on_and_is_let_drive(make_stand: "MakeStand") -> None:
     stand = make_stand(Joystick)
     stand.connect()
-    stand.take(STILL)
-    assert stand.announced == [JoystickSeen(STILL)]
+    stand.take(HELD)
+    assert stand.announced == [JoystickSeen(HELD)]
     stand.sent()
     element = stand.element
     assert isinstance(element, Joystick)
     element.let_drive(True)
     assert asked(stand) == [(Command.JOYDRIVE, 1)]
+
+
+def test_stick_at_rest_may_be_an_empty_socket_and_is_looked_at_now_and_then(make_stand: "MakeStand") -> None:
+    stand = make_stand(Joystick)
+    stand.connect()
+    stand.sent()
+    for _ in range(5):
+        stand.take(STILL)
+        stand.run(LOOK_PERIOD + 0.01)
+        assert asked(stand) == [Joystick.question]
+    assert not stand.has_it()
+    assert stand.announced == []
+    stand.take(HELD)
+    assert stand.has_it()
+    stand.take(STILL)
+    assert stand.announced == [JoystickSeen(HELD), JoystickSeen(STILL)]
+
+
+def test_joystick_that_the_settings_know_of_is_there_at_rest_too(make_stand: "MakeStand") -> None:
+    stand = make_stand(Joystick, settings=Settings(fitted=Fitted(joystick=True)))
+    stand.connect()
+    assert stand.has_it()
+    stand.take(STILL)
+    assert stand.announced == [JoystickSeen(STILL)]
 
 
 def test_charge_is_the_mean_of_all_batteries_and_asked_for_again_after_a_while(make_stand: "MakeStand") -> None:
