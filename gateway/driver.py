@@ -8,15 +8,12 @@ robot's watchdog has stopped it, and any packet would set it going again. So the
 and takes nothing for a command that may have waited meanwhile.
 """
 
-import itertools
 import random
 from collections import Counter
 from collections.abc import Callable, Sequence
-from math import inf, isfinite
-from typing import TypeVar
+from math import inf
 
 from gateway.connector import CLOSE, STOP, Connector
-from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
 from gateway.events import (
@@ -27,13 +24,9 @@ from gateway.events import (
     RobotRejected,
     SipReceived,
 )
-from gateway.journey import Journey, Move, Turn
-from gateway.motion import Motion
-from gateway.odometry import Odometry
-from gateway.outbox import Outbox
+from gateway.helm import Helm
 from gateway.plausibility import Plausibility
 from gateway.settings import Settings
-from geometry import wrap_angle
 from p2os import (
     Command,
     Configuration,
@@ -51,22 +44,15 @@ from p2os import (
 
 LONGEST_SILENCE = 0.5
 """Seconds between two calls, beyond which the driver distrusts itself and everything it is told at once afterwards."""
-LONGEST_MOVE = 30.0
-"""m; the int argument of MOVE carries 65 m, and nobody means that."""
-LONGEST_TURN = 100.0
-"""rad."""
-
-E = TypeVar("E", bound=Element)
 ModelFinder = Callable[[Identity], RobotModel]
 """Says which model a robot is; raises UnknownModel."""
 
 
-class Driver:
-    """One robot.
+class Driver(Helm):
+    """One robot: what it can be told is in `Helm`.
 
-    identity, model, configuration: of the robot, once known; they stay after it is lost. is_connected: SIPs come.
-    damaged: bytes that were no frame, counted by reason. implausible: SIPs not believed, likewise. lost: how often the
-    link was lost, by reason. odometry: the pose.
+    identity, model, configuration: of the robot, once known; they stay after it is lost. damaged: bytes that were no
+    frame, counted by reason. implausible: SIPs not believed, likewise. lost: how often the link was lost, by reason.
     """
 
     def __init__(
@@ -76,24 +62,17 @@ class Driver:
         settings: Settings | None = None,
         rng: random.Random | None = None,
     ) -> None:
-        self._settings = settings or Settings()
+        super().__init__(settings or Settings())
         self._find_model = find_model
-        self._outbox = Outbox()
         self._line = self._settings.line
         self._connector = Connector(rates, self._outbox, rng or random.Random(), self._line)
         self._decoder = FrameDecoder()
-        self._events: list[Event] = []
         self._codec: SipCodec | None = None
         self._plausibility: Plausibility | None = None
-        self._motion = Motion(self._outbox, self._events.append, self._settings.enable_motors)
-        self._elements = {
-            kind: kind(self._outbox, self._events.append, self._settings) for kind in ELEMENTS
-        }  # asked for by their class
         self._takers: dict[type, list[Element]] = {}
         for element in self._elements.values():
             for packet in element.takes:
                 self._takers.setdefault(packet, []).append(element)
-        self._motion_ids = itertools.count(1)
         self.has_port = False
         self._is_open = False  # the handshake is over: OPEN is sent
         self._sip_at = -inf  # or when OPEN was queued
@@ -102,8 +81,6 @@ class Driver:
         self.identity: Identity | None = None
         self.model: RobotModel | None = None
         self.configuration: Configuration | None = None
-        self.odometry = Odometry(self._settings.calibration, self._settings.odometry_errors)
-        self.is_connected = False
         self.damaged: Counter[str] = Counter()
         self.implausible: Counter[str] = Counter()
         self.lost: Counter[str] = Counter()
@@ -179,152 +156,7 @@ class Driver:
         self._wake(now)
         return self._outbox.due(now) if self.has_port else b""
 
-    # The commander's side.
-
-    @property
-    def is_moving(self) -> bool:
-        """The wheels turn, by the last SIP; false while the robot is not connected."""
-        return self.is_connected and self._motion.is_rolling
-
-    @property
-    def is_estopped(self) -> bool:
-        """The e-stop is latched."""
-        return self._motion.is_estopped
-
-    @property
-    def max_linear(self) -> float:
-        """Velocities are clipped to this, m/s."""
-        return self._motion.max_linear
-
-    @property
-    def max_angular(self) -> float:
-        """Velocities are clipped to this, rad/s."""
-        return self._motion.max_angular
-
-    @property
-    def is_asked_to_move(self) -> bool:
-        """A velocity or a long motion is in force."""
-        return self._motion.is_asked_to_move
-
-    @property
-    def faults(self) -> list[str]:
-        """What the robot's elements say is wrong with them, a sentence each."""
-        return [fault for element in self._elements.values() for fault in element.faults]
-
-    def set_velocity(self, linear: float, angular: float, now: float) -> None:
-        """Drive at m/s forward and rad/s counter-clockwise, until 0.5 s pass without a new velocity.
-
-        Raises:
-            CommandRefused: Not connected, held by a stop or an e-stop, motors off, or not finite.
-        """
-        self._check_link(now)
-        self._motion.drive(linear, angular, now)
-
-    def move(self, distance: float, now: float) -> str:
-        """Drive a distance, m, backward if negative; return the id under which its end is reported.
-
-        Raises:
-            CommandRefused: As `set_velocity`, or too far.
-        """
-        self._check_link(now)
-        if not abs(distance) <= LONGEST_MOVE:
-            raise CommandRefused(f"distance {distance} m is not within ±{LONGEST_MOVE:g} m")
-        command = distance / self._settings.calibration.distance
-        return self._travel(Move(self._next_id("move"), distance, command, self.odometry, now), now)
-
-    def turn(self, angle: float, now: float) -> str:
-        """Turn by an angle, rad counter-clockwise, more than a turn if so asked; to the nearest degree.
-
-        Raises:
-            CommandRefused: As `set_velocity`, or too far.
-        """
-        self._check_link(now)
-        return self._turn("turn", angle, now)
-
-    def turn_to(self, heading: float, now: float) -> str:
-        """Turn the shorter way to a heading in `odom`, rad; to the nearest degree.
-
-        Raises:
-            CommandRefused: As `set_velocity`, or not finite.
-        """
-        self._check_link(now)
-        if not isfinite(heading):
-            raise CommandRefused(f"heading {heading} rad is not finite; send a number")
-        return self._turn("heading", wrap_angle(heading - self.odometry.pose.heading), now)
-
-    def stop(self, now: float) -> None:
-        """Stop, and hold until the velocities have paused for 0.5 s. Never refused."""
-        self._wake(now)
-        self._motion.stop(now)
-
-    def halt(self, now: float) -> None:
-        """Stop whatever is in force, without holding: whoever commands next drives."""
-        self._wake(now)
-        if self._motion.is_asked_to_move:
-            self._motion.halt(now)
-
-    def let_go(self, now: float) -> None:
-        """Stop, and ask nothing of the wheels until the next command: somebody else drives.
-
-        Raises:
-            CommandRefused: Not connected, or the e-stop is latched.
-        """
-        self._check_link(now)
-        self._motion.let_go(now)
-
-    def emergency_stop(self, on: bool, now: float) -> None:
-        """Stop as fast as the robot can and latch; or unlatch, which leaves the motors off. Never refused."""
-        self._wake(now)
-        if on:
-            self._motion.emergency_stop(now)
-        else:
-            self._motion.release()
-
-    def enable(self, on: bool, now: float) -> None:
-        """Switch the motors.
-
-        Raises:
-            CommandRefused: Not connected, or the e-stop is latched.
-        """
-        self._check_link(now)
-        self._motion.enable(on, now)
-
-    def has(self, kind: type[Element]) -> bool:
-        """Whether the robot is known to have an element."""
-        return self._elements[kind].is_present
-
-    def element(self, kind: type[E], now: float) -> E:
-        """An element of the robot, to command it.
-
-        Raises:
-            CommandRefused: The robot is not connected, or has no such element.
-        """
-        self._check_link(now)
-        element = self.lookup(kind)
-        if not element.is_present:
-            raise CommandRefused(f"this robot has no {kind.__name__.lower()}, or has not shown it yet")
-        return element
-
-    def lookup(self, kind: type[E]) -> E:
-        """An element, to see what is known of it, whether the robot has it or not."""
-        element = self._elements[kind]
-        assert isinstance(element, kind)
-        return element
-
     # Inside.
-
-    def _travel(self, journey: Journey, now: float) -> str:
-        self._motion.travel(journey, now)
-        return journey.motion_id
-
-    def _turn(self, kind: str, angle: float, now: float) -> str:
-        if not abs(angle) <= LONGEST_TURN:
-            raise CommandRefused(f"angle {angle} rad is not within ±{LONGEST_TURN:g} rad")
-        command = angle / self._settings.calibration.heading
-        return self._travel(Turn(self._next_id(kind), kind, angle, command, self.odometry, now), now)
-
-    def _next_id(self, kind: str) -> str:
-        return f"{kind}-{next(self._motion_ids)}"
 
     def _check_link(self, now: float) -> None:
         self._wake(now)

@@ -1,0 +1,201 @@
+"""What a commander may ask of a robot: velocities, long motions, stops, and its elements.
+
+`Driver` is a helm with a robot at the other end of a line.
+"""
+
+import itertools
+from abc import ABC, abstractmethod
+from math import isfinite
+from typing import TypeVar
+
+from gateway.elements.all_elements import ELEMENTS
+from gateway.elements.element import Element
+from gateway.errors import CommandRefused
+from gateway.events import Event
+from gateway.journey import Journey, Move, Turn
+from gateway.motion import Motion
+from gateway.odometry import Odometry
+from gateway.outbox import Outbox
+from gateway.settings import Settings
+from geometry import wrap_angle
+
+LONGEST_MOVE = 30.0
+"""m; the int argument of MOVE carries 65 m, and nobody means that."""
+LONGEST_TURN = 100.0
+"""rad."""
+
+E = TypeVar("E", bound=Element)
+
+
+class Helm(ABC):
+    """Takes commands for one robot.
+
+    is_connected: SIPs come. odometry: the pose.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._outbox = Outbox()
+        self._events: list[Event] = []
+        self._motion = Motion(self._outbox, self._events.append, settings.enable_motors)
+        self._elements = {
+            kind: kind(self._outbox, self._events.append, settings) for kind in ELEMENTS
+        }  # asked for by their class
+        self._motion_ids = itertools.count(1)
+        self.odometry = Odometry(settings.calibration, settings.odometry_errors)
+        self.is_connected = False
+
+    @abstractmethod
+    def _wake(self, now: float) -> bool:
+        """Notice that nobody has called for too long; say whether everything begins anew."""
+
+    @abstractmethod
+    def _check_link(self, now: float) -> None:
+        """Refuse whatever needs a robot while there is none.
+
+        Raises:
+            CommandRefused: The robot is not connected, or it is not known how old the command is.
+        """
+
+    @property
+    def is_moving(self) -> bool:
+        """The wheels turn, by the last SIP; false while the robot is not connected."""
+        return self.is_connected and self._motion.is_rolling
+
+    @property
+    def is_estopped(self) -> bool:
+        """The e-stop is latched."""
+        return self._motion.is_estopped
+
+    @property
+    def max_linear(self) -> float:
+        """Velocities are clipped to this, m/s."""
+        return self._motion.max_linear
+
+    @property
+    def max_angular(self) -> float:
+        """Velocities are clipped to this, rad/s."""
+        return self._motion.max_angular
+
+    @property
+    def is_asked_to_move(self) -> bool:
+        """A velocity or a long motion is in force."""
+        return self._motion.is_asked_to_move
+
+    @property
+    def faults(self) -> list[str]:
+        """What the robot's elements say is wrong with them, a sentence each."""
+        return [fault for element in self._elements.values() for fault in element.faults]
+
+    def set_velocity(self, linear: float, angular: float, now: float) -> None:
+        """Drive at m/s forward and rad/s counter-clockwise, until 0.5 s pass without a new velocity.
+
+        Raises:
+            CommandRefused: Not connected, held by a stop or an e-stop, motors off, or not finite.
+        """
+        self._check_link(now)
+        self._motion.drive(linear, angular, now)
+
+    def move(self, distance: float, now: float) -> str:
+        """Drive a distance, m, backward if negative; return the id under which its end is reported.
+
+        Raises:
+            CommandRefused: As `set_velocity`, or too far.
+        """
+        self._check_link(now)
+        if not abs(distance) <= LONGEST_MOVE:
+            raise CommandRefused(f"distance {distance} m is not within ±{LONGEST_MOVE:g} m")
+        command = distance / self._settings.calibration.distance
+        return self._travel(Move(self._next_id("move"), distance, command, self.odometry, now), now)
+
+    def turn(self, angle: float, now: float) -> str:
+        """Turn by an angle, rad counter-clockwise, more than a turn if so asked; to the nearest degree.
+
+        Raises:
+            CommandRefused: As `set_velocity`, or too far.
+        """
+        self._check_link(now)
+        return self._turn("turn", angle, now)
+
+    def turn_to(self, heading: float, now: float) -> str:
+        """Turn the shorter way to a heading in `odom`, rad; to the nearest degree.
+
+        Raises:
+            CommandRefused: As `set_velocity`, or not finite.
+        """
+        self._check_link(now)
+        if not isfinite(heading):
+            raise CommandRefused(f"heading {heading} rad is not finite; send a number")
+        return self._turn("heading", wrap_angle(heading - self.odometry.pose.heading), now)
+
+    def stop(self, now: float) -> None:
+        """Stop, and hold until the velocities have paused for 0.5 s. Never refused."""
+        self._wake(now)
+        self._motion.stop(now)
+
+    def halt(self, now: float) -> None:
+        """Stop whatever is in force, without holding: whoever commands next drives."""
+        self._wake(now)
+        if self._motion.is_asked_to_move:
+            self._motion.halt(now)
+
+    def let_go(self, now: float) -> None:
+        """Stop, and ask nothing of the wheels until the next command: somebody else drives.
+
+        Raises:
+            CommandRefused: Not connected, or the e-stop is latched.
+        """
+        self._check_link(now)
+        self._motion.let_go(now)
+
+    def emergency_stop(self, on: bool, now: float) -> None:
+        """Stop as fast as the robot can and latch; or unlatch, which leaves the motors off. Never refused."""
+        self._wake(now)
+        if on:
+            self._motion.emergency_stop(now)
+        else:
+            self._motion.release()
+
+    def enable(self, on: bool, now: float) -> None:
+        """Switch the motors.
+
+        Raises:
+            CommandRefused: Not connected, or the e-stop is latched.
+        """
+        self._check_link(now)
+        self._motion.enable(on, now)
+
+    def has(self, kind: type[Element]) -> bool:
+        """Whether the robot is known to have an element."""
+        return self._elements[kind].is_present
+
+    def element(self, kind: type[E], now: float) -> E:
+        """An element of the robot, to command it.
+
+        Raises:
+            CommandRefused: The robot is not connected, or has no such element.
+        """
+        self._check_link(now)
+        element = self.lookup(kind)
+        if not element.is_present:
+            raise CommandRefused(f"this robot has no {kind.__name__.lower()}, or has not shown it yet")
+        return element
+
+    def lookup(self, kind: type[E]) -> E:
+        """An element, to see what is known of it, whether the robot has it or not."""
+        element = self._elements[kind]
+        assert isinstance(element, kind)
+        return element
+
+    def _travel(self, journey: Journey, now: float) -> str:
+        self._motion.travel(journey, now)
+        return journey.motion_id
+
+    def _turn(self, kind: str, angle: float, now: float) -> str:
+        if not abs(angle) <= LONGEST_TURN:
+            raise CommandRefused(f"angle {angle} rad is not within ±{LONGEST_TURN:g} rad")
+        command = angle / self._settings.calibration.heading
+        return self._travel(Turn(self._next_id(kind), kind, angle, command, self.odometry, now), now)
+
+    def _next_id(self, kind: str) -> str:
+        return f"{kind}-{next(self._motion_ids)}"
