@@ -15,6 +15,7 @@ from p2os_emu.faults.board import Fault, FaultBoard
 from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
+from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.runner import Runner
 from p2os_emu.team import Team, TeamError
 
@@ -122,6 +123,20 @@ def _truth_of(desk: Desk, robot: EmulatedRobot) -> dict[str, Any]:
         "motors_enabled": robot.microcontroller.motors_enabled,
         "battery_charge": robot.microcontroller.battery_charge,
         "frames_dropped": robot.line.link.dropped,
+        **_shown(robot.microcontroller),
+    }
+
+
+def _shown(controller: Microcontroller) -> dict[str, Any]:
+    """What people would see and hear of the board."""
+    outputs = controller.outputs
+    return {
+        "notes": [note._asdict() for note in controller.notes],
+        "lcd": outputs.lcd,
+        "servos": {str(port): pulse for port, pulse in outputs.servos.items()},
+        "power": dict(outputs.power),
+        "digital_out": controller.digital_out,
+        "shutdown_wanted": controller.shutdown_wanted,
     }
 
 
@@ -205,7 +220,15 @@ def _pace(desk: Desk) -> dict[str, Any]:
 
 
 def _joystick(desk: Desk, fields: Fields) -> Mapping[str, Any]:
-    raise RequestError(f"{desk.robot(fields).name} has no joystick fitted; drive it from a client on its port")
+    robot = desk.robot(fields)
+    panel = robot.microcontroller.panel
+    if panel.joystick is None:
+        raise RequestError(f"{robot.name} has no joystick fitted; give it one with --fit joystick")
+    for key, (low, high) in _REACH.items():
+        if not low <= fields.get(key, 0.0) <= high:
+            raise RequestError(f'"{key}" must be from {low:g} to {high:g}, not {fields[key]}')
+    panel.joystick = panel.joystick._replace(**{key: value for key, value in fields.items() if key != "robot"})
+    return {"robot": robot.name, **panel.joystick._asdict()}
 
 
 def _reset(desk: Desk, fields: Fields) -> Mapping[str, Any]:
@@ -240,6 +263,7 @@ def _quit(desk: Desk, fields: Fields) -> Mapping[str, Any]:
 
 
 _TYPE_NAMES = {str: "text", float: "a finite number", int: "a whole number", bool: "true or false"}
+_REACH = {"x": (-1.0, 1.0), "y": (-1.0, 1.0), "throttle": (0.0, 1.0)}
 _PLACE: Mapping[str, type] = {"x": float, "y": float, "heading": float}
 
 REQUESTS: Mapping[str, _Request] = {
@@ -251,7 +275,9 @@ REQUESTS: Mapping[str, _Request] = {
     "step": _Request(_step, {"n": int}),
     "pause": _Request(_pause, {"on": bool}),
     "speed": _Request(_speed, {"factor": float}),
-    "joystick": _Request(_joystick, {"robot": str, "x": float, "y": float}),
+    "joystick": _Request(
+        _joystick, {"robot": str, "x": float, "y": float, "throttle": float, "button1": bool, "button2": bool}
+    ),
     "reset": _Request(_reset, {"robot": str}),
     "add": _Request(_add, {"model": str, "name": str, **_PLACE}, ("model",)),
     "remove": _Request(_remove, {"robot": str}, ("robot",)),

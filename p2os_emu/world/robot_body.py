@@ -68,6 +68,7 @@ class RobotBody:
         self._infrared = Infrared(client, self.body_id, model, chassis) if sensors_of(model) else None
         ledge = load(LedgeModel, "accessories", "ledge") if fit.has("ledge") else None
         self._ledges = Ledges(client, self.body_id, drops, chassis.front, ledge) if drops else None
+        self._turns_are_felt = fit.has("gyro") or fit.has("compass")
         self._client = client
         self._floor_id = floor_id
         self._sonar = sonar
@@ -170,11 +171,14 @@ class RobotBody:
             front,
             rear,
         )
-        if self._infrared is not None or self._ledges is not None:
+        if self._turns_are_felt or self._infrared is not None or self._ledges is not None:
             self._look_around(self.pose)
 
     def _look_around(self, pose: Pose2D) -> None:
-        """Add what sensors see that few robots have."""
+        """Add what sensors see and feel that few robots have."""
+        if self._turns_are_felt:
+            _, (_, _, turn_rate) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
+            self._state = self._state._replace(heading=pose.heading, turn_rate=turn_rate)
         if self._infrared is not None:
             self._state = self._state._replace(infrared=self._infrared.levels(pose))
         if self._ledges is not None:
