@@ -17,6 +17,7 @@ COMMANDS = {
     "command": ("acromovi.command", "Tell a robot something: stop, move, gripper, ptz and more"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
+    "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),
     "router": ("acromovi.router", "Run a Zenoh router, to join robots of several sites"),
 }

@@ -1,0 +1,162 @@
+"""What a scene plays on: an emulated robot, its gateway, the bus, and somebody who says what happens."""
+
+import math
+import queue
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from acromovi.children import EmulatedRobots, emulator, gateway
+from bus import Bus, NoAnswer, Refused, Sample, ZenohBus, keys, messages
+from bus.keys import Topic
+
+PATIENCE_S = 10.0
+DRIVING_PERIOD_S = 0.1
+
+
+class SceneFailed(Exception):
+    """Something that the scene was to show did not happen; the message says what."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A few seconds of one robot.
+
+    name: what one types. shows: for people. emulator, gateway: their arguments; `{laser_port}` and the like stand for
+    what the emulator says of its robot. play: what happens.
+    """
+
+    name: str
+    shows: str
+    emulator: tuple[str, ...]
+    play: "Callable[[Stage], None]"
+    gateway: tuple[str, ...] = ()
+
+
+class Stage:
+    """Where a scene plays.
+
+    robot: its name. robots: the emulator.
+    """
+
+    def __init__(self, robot: str, robots: EmulatedRobots, bus: Bus, say: Callable[[str], None]) -> None:
+        self.robot = robot
+        self.robots = robots
+        self.say = say
+        self._bus = bus
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        """Ask the emulator's control socket."""
+        return self.robots.ask(do, **arguments)
+
+    def truth(self) -> dict[str, Any]:
+        """Everything that the emulator knows of the robot."""
+        return dict(self.ask("truth")["robots"][self.robot])
+
+    def tell(self, topic: Topic, **arguments: Any) -> dict[str, Any]:
+        """Give the robot a command; returns its answer.
+
+        Raises:
+            Refused: It does not obey.
+            SceneFailed: Nobody answers.
+        """
+        try:
+            (answer,) = self._bus.query(topic.key(self.robot), arguments, PATIENCE_S)
+        except NoAnswer as error:
+            raise SceneFailed(str(error)) from error
+        return answer.value
+
+    def is_refused(self, topic: Topic, **arguments: Any) -> str:
+        """Give the robot a command that it must refuse; returns why it does.
+
+        Raises:
+            SceneFailed: It obeys.
+        """
+        try:
+            self.tell(topic, **arguments)
+        except Refused as refusal:
+            return str(refusal)
+        raise SceneFailed(f"{topic.suffix} {arguments} was not refused")
+
+    def see(
+        self, topic: Topic, wanted: Callable[[Any], bool] = lambda _: True, what: str = "", within: float = PATIENCE_S
+    ) -> Any:
+        """The next message that is wanted.
+
+        Args:
+            topic: Where it comes.
+            wanted: Says whether it is the one.
+            what: What is waited for, for the message if it does not come.
+            within: s.
+        Raises:
+            SceneFailed: It did not come.
+        """
+        arrived: queue.SimpleQueue[Sample] = queue.SimpleQueue()
+        deadline = time.monotonic() + within
+        with self._bus.subscribe(topic.key(self.robot), arrived.put):
+            while (left := deadline - time.monotonic()) > 0.0:
+                try:
+                    sample = arrived.get(timeout=left)
+                except queue.Empty:
+                    break
+                message = messages.decode(topic.type_name, sample.payload)
+                if wanted(message):
+                    return message
+        raise SceneFailed(f"{self.robot}/{topic.suffix}: {what or 'nothing'} did not come within {within:g} s")
+
+    def wait(self, condition: Callable[[], bool], what: str, within: float = PATIENCE_S) -> None:
+        """Wait for something that the emulator shows.
+
+        Raises:
+            SceneFailed: It did not come to pass.
+        """
+        deadline = time.monotonic() + within
+        while not condition():
+            if time.monotonic() > deadline:
+                raise SceneFailed(f"{what} did not come to pass within {within:g} s")
+            time.sleep(0.02)
+
+    def drive(self, linear: float, angular: float, seconds: float) -> None:
+        """Send a velocity, m/s and rad/s, for so long, and then a stop."""
+        twist = messages.twist(linear, angular)
+        for _ in range(math.ceil(seconds / DRIVING_PERIOD_S)):
+            self._bus.put(keys.CMD_VEL.key(self.robot), twist)
+            time.sleep(DRIVING_PERIOD_S)
+        self._bus.put(keys.CMD_VEL.key(self.robot), messages.twist(0.0, 0.0))
+
+    def elements(self) -> list[str]:
+        """The names of the elements that the robot's description lists."""
+        return [element["name"] for element in self.tell(keys.DESCRIPTION)["elements"]]
+
+    def wait_for_element(self, name: str) -> None:
+        """Wait until the gateway has found out that the robot has an element.
+
+        Raises:
+            SceneFailed: It did not.
+        """
+        self.wait(lambda: name in self.elements(), f"an element {name!r} in the description")
+
+
+@contextmanager
+def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[Stage]:
+    """Start emulator and gateway of a scene, and wait until the robot is on the bus.
+
+    Args:
+        scene: Which.
+        robot: What to call it.
+        say: Takes a sentence for people.
+    """
+    with ExitStack() as stack:
+        arguments = [word.replace("{name}", robot) for word in scene.emulator]
+        robots = stack.enter_context(emulator("--quiet", *arguments))
+        facts = {key: value or "" for key, value in robots.robots[0].items()}
+        options = [word.format_map(facts) for word in scene.gateway]
+        say(f"$ p2os-emu {' '.join(arguments)}")
+        say(f"$ p2os-gateway {' '.join([robots.port, *options])}")
+        bus = stack.enter_context(ZenohBus.open())
+        stack.enter_context(gateway(robots.port, "--quiet", *options))
+        stage = Stage(robot, robots, bus, say)
+        stage.see(keys.ODOM, what="odometry")
+        yield stage
