@@ -85,7 +85,7 @@ def replay(path: Path, model: str | None, show: Callable[[Iterable[Entry]], None
     log = _wire_log(model, cassette.model)
     for moment in cassette.moments:
         show(log.receive(moment.source, moment.data, moment.time))
-    end = cassette.moments[-1].time + PARTIAL_TIMEOUT
+    end = cassette.moments[-1].time + 2 * PARTIAL_TIMEOUT
     for source in Source:
         show(log.receive(source, b"", end))
 

@@ -1,0 +1,123 @@
+"""Where a recorded robot and the emulated one part: found in what is changed on purpose, and nowhere else."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import configs
+from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encode_frame
+from p2os.sip import SIP_TYPES
+from p2os.wire_log import Source
+from p2os_emu.cassette import Cassette, Moment, read
+from p2os_emu.checking import Parting, compare, replay
+from p2os_emu.flat_world import FlatWorld
+
+CAPTURES = Path(__file__).resolve().parents[3] / "shared" / "captures"
+P3DX = configs.load(RobotModel, "robots", "p3dx-sh")
+SCRIPT = (
+    (0.0, Command.SYNC0, None),
+    (0.1, Command.SYNC1, None),
+    (0.2, Command.SYNC2, None),
+    (0.3, Command.OPEN, None),
+    (0.5, Command.CONFIG, None),
+    (0.6, Command.ENABLE, 1),
+    (0.7, Command.VEL, 0.3),
+    (1.6, Command.ENCODER, 1),
+    (2.4, Command.STOP, None),
+    (3.4, Command.CLOSE, None),
+)
+Change = Callable[[float, bytes], bytes | None]
+
+
+@pytest.fixture(scope="module")
+def recorded() -> list[Moment]:
+    """A drive of the emulated robot, both directions."""
+    host = [Moment(5.0 + time, Source.HOST, encode_command(command, value)) for time, command, value in SCRIPT]
+    return sorted([*host, *replay(Cassette(tuple(host)), P3DX, FlatWorld())])
+
+
+def changed(recorded: list[Moment], change: Change) -> list[Parting]:
+    """Where the emulator parts from a recording in which the robot's payloads were changed; None leaves one out."""
+    moments = []
+    for time, source, data in recorded:
+        payloads = [event.payload for event in FrameDecoder().receive(data, time) if isinstance(event, Frame)]
+        if source is Source.ROBOT:
+            kept = [new for payload in payloads if (new := change(time, payload)) is not None]
+            data = b"".join(map(encode_frame, kept))
+        moments.append(Moment(time, source, data))
+    return compare(moments, replay(Cassette(tuple(moments)), P3DX, FlatWorld()), P3DX)
+
+
+def test_emulator_agrees_with_itself(recorded: list[Moment]) -> None:
+    assert changed(recorded, lambda time, payload: payload) == []
+
+
+def test_missing_and_extra_packets_are_named(recorded: list[Moment]) -> None:
+    (parting,) = changed(recorded, lambda time, payload: None if payload[0] == 0x90 else payload)
+    assert (parting.kind, parting.aspect, parting.recorded, parting.emulated) == ("ENCODERS", "number of packets", 0, 1)
+    (parting,) = changed(recorded, lambda time, payload: b"\xd0" + bytes(26) if payload[0] == 0x90 else payload)[-1:]
+    assert (parting.kind, parting.recorded, parting.emulated) == ("PLAYLIST", 1, 0)
+
+
+def test_field_that_differs_is_shown_with_both_values(recorded: list[Moment]) -> None:
+    def of_another_model(time: float, payload: bytes) -> bytes:
+        return payload.replace(b"p3dx-sh", b"p3at-sh", 1) if payload[0] == 0x20 else payload
+
+    (parting,) = changed(recorded, of_another_model)
+    assert parting[:4] == ("CONFIGURATION", "subtype", "p3at-sh", "p3dx-sh")
+    assert str(parting) == "CONFIGURATION: subtype differs: recorded p3at-sh, emulated p3dx-sh"
+
+
+def test_sips_that_differ_are_counted(recorded: list[Moment]) -> None:
+    def stalled(time: float, payload: bytes) -> bytes:
+        stall = slice(12, 14)  # source: protocol sheet, standard SIP
+        if payload[0] not in SIP_TYPES or time < 7.0:
+            return payload
+        return payload[: stall.start] + b"\1\1" + payload[stall.stop :]
+
+    (parting,) = changed(recorded, stalled)
+    assert parting[:4] == ("SIP", "stall", 0x0101, 0)
+    assert 0 < parting.packets < parting.of
+    assert parting.time >= 7.0
+
+
+def test_odometry_that_starts_elsewhere_is_the_same(recorded: list[Moment]) -> None:
+    def moved(time: float, payload: bytes) -> bytes:
+        x = int.from_bytes(payload[1:3], "little") + 32700
+        moved = payload[:1] + (x % 32768).to_bytes(2, "little") + payload[3:]
+        return moved if payload[0] in SIP_TYPES else payload
+
+    assert changed(recorded, moved) == []
+
+
+def test_other_pace_of_sips_is_found(recorded: list[Moment]) -> None:
+    count = iter(range(1000))
+    partings = changed(recorded, lambda time, sip: None if sip[0] in SIP_TYPES and next(count) % 2 else sip)
+    assert {parting.aspect for parting in partings} == {"number of packets", "period"}
+
+
+def test_late_answer_is_found(recorded: list[Moment]) -> None:
+    late = [
+        moment._replace(time=moment.time + 0.4)
+        if moment.source is Source.ROBOT and b"\xfa\xfb\x0b\x90" in moment.data
+        else moment
+        for moment in recorded
+    ]
+    (parting,) = compare(late, recorded, P3DX)
+    assert (parting.kind, parting.aspect) == ("ENCODERS", "time")
+
+
+def test_damaged_frame_of_the_recording_is_a_kind_of_its_own(recorded: list[Moment]) -> None:
+    noise = Moment(6.0, Source.ROBOT, b"\xfa\xfb\x03\x00\x00\x01")
+    (parting,) = compare(sorted([*recorded, noise]), recorded, P3DX)
+    assert parting.kind == "damaged (checksum)"
+
+
+@pytest.mark.skipif(not CAPTURES.is_dir(), reason="the recordings are not beside the repository")
+def test_recording_of_another_simulator_parts_from_ours_where_it_is_known_to() -> None:
+    cassette = read(CAPTURES / "carmen.p3dx-sh.jsonl")
+    partings = compare(cassette.moments, replay(cassette, P3DX, FlatWorld()), P3DX)
+    # Source: their notes: type 0x32 always, SIPs longer than ARCOS sends, digital outputs all on.
+    assert {"moving", "size", "digital_out"} <= {parting.aspect for parting in partings if parting.kind == "SIP"}
+    assert {parting.kind for parting in partings} == {"SIP"}, "the handshake is the same"

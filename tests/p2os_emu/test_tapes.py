@@ -1,0 +1,87 @@
+"""The program with cassettes: it records what flows, serves what was recorded, and checks it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from p2os_emu.__main__ import main
+from p2os_emu.cassette import read
+from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS
+from tests.p2os_emu.test_program import CLOSE, OPEN, Client, program
+
+pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
+
+
+@pytest.fixture(scope="module")
+def tape(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A drive, recorded by the program."""
+    path = tmp_path_factory.mktemp("tapes") / "drive.jsonl"
+    with program("--robot", "p3dx-sh:happy", "--perfect", "--record", str(path)) as emulator:
+        client = Client(emulator.ports[0])
+        client.handshake()
+        client.drive()
+        client.say(CLOSE)
+        client.close()
+    return path
+
+
+def test_recording_has_both_directions_and_the_name(tape: Path) -> None:
+    cassette = read(tape)
+    assert (cassette.name, cassette.model) == ("happy", "p3dx-sh")
+    assert cassette.identity == ("happy", "Pioneer", "p3dx-sh")
+    assert cassette.moments[0].data == bytes.fromhex("FA FB 03 00 00 00")
+
+
+def test_of_several_robots_each_has_its_file(tmp_path: Path) -> None:
+    with program("--robot", "p3dx:one", "--robot", "p3dx:two", "--record", str(tmp_path / "tape")):
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["tape-one", "tape-two"]
+
+
+def test_recorded_robot_meets_a_client_as_it_did(tape: Path, tmp_path: Path) -> None:
+    with program("--serve", str(tape), "--pty", str(tmp_path / "robot")) as player:
+        assert player.ready["robots"][0]["name"] == "happy"
+        assert player.ready["control"] is None
+        assert player.ports == [str(tmp_path / "robot")]
+        client = Client(player.ports[0])
+        assert client.handshake() == ["happy", "Pioneer", "p3dx-sh"]
+        client.say(OPEN)
+        client.wait_for_speed(lambda left, right: left > 100 and right > 100)
+        client.close()
+
+
+def test_recorded_robot_is_served_on_tcp_as_well(tape: Path) -> None:
+    with program("--serve", str(tape), "--tcp", "0") as player:
+        client = Client(player.ports[0])
+        assert client.handshake() == ["happy", "Pioneer", "p3dx-sh"]
+        client.close()
+
+
+def test_own_recording_parts_in_nothing(tape: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--check", str(tape), "--perfect", "--json"]) == EXIT_OK
+    assert json.loads(capsys.readouterr().out) == {"same": True, "model": "p3dx-sh", "partings": 0, "kinds": []}
+
+
+def test_other_model_parts_from_the_recording(tape: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--check", str(tape), "--perfect", "--robot", "p2dx"]) == EXIT_PARTS
+    out = capsys.readouterr().out
+    assert "SYNC2: subtype differs: recorded p3dx-sh, emulated p2dx" in out
+    assert "recording and emulator part in" in out
+
+
+@pytest.mark.parametrize("option", ["--check", "--serve"])
+def test_missing_recording_is_refused(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([option, "nowhere.jsonl"]) == EXIT_CONFIG
+    assert "nowhere.jsonl cannot be read" in capsys.readouterr().err
+
+
+def test_recording_of_nobody_knows_needs_a_model(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "tape"
+    path.write_text('{"t": 0, "from": "host", "hex": "fafb03000000"}\n')
+    assert main(["--check", str(path)]) == EXIT_CONFIG
+    assert "give --robot MODEL" in capsys.readouterr().err
+
+
+def test_place_that_cannot_be_written_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--robot", "p3dx", "--record", str(tmp_path / "no" / "tape")]) == EXIT_CONFIG
+    assert "choose another path" in capsys.readouterr().err
