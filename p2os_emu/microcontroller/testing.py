@@ -10,7 +10,7 @@ from p2os.framing import Frame, FrameDecoder
 from p2os.packets import Packet, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec, StandardSip
-from p2os_emu.body import Arm, Beams, BodyState, Echoes, Gripper
+from p2os_emu.body import Arm, Beams, BodyState, Echoes, GripperState
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.microcontroller import Microcontroller
 
@@ -38,6 +38,47 @@ class Wheel:
         self.travel += self.velocity * dt
 
 
+class PlainGripper:
+    """Paddles and a lift that need some seconds for their whole way.
+
+    thing: opening at which the paddles meet something; 0 for nothing between them. stuck: nothing moves.
+    """
+
+    def __init__(self, *, thing: float = 0.0, paddle_time: float = 2.0, lift_time: float = 3.5) -> None:
+        self.thing = thing
+        self.stuck = False
+        self.told: list[tuple[float, float]] = []
+        self._times = paddle_time, lift_time
+        self._opening, self._lift = 1.0, 0.0
+        self._wanted = 0.0, 0.0
+
+    @property
+    def state(self) -> GripperState:
+        """The gripper after the last step."""
+        touches = self._opening <= self.thing
+        return GripperState(
+            opening=self._opening,
+            lift=self._lift,
+            outer_beam=self.thing > 0.0,
+            inner_beam=self.thing > 0.0,
+            left_contact=touches,
+            right_contact=touches,
+            holds=touches,
+        )
+
+    def drive(self, paddles: float, lift: float) -> None:
+        """Command both motors."""
+        self._wanted = paddles, lift
+        self.told.append(self._wanted)
+
+    def step(self, dt: float) -> None:
+        """Let time pass."""
+        if not self.stuck:
+            paddles, lift = (wanted * dt / time for wanted, time in zip(self._wanted, self._times, strict=True))
+            self._opening = min(max(self._opening + paddles, self.thing), 1.0)
+            self._lift = min(max(self._lift + lift, 0.0), 1.0)
+
+
 class PlainBody:
     """Exact wheels on an endless floor.
 
@@ -45,9 +86,10 @@ class PlainBody:
     front_bumpers, rear_bumpers: as `BodyState` has them, to be pressed by hand. ranges: range that a disc measures, m.
     infrared, far_ledge, near_ledge, heading, turn_rate: likewise, whatever the wheels do.
     powered: the motors are driven. pings: the discs of every firing, in order. told: how often the motors were told.
+    gripper: one to hang on, where the test is about it.
     """
 
-    gripper: Gripper | None = None
+    gripper: PlainGripper | None = None
     arm: Arm | None = None
 
     def __init__(self, lag: float = 0.0) -> None:
@@ -120,6 +162,8 @@ class PlainBody:
         """Let time pass."""
         self.left.step(dt, self.lag, self.wall)
         self.right.step(dt, self.lag, self.wall)
+        if self.gripper is not None:
+            self.gripper.step(dt)
 
     def _tell(self, powered: bool, left: float, right: float) -> None:
         self.told += 1
