@@ -101,10 +101,15 @@ class FaultBoard:
             self._tell(fault)
 
     def _tell(self, changed: Fault) -> None:
-        """Let the robots that a fault befalls suffer what is at work of its kind now."""
+        """Let the robots that a fault befalls suffer what is at work now; a brown-out may have made parts anew."""
         for robot, _ in changed.victims:
-            if self._robots.get(robot.name) is robot:  # else it was removed
-                changed.kind.befall(robot, self._at_work(changed.kind, robot))
+            if self._robots.get(robot.name) is not robot:
+                continue  # it was removed
+            kinds = {fault.kind.name: fault.kind for fault in (changed, *self._faults.values())}
+            for kind in kinds.values():
+                at_work = self._at_work(kind, robot)
+                if at_work or kind is changed.kind:
+                    kind.befall(robot, at_work)
 
     def _at_work(self, kind: FaultKind, robot: EmulatedRobot) -> list[Arguments]:
         return [

@@ -14,6 +14,7 @@ from p2os_emu.world import load_world
 
 ROBOT = "happy"
 BEAT = 0.1  # s between two Twists
+START = 2.0  # s in which the robot is found and set up
 ROOM = """
 walls = [
     { from_m = [-3.0, -3.0], to_m = [3.0, -3.0] },
@@ -32,12 +33,12 @@ def distance(a: Pose2D, b: Pose2D) -> float:
 class Mission:
     """One robot in a room, its driver on the bus, and everything that was published."""
 
-    def __init__(self, world: Path, model: str) -> None:
-        self.lockstep = Lockstep(load_world(str(world)), {ROBOT: model}, seed=1)
+    def __init__(self, world: Path, fit: str) -> None:
+        self.lockstep = Lockstep(load_world(str(world)), {ROBOT: "powerbot-sh"}, fits={ROBOT: fit}, seed=1)
         self.bus = self.lockstep.bus()
         self.heard: dict[str, list[Sample]] = {}
         self.bus.subscribe(f"{ROBOT}/**", lambda sample: self.heard.setdefault(sample.key, []).append(sample))
-        self.lockstep.run(2.0)
+        self.lockstep.run(START)
 
     def fault(self, spec: str) -> Callable[[], None]:
         """Let something go wrong; returns what ends it."""
@@ -57,6 +58,12 @@ class Mission:
             self.bus.put(keys.CMD_VEL.key(ROBOT), messages.twist(linear, 0.0))
             self.lockstep.run(BEAT)
         return distance(start, self.truth)
+
+    def turn(self, seconds: float, angular: float = 0.5) -> None:
+        """Send Twists that turn the robot for so long."""
+        for _ in range(round(seconds / BEAT)):
+            self.bus.put(keys.CMD_VEL.key(ROBOT), messages.twist(0.0, angular))
+            self.lockstep.run(BEAT)
 
     def move(self) -> str | None:
         """Ask for a long motion and take it back; returns why it was refused, None if it was not."""
@@ -86,7 +93,7 @@ class Mission:
         return self.all(topic)[-1]
 
     def counters(self) -> dict[str, int]:
-        """What the gateway's diagnostics count about the cable."""
+        """What the gateway's diagnostics count about the robot's cable."""
         (cable,) = (each for each in self.last(keys.DIAGNOSTICS).status if each.name == f"{ROBOT}: cable")
         return {pair.key: int(pair.value) for pair in cable.values if ":" in pair.key}
 
@@ -111,13 +118,13 @@ class Mission:
 
 @pytest.fixture
 def make_mission(tmp_path: Path) -> Iterator[Callable[[str], Mission]]:
-    """Factory of missions by model."""
+    """Factory of missions, by what is fitted to their robot."""
     world = tmp_path / "room.toml"
     world.write_text(ROOM)
     begun: list[Mission] = []
 
-    def make(model: str) -> Mission:
-        begun.append(Mission(world, model))
+    def make(fit: str) -> Mission:
+        begun.append(Mission(world, fit))
         return begun[-1]
 
     yield make
@@ -127,4 +134,4 @@ def make_mission(tmp_path: Path) -> Iterator[Callable[[str], Mission]]:
 
 @pytest.fixture
 def mission(make_mission: Callable[[str], Mission]) -> Mission:
-    return make_mission("powerbot-sh")
+    return make_mission("")

@@ -26,18 +26,18 @@ MOTORS_OFF = "the motors are off"
 class Reaction(NamedTuple):
     """What must be seen while a fault of the fourth second lasts, and after it.
 
-    model: of the robot. connection, says: in `<robot>/state`; a part of one of its faults,
+    fit: accessories of the robot. connection, says: in `<robot>/state`; a part of one of its faults,
     None for no fault at all. refuses: part of the refusal of a move; None accepts it. goes_on: the robot keeps rolling.
     odometry: poses are published. needs_enable: after it the robot drives only once it is enabled again.
     """
 
-    model: str = "powerbot-sh"
     connection: str = "connected"
     says: str | None = None
     refuses: str | None = None
     goes_on: bool = True
     odometry: bool = True
     needs_enable: bool = False
+    fit: str = ""
 
 
 LOST = Reaction(connection="connecting", says=NOT_CONNECTED, refuses=NOT_CONNECTED, goes_on=False, odometry=False)
@@ -58,6 +58,8 @@ REACTIONS = {
     "stop-pressed": Reaction(says="the STOP button is pressed", refuses=MOTORS_OFF, goes_on=False, needs_enable=True),
     "low-battery:volts=21": Reaction(says="the battery is low, below 22.0 V"),
     "charger-plugged": Reaction(),
+    "gyro-failed": Reaction(says="the gyro has failed", fit="gyro"),
+    "laser-dirty": Reaction(says="the laser's window is dirty", fit="laser"),
     # Silence, and what is as good as silence.
     "brown-out@0+1000": LOST,
     "frozen-firmware": LOST._replace(goes_on=True),  # nobody on this side of the cable can stop it
@@ -82,7 +84,7 @@ def test_no_fault_is_forgotten() -> None:
 @pytest.mark.parametrize("spec", REACTIONS)
 def test_gateway_reacts_to_the_fault_and_is_back_after_it(make_mission: "Callable[[str], Mission]", spec: str) -> None:
     reaction = REACTIONS[spec]
-    mission = make_mission(reaction.model)
+    mission = make_mission(reaction.fit)
     assert mission.drive(2.0, SPEED) > 0.1
     end = mission.fault(spec)
     mission.drive(MEANWHILE - 1.0, SPEED)

@@ -6,10 +6,12 @@ import pytest
 
 import configs
 from p2os import Command, RobotModel, encode_command
+from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
 from p2os_emu.faults.board import FaultBoard
 from p2os_emu.faults.table import FAULTS
+from p2os_emu.fit import read_fit
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
@@ -24,7 +26,9 @@ class Rig:
     def __init__(self) -> None:
         self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
         self.link = MemoryLink()
-        self.happy = self.emulator.add("happy", POWERBOT, self.link)
+        model, fit = read_fit(["gyro", "laser"], POWERBOT)
+        self.laser = MemoryLink()
+        self.happy = self.emulator.add("happy", model, self.link, fit=fit, cables={"laser": self.laser})
         self.grumpy = self.emulator.add("grumpy", POWERBOT, MemoryLink())
         self.board = FaultBoard(self.emulator.robots)
         self.emulator.before_step = self.board.advance
@@ -221,6 +225,14 @@ def test_fault_of_a_robot_that_was_removed_does_no_harm(rig: Rig) -> None:
         ("low-battery:volts=lots", "volts=lots will not do; give volts from 0 to 48"),
         ("low-battery:volts=99", "give volts from 0 to"),
         ("bumper-stuck:segment=front99", "happy has front1, front2"),
+        ("sonar-dead:disc=99", r"happy has the discs 0-6\+8-14\+16-22\+24-30"),
+        ("sonar-dead:disc=all+3", r"write numbers as in 3, 0-7, 3\+5 or all"),
+        ("wheel-stalled:side=top", "choose left, right, both"),
+        ("wheel-slipping:factor=2", "give a number from 0 to 1"),
+        ("line-cut:robot=grumpy,cable=laser", "grumpy has robot"),
+        ("line-half-duplex:toward=me", "choose robot, host"),
+        ("laser-dirty:robot=grumpy", "grumpy has no laser to suffer laser-dirty; grumpy can suffer sonar-dead"),
+        ("gyro-failed:robot=grumpy", "grumpy has no gyro to suffer gyro-failed; "),
     ],
 )
 def test_fault_that_cannot_be_is_refused_with_what_can(rig: Rig, text: str, complaint: str) -> None:
@@ -238,6 +250,93 @@ def test_bumper_of_a_robot_without_bumpers_is_refused() -> None:
 def test_clearing_a_fault_that_is_not_there_is_refused(rig: Rig) -> None:
     with pytest.raises(FaultError, match="no fault number 7"):
         rig.board.clear(7)
+
+
+def test_longer_brown_out_takes_the_power_from_the_laser_too_and_leaves_the_dirt_on_it(rig: Rig) -> None:
+    rig.fault("laser-dirty:robot=happy,dirt=0.7")
+    rig.run(0.5)
+    scanner = rig.happy.cables["laser"].device
+    rig.fault("brown-out:robot=happy@0+1")
+    rig.run(0.5)
+    powered = [rig.happy.cables["laser"].is_powered]
+    rig.run(1.0)
+    powered.append(rig.happy.cables["laser"].is_powered)
+    assert powered == [False, True]
+    again = rig.happy.cables["laser"].device
+    assert again is not scanner, "it begins as after the power switch"
+    assert isinstance(again, Lms200)
+    assert again.dirt == 0.7
+
+
+def test_cable_of_an_accessory_is_cut_and_vanishes_by_itself(rig: Rig) -> None:
+    cut = rig.fault("line-cut:robot=happy,cable=laser")
+    rig.fault("hang-up:robot=happy,cable=laser@0+1")
+    rig.run(0.5)
+    assert (rig.happy.line.is_cut, rig.happy.cables["laser"].line.is_cut) == (False, True)
+    assert (rig.link.attached, rig.laser.attached) == (True, False)
+    rig.board.clear(cut)
+    rig.run(0.6)
+    assert not rig.happy.cables["laser"].line.is_cut
+    assert rig.laser.attached
+
+
+@pytest.mark.parametrize(
+    ("spec", "impaired"),
+    [
+        ("line-frozen", "frozen"),
+        ("line-noisy:rate=0.1", "noisy"),
+        ("line-garbled", "garbled"),
+        ("line-half-duplex:toward=host", "half-duplex"),
+    ],
+)
+def test_impaired_line_is_mended_when_the_last_fault_of_its_kind_ends(rig: Rig, spec: str, impaired: str) -> None:
+    rig.fault(f"{spec}@0+1")
+    rig.fault(f"{spec}@0.5+1")
+    for lines, seconds in (([impaired], 1.2), ([], 0.5)):
+        rig.run(seconds)
+        assert rig.happy.line.faults == rig.grumpy.line.faults == lines
+
+
+def test_frozen_line_keeps_what_it_holds_when_a_second_fault_begins(rig: Rig) -> None:
+    rig.fault("line-frozen:robot=happy@0+2")
+    rig.run(0.5)
+    rig.fault("line-frozen:robot=happy@0+1")
+    rig.run(1.4)
+    assert rig.link.client_read() == b""
+    rig.run(0.5)
+    assert rig.link.client_read().count(bytes.fromhex("FA FB")) > 10
+
+
+def test_robot_added_later_under_the_same_name_is_not_befallen(rig: Rig) -> None:
+    rig.fault("line-cut:robot=grumpy@0+2")
+    rig.run(0.5)
+    rig.emulator.remove("grumpy")
+    link = MemoryLink()
+    robot = rig.emulator.add("grumpy", POWERBOT, link)
+    rig.run(0.5)
+    assert not robot.line.is_cut
+    rig.run(2.0)
+    rig.fault("line-cut:robot=grumpy")
+    rig.run(STEP)
+    assert robot.line.is_cut
+
+
+def test_robot_that_is_reset_keeps_its_faults(rig: Rig) -> None:
+    rig.fault("stop-pressed:robot=happy")
+    rig.fault("sonar-dead:robot=happy")
+    rig.run(STEP)
+    rig.emulator.restart("happy")
+    rig.run(STEP)
+    assert rig.happy.microcontroller.panel.stop_button
+    assert rig.happy.body.sonar.dead
+
+
+def test_fault_for_every_robot_befalls_those_that_can_suffer_it(rig: Rig) -> None:
+    rig.fault("laser-dirty")
+    rig.run(STEP)
+    rig.fault("bumper-stuck")
+    rig.run(STEP)
+    assert rig.grumpy.body.state.front_bumpers == 1
 
 
 @pytest.mark.parametrize("name", FAULTS)

@@ -1,0 +1,40 @@
+"""Faults of accessories."""
+
+from collections.abc import Sequence
+
+from p2os_emu.accessories.lms200 import Lms200
+from p2os_emu.emulator import EmulatedRobot
+from p2os_emu.faults import parameters
+from p2os_emu.faults.kind import Arguments, FaultKind, Need, Parameter
+
+_GYRO = Need("gyro", lambda robot: robot.fit.has("gyro"))
+_LASER = Need("laser", lambda robot: robot.fit.has("laser"))
+
+
+def _break_gyro(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.gyro_failed = bool(at_work)
+
+
+def _soil_laser(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    scanner = robot.cables["laser"].device
+    assert isinstance(scanner, Lms200)
+    scanner.dirt = max((each["dirt"] for each in at_work), default=0.0)
+
+
+KINDS = (
+    FaultKind(
+        "gyro-failed",
+        "the gyro gives nothing any more",
+        "it measures again",
+        _break_gyro,
+        needs=_GYRO,
+    ),
+    FaultKind(
+        "laser-dirty",
+        "dirt on the window of the laser scanner",
+        "somebody wipes it",
+        _soil_laser,
+        {"dirt": Parameter("the part of the light that it takes, 0 to 1", parameters.number(1.0), "0.5")},
+        _LASER,
+    ),
+)
