@@ -79,10 +79,16 @@ def _emulate(options: Options) -> None:
             stack.enter_context(_clean_output())
         world = stack.enter_context(contextlib.closing(_make_world(options)))
         poller = stack.enter_context(contextlib.closing(Poller()))
-        emulator = Emulator(world, profile, seed=options.seed, hangup_stops=options.hangup_stops)
+        emulator = Emulator(
+            world,
+            profile,
+            seed=options.seed,
+            hangup_stops=options.hangup_stops,
+            poses_as_simulator=options.as_simulator,
+        )
         stack.callback(emulator.close)
         ports = Ports(poller, pty=options.pty, tcp=_first_tcp_port(options), robots=len(options.robots))
-        team = Team(emulator, ports, options.link, flash, str(options.flash), options.fits)
+        team = Team(emulator, ports, options.link, flash, str(options.flash), options.fits, options.as_simulator)
         if options.record is not None:
             recording = stack.enter_context(contextlib.closing(Recording(options.record, len(options.robots))))
             team.whenever_added.append(recording.add)

@@ -16,6 +16,7 @@ from p2os_emu.fitting import Bench, cabled, plug_in
 from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
+from p2os_emu.microcontroller.simulator import Simulator
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
 _FAREWELL = encode_command(Command.CLOSE)
@@ -127,6 +128,32 @@ class EmulatedRobot:
             cable.line.link.close()
 
 
+@dataclass(frozen=True, slots=True)
+class Hand:
+    """What a simulator's commands do from above; implements `Stage`."""
+
+    emulator: "Emulator"
+    robot: EmulatedRobot
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the robot truly is."""
+        return self.emulator.truth(self.robot.name).pose
+
+    def place(self, pose: Pose2D) -> str:
+        """Put the robot elsewhere; returns why not."""
+        try:
+            self.emulator.place(self.robot.name, pose)
+        except ValueError as error:
+            return str(error)
+        return ""
+
+    def restart(self) -> None:
+        """Put the robot back to where it began, and its odometry to zero."""
+        self.place(self.robot.start)
+        self.robot.microcontroller.forget_travels()
+
+
 class Emulator:
     """Robots in a world.
 
@@ -134,7 +161,15 @@ class Emulator:
     before_step: called with emulated time, s, before every step: where faults come and go.
     """
 
-    def __init__(self, world: Surroundings, profile: LinkProfile, *, seed: int = 0, hangup_stops: bool = False) -> None:
+    def __init__(
+        self,
+        world: Surroundings,
+        profile: LinkProfile,
+        *,
+        seed: int = 0,
+        hangup_stops: bool = False,
+        poses_as_simulator: bool = False,
+    ) -> None:
         """Take over a world.
 
         Args:
@@ -142,6 +177,7 @@ class Emulator:
             profile: What every line does to bytes.
             seed: Decides what chance would in firmware and lines; each robot draws by its own name.
             hangup_stops: Stop a robot whose client has closed the port, as iron never could.
+            poses_as_simulator: Take commands that mean something else on iron for those of an old simulator.
         """
         self.robots: dict[str, EmulatedRobot] = {}
         self.before_step: Callable[[float], None] = _nothing
@@ -149,6 +185,7 @@ class Emulator:
         self._profile = profile
         self._seed = seed
         self._hangup_stops = hangup_stops
+        self._poses = poses_as_simulator
 
     @property
     def time(self) -> float:
@@ -185,6 +222,7 @@ class Emulator:
         body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
         line = Line(link, self._profile, self._chance(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
+        controller.simulate(Simulator(model, Hand(self, robot), body, poses=self._poses))
         self._fit_out(robot, cables or {})
         self.robots[name] = robot
         return robot

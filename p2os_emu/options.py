@@ -62,6 +62,7 @@ class Options:
     gui: bool
     perfect: bool
     hangup_stops: bool
+    as_simulator: bool
     record: Path | None
     serve: Path | None
     check: Path | None
@@ -102,6 +103,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         gui=given.gui,
         perfect=given.perfect,
         hangup_stops=given.hangup_stops,
+        as_simulator=given.as_simulator,
         record=given.record,
         serve=given.serve,
         check=given.check,
@@ -166,6 +168,12 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         dest="world",
         metavar="NAME|FILE",
         help="a world, or a .toml or .map file (office; empty for --check)",
+    )
+    group.add_argument(
+        "--as-simulator",
+        action="store_true",
+        help="pose as MobileSim did: clients ask for a laser in the robot's own line, by numbers that mean other "
+        "things on iron",
     )
     group.add_argument("--perfect", action="store_true", help="no imperfections: exact wheels, sonar without noise")
     group.add_argument(

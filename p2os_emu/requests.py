@@ -137,6 +137,7 @@ def _shown(controller: Microcontroller) -> dict[str, Any]:
         "power": dict(outputs.power),
         "digital_out": controller.digital_out,
         "shutdown_wanted": controller.shutdown_wanted,
+        "simulator_messages": list(controller.simulator_messages),
     }
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any
 
 import configs
@@ -16,6 +17,7 @@ from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
+SIMULATOR_SERIAL = "SIM"
 _NAME = re.compile(r"[A-Za-z0-9_.+-]{1,19}")
 
 
@@ -33,6 +35,7 @@ class Team:
         flash: FLASH parameters that replace the factory's in every robot.
         flash_source: File that they came from, for messages.
         fits: Parts of `--fit`, as they are written; those without a robot's name go onto every robot.
+        as_simulator: Robots have the serial number by which clients know a simulator.
     """
 
     def __init__(
@@ -43,13 +46,16 @@ class Team:
         flash: Mapping[str, Any],
         flash_source: str,
         fits: Sequence[str] = (),
+        as_simulator: bool = False,
     ) -> None:
         self.emulator = emulator
         self.whenever_added: list[Callable[[EmulatedRobot], None]] = []
+        self.camera_url: Callable[[str], str | None] = lambda name: None
         self._ports = ports
         self._profile = profile
         self._flash = flash
         self._flash_source = flash_source
+        self._as_simulator = as_simulator
         self._fits = [_read_fit_option(text) for text in fits]
 
     def check_fits(self) -> None:
@@ -112,7 +118,7 @@ class Team:
             "link": self._profile,
             "laser_port": _cable_port(robot, "laser"),
             "arm_port": _cable_port(robot, "arm"),
-            "camera_url": None,
+            "camera_url": self.camera_url(robot.name),
         }
 
     def _fitted(self, name: str, model: RobotModel) -> tuple[RobotModel, Fit]:
@@ -123,7 +129,8 @@ class Team:
 
     def _flash_of(self, model: RobotModel, name: str) -> Flash:
         try:
-            return Flash.of(model, name).changed(self._flash)
+            flash = Flash.of(model, name).changed(self._flash)
+            return replace(flash, serial=SIMULATOR_SERIAL) if self._as_simulator else flash
         except ValueError as error:
             raise ConfigError(f"{self._flash_source}: {error}") from error
 

@@ -23,6 +23,7 @@ from p2os_emu.microcontroller.odometry import Odometry
 from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import Panel
 from p2os_emu.microcontroller.requests import Requests
+from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.sonar import SonarScheduler
 from p2os_emu.microcontroller.watchdog import Watchdog
 
@@ -43,7 +44,7 @@ class Board:
     known: numbers of the commands that this firmware knows. time: s since power-on.
     has_client: a connection is open. answers: packets for the client that follow the next SIP.
     aux: the AUX ports, 1 to 3. gyro, compass: their servers, where they are fitted. gyro_cw, gyro_ccw: calibration of
-    the gyro; accepted and reported, since no source gives its unit.
+    the gyro; accepted and reported, since no source gives its unit. simulator: commands that no real robot knows.
     temperature: °C that a test command pretends, None for unknown. shutdown_wanted: the computer is told to shut down.
     """
 
@@ -78,6 +79,7 @@ class Board:
         self.joystick = JoystickServer(flash)
         self.gyro: GyroServer | None = None
         self.compass: CompassServer | None = None
+        self.simulator: Simulator | None = None
         self.time = 0.0
         self.power_on()
 
@@ -126,6 +128,8 @@ class Board:
             self.gyro.restore()
         if self.compass is not None:
             self.compass.restore()
+        if self.simulator is not None:
+            self.simulator.restore()
         self.motion.restore(flash)
         self.motors.restore(flash)
         self.sonar.restore(flash)

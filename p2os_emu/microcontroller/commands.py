@@ -11,6 +11,7 @@ from p2os.command_table import Command
 from p2os.commands import decode_command
 from p2os.firmware import BAUD_CODES, Family
 from p2os.packets import PacketType
+from p2os_emu.microcontroller import simulator
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.motion import Motion
 from p2os_emu.microcontroller.panel import ANALOG_PORTS
@@ -32,6 +33,8 @@ HOTTEST = 127
 def execute(board: Board, payload: bytes) -> None:
     """Carry out a command of an open connection, if this firmware knows it and it has a handler."""
     received = decode_command(payload)
+    if board.simulator is not None and board.simulator.obeys(received):
+        return
     handler = HANDLERS.get(received.number)
     if handler is not None and received.number in board.known:
         handler(board, received.value)
@@ -346,21 +349,25 @@ HANDLERS: Mapping[int, Handler] = {
 CONNECTION = frozenset({Command.SYNC0, Command.SYNC1, Command.SYNC2})
 """Handshake, PULSE, OPEN and CLOSE: the connection itself carries them out."""
 
-EMULATED: frozenset[int] = frozenset(HANDLERS) | CONNECTION
+EMULATED: frozenset[int] = frozenset(HANDLERS) | CONNECTION | simulator.COMMANDS
 """Numbers of the commands that have an effect, for the compliance page."""
 
-EMULATED_PACKETS: frozenset[PacketType] = frozenset(EXTRAS) | {
-    PacketType.SYNC0,
-    PacketType.SYNC1,
-    PacketType.SYNC2,
-    PacketType.SIP_STOPPED,
-    PacketType.SIP_MOVING,
-    PacketType.AUX1,
-    PacketType.AUX2,
-    PacketType.AUX3,
-    PacketType.COMPASS,
-    PacketType.PLAYLIST,
-    PacketType.RESET_WITH_DATA,
-    PacketType.RESET,
-}
+EMULATED_PACKETS: frozenset[PacketType] = (
+    frozenset(EXTRAS)
+    | simulator.PACKETS
+    | {
+        PacketType.SYNC0,
+        PacketType.SYNC1,
+        PacketType.SYNC2,
+        PacketType.SIP_STOPPED,
+        PacketType.SIP_MOVING,
+        PacketType.AUX1,
+        PacketType.AUX2,
+        PacketType.AUX3,
+        PacketType.COMPASS,
+        PacketType.PLAYLIST,
+        PacketType.RESET_WITH_DATA,
+        PacketType.RESET,
+    }
+)
 """Types of the packets that the microcontroller sends."""

@@ -22,6 +22,7 @@ from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.gyro import GyroServer
 from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import CENTRED, Panel
+from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, answers, standard_sip
 
 
@@ -112,6 +113,10 @@ class Microcontroller:
         """Plug a device into an AUX port, 1 to 3; one device to a port."""
         self._board.aux[port].device = device
 
+    def plugged(self, port: int) -> Device | None:
+        """What is plugged into an AUX port."""
+        return self._board.aux[port].device
+
     def fit_gyro(self, gyro: AnalogGyro, inside: bool) -> None:
         """Fit a gyro: for clients to read by packets, or inside the controller, which corrects its heading by it."""
         self._board.gyro = GyroServer(gyro, inside)
@@ -119,6 +124,20 @@ class Microcontroller:
     def fit_compass(self, module: Tcm2) -> None:
         """Fit a compass."""
         self._board.compass = CompassServer(module)
+
+    def simulate(self, simulator: Simulator) -> None:
+        """Obey a simulator's commands as well."""
+        self._board.simulator = simulator
+
+    @property
+    def simulator_messages(self) -> tuple[str, ...]:
+        """What clients said to the simulator, and what it refused them, oldest first."""
+        return tuple(self._board.simulator.messages) if self._board.simulator else ()
+
+    def forget_travels(self) -> None:
+        """Put the odometry to zero, as SETO does."""
+        self._board.odometry.reset()
+        self._board.motion.forget_heading()
 
     def receive(self, data: bytes) -> None:
         """Take bytes from the line."""

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from geometry import Pose2D
 from p2os.command_table import Command
 from p2os.commands import ReceivedCommand
-from p2os.packets import Packet
+from p2os.packets import Packet, PacketType
 from p2os.robot_model import RobotModel
 from p2os.simulator_packets import (
     ExtendedLaser,
@@ -36,6 +36,20 @@ FINEST = radians(0.25)  # between two beams, assumed
 REFLECTANCE = 33  # of a reflector, as MobileSim's own maps had it; anything else is 0
 LOAD_MAP, MASTER_LOAD_MAP = 1, 2
 """Operations of SIM_CTRL that other robots would have to live with: refused."""
+COMMANDS = frozenset(
+    {
+        Command.SIM_SET_POSE,
+        Command.SIM_RESET,
+        Command.SIM_LRF_ENABLE,
+        Command.SIM_LRF_SET_FOV_START,
+        Command.SIM_LRF_SET_FOV_END,
+        Command.SIM_LRF_SET_RES,
+        Command.SIM_STAT,
+        Command.SIM_MESSAGE,
+    }
+)
+"""What has an effect; the others are refused with a message."""
+PACKETS = frozenset({PacketType.LASER, PacketType.LASER_EXTENDED, PacketType.SIMULATOR_STATE, PacketType.MAP_CHANGED})
 MESSAGES_KEPT = 50
 LARGEST = 32.767  # m; what the pose in a laser packet carries, which clients do not read
 OLD_NUMBERS: Mapping[int, Command] = {
@@ -99,10 +113,10 @@ class Simulator:
             Command.SIM_EXIT: lambda _: self.messages.append("SIM_EXIT was refused: end the emulator itself"),
             Command.SIM_MODEL_CONFIG: lambda _: self.messages.append("SIM_MODEL_CONFIG was refused: models are files"),
         }
-        self.power_on()
+        self.restore()
 
-    def power_on(self) -> None:
-        """Send nothing, look to the front."""
+    def restore(self) -> None:
+        """The client has gone: send nothing, look to the front."""
         self._laser = OFF
         self._first, self._last, self._step = -pi / 2, pi / 2, radians(1.0)
         self._states = 0

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
+from geometry import Pose2D
 from p2os.accessory_packets import BatteryReport, GyroReport, JoystickReport
 from p2os.configuration import Configuration
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family
@@ -162,6 +163,9 @@ def answers(board: Board) -> list[Packet]:
             said.append(answer)
     said += board.answers
     board.answers.clear()
+    if board.simulator is not None:
+        odometry = board.odometry
+        said += board.simulator.packets(Pose2D(odometry.x, odometry.y, odometry.heading), board.flash.sip_cycle)
     return said
 
 
