@@ -35,6 +35,7 @@ from p2os_emu.tapes import Recording, check, serve
 from p2os_emu.team import Team, TeamError
 
 if TYPE_CHECKING:
+    from p2os_emu.camera.cameras import Cameras
     from p2os_emu.world import World
 
 
@@ -92,6 +93,7 @@ def _emulate(options: Options) -> None:
         if options.record is not None:
             recording = stack.enter_context(contextlib.closing(Recording(options.record, len(options.robots))))
             team.whenever_added.append(recording.add)
+        cameras = stack.enter_context(contextlib.closing(_open_cameras(emulator, world, team)))
         robots = [team.add(text) for text in options.robots]
         team.check_fits()
         faults = FaultBoard(emulator.robots)
@@ -104,7 +106,7 @@ def _emulate(options: Options) -> None:
         desk = Desk(team, faults, runner)
         control = ControlSocket(_control_path(options, stack), poller, desk.answer)
         stack.callback(control.close)
-        runner.between_steps.append(control.serve)
+        runner.between_steps += [control.serve, cameras.tend]
         factory = _open_factory(options, poller, team, stack)
         if factory is not None:
             runner.between_steps.append(factory.tend)
@@ -153,6 +155,16 @@ def _make_world(options: Options) -> "World":
         raise PhysicsError(str(error)) from error
 
 
+def _open_cameras(emulator: Emulator, world: "World", team: Team) -> "Cameras":
+    # Here and not at the top: it knows the world, and loads the engine with it.
+    from p2os_emu.camera.cameras import Cameras
+
+    cameras = Cameras(emulator, world, lambda sentence: print(f"p2os-emu: {sentence}", file=sys.stderr))
+    team.whenever_added.append(cameras.add)
+    team.camera_url = cameras.url
+    return cameras
+
+
 def _first_tcp_port(options: Options) -> int | None:
     """Of the robots there are from the start; a factory's port comes before theirs."""
     return options.tcp + 1 if options.tcp and options.factory else options.tcp
@@ -190,9 +202,9 @@ def _announce(options: Options, robots: list[dict[str, Any]], factory: Factory |
     elif not options.quiet:
         for robot in robots:
             print(f"{robot['name']}, a {robot['model']}, is on {robot['port']}")
-            for part in ("laser", "arm"):
-                if robot[f"{part}_port"]:
-                    print(f"{robot['name']}'s {part} is on {robot[f'{part}_port']}")
+            for part, key in (("laser", "laser_port"), ("arm", "arm_port"), ("camera", "camera_url")):
+                if robot[key]:
+                    print(f"{robot['name']}'s {part} is on {robot[key]}")
         if factory is not None:
             print(f"Every client of {factory.port} finds a {factory.model} of its own")
         if robots:

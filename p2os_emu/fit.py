@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from p2os import RobotModel
+from p2os_emu.camera.image_format import read_format
 from p2os_emu.hints import nearest
 
 _NOT = "no-"
@@ -19,12 +20,14 @@ class Part:
 
     variants: what `part:VARIANT` may say; the first one is meant when nothing is said. Empty where there is one kind.
     cabled: the variants that have a serial port of their own beside the robot's.
+    check: takes any other variant as well, and raises ValueError for what is none.
     """
 
     name: str
     meaning: str
     variants: tuple[str, ...] = ()
     cabled: tuple[str, ...] = ()
+    check: Callable[[str], object] | None = None
 
 
 PARTS: Mapping[str, Part] = {
@@ -39,7 +42,7 @@ PARTS: Mapping[str, Part] = {
             ("pioneer", "powercube"),
             ("powercube",),
         ),
-        Part("camera", "a camera whose pictures an IP camera serves", ("160x120@10", "320x240@10", "640x480@5")),
+        Part("camera", "a camera whose pictures an IP camera serves", ("320x240@10", "160x120@10"), check=read_format),
         Part("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
         Part("compass", "a TCM2 compass", ("tcm2",)),
         Part("joystick", "a joystick in the robot's socket"),
@@ -94,7 +97,12 @@ def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
 
 
 def _variant(part: Part, variant: str) -> str:
-    if variant and variant not in part.variants:
+    if variant and part.check is not None:
+        try:
+            part.check(variant)
+        except ValueError as error:
+            raise FitError(f"{part.name}: {error}") from error
+    elif variant and variant not in part.variants:
         known = f"there are {', '.join(part.variants)}" if part.variants else "there is one kind"
         raise FitError(f"there is no {part.name} {variant!r}; {known}")
     return variant or next(iter(part.variants), "")

@@ -7,15 +7,21 @@ from typing import NamedTuple
 from configs import load
 from p2os import RobotModel
 from p2os.accessories.arm_model import ArmModel
+from p2os.accessories.head_model import HeadModel
 from p2os_emu.accessories.analog_gyro import AnalogGyro, AnalogGyroSpec
+from p2os_emu.accessories.evid30 import EviD30
 from p2os_emu.accessories.lms200 import Lms200, ScannerModel
 from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.accessories.tcm2 import Tcm2, Tcm2Spec
+from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.body import Body
 from p2os_emu.device import Device
 from p2os_emu.fit import Fit, FitError
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
+
+HEAD_PORT = 1
+"""The AUX port of a camera head, as every client has it."""
 
 
 class Bench(NamedTuple):
@@ -57,12 +63,18 @@ def _fit_gyro(bench: Bench, inside: bool) -> None:
     bench.microcontroller.fit_gyro(AnalogGyro(spec, bench.chance), inside)
 
 
+def _head_model(bench: Bench) -> HeadModel:
+    return load(HeadModel, "accessories", bench.fit.parts["ptz"])
+
+
 PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
     ("gyro", "analog"): lambda bench: _fit_gyro(bench, inside=False),
     ("gyro", "controller"): lambda bench: _fit_gyro(bench, inside=True),
     ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
         Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.chance)
     ),
+    ("ptz", "vcc4"): lambda bench: bench.microcontroller.plug(HEAD_PORT, Vcc4(_head_model(bench))),
+    ("ptz", "evid30"): lambda bench: bench.microcontroller.plug(HEAD_PORT, EviD30(_head_model(bench))),
     ("gripper", "pioneer"): _wire_gripper,
     ("gripper", "peoplebot"): _wire_gripper,
     ("arm", "pioneer"): lambda bench: bench.microcontroller.fit_arm(load(ArmModel, "accessories", "pioneer-arm")),

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from p2os_emu.world.colours import COLOURS, check_colour
 
-PIXELS = 1024
+PIXELS = 2048
 """Edge of the picture that covers the whole floor."""
-JOINT = 0.06
+JOINT = 0.08
 """Width of what separates tiles and planks, in pattern lengths."""
 PLANK_LENGTH = 4
 """In widths of a plank."""

@@ -1,0 +1,76 @@
+"""A camera's process as the emulator sees it: fed without ever waiting, and mourned once."""
+
+import socket
+import subprocess
+import sys
+
+from p2os_emu.camera.camera_model import CameraModel
+from p2os_emu.camera.image_format import ImageFormat
+from p2os_emu.camera.news import Moment, send
+
+FAREWELL = 2.0
+"""Seconds for a process to end by itself."""
+BACKLOG = 8
+
+
+class CameraProcess:
+    """One camera, at `url` from the start: whoever comes early waits for it.
+
+    known: numbers of the things that the process has been told of.
+    """
+
+    def __init__(self, name: str, image: ImageFormat, model: CameraModel) -> None:
+        """Start it.
+
+        Args:
+            name: Of the robot.
+            image: Of its pictures.
+            model: What it is.
+        Raises:
+            OSError: There is no port or no process to be had.
+        """
+        self.known: set[int] = set()
+        listener = socket.create_server(("127.0.0.1", 0), backlog=BACKLOG)
+        self._channel, channel = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with listener, channel:
+            self.url = f"http://127.0.0.1:{listener.getsockname()[1]}/video"
+            command = [sys.executable, "-m", "p2os_emu.camera", str(channel.fileno()), str(listener.fileno())]
+            self._process = subprocess.Popen(
+                [*command, str(image), str(model.quality), f"The camera of {name}"],
+                pass_fds=(channel.fileno(), listener.fileno()),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+            )
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    def tell(self, moment: Moment) -> bool:
+        """Tell it what is new, if it can take it now; returns whether it lives."""
+        try:
+            if send(self._channel, moment):
+                self.known |= moment.news.new.keys()
+                self.known -= moment.news.gone
+        except OSError:
+            return False
+        return True
+
+    def leave(self) -> None:
+        """Let it end, without waiting for that."""
+        self._channel.close()
+
+    @property
+    def has_ended(self) -> bool:
+        """It is gone for good."""
+        return self._process.poll() is not None
+
+    def close(self) -> None:
+        """Let it end, and see that it does; closing twice does nothing."""
+        self.leave()
+        try:
+            self._process.wait(FAREWELL)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()

@@ -1,0 +1,110 @@
+"""Every camera of an emulator: a process for each robot that has one fitted."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import configs
+from p2os_emu.accessories.evid30 import EviD30
+from p2os_emu.accessories.head import Head
+from p2os_emu.accessories.vcc4 import Vcc4
+from p2os_emu.camera.camera_model import CameraModel
+from p2os_emu.camera.camera_process import CameraProcess
+from p2os_emu.camera.image_format import read_format
+from p2os_emu.camera.news import Moment
+from p2os_emu.fitting import HEAD_PORT
+from p2os_emu.links.link import PortError
+from p2os_emu.world.view import View
+
+if TYPE_CHECKING:
+    from p2os_emu.emulator import EmulatedRobot, Emulator
+    from p2os_emu.world import World
+
+PART = "camera"
+RATE = 30.0
+"""Hz; how often a camera hears what is new. Its pictures are not older than this lets them be."""
+
+
+class Cameras:
+    """Made beside an emulator, and told whenever a robot is added and between steps."""
+
+    def __init__(self, emulator: "Emulator", world: "World", complain: Callable[[str], None]) -> None:
+        """Begin without any.
+
+        Args:
+            emulator: Whose robots carry them.
+            world: What they see.
+            complain: Says a sentence to people.
+        """
+        self._emulator = emulator
+        self._world = world
+        self._complain = complain
+        self._model: CameraModel | None = None
+        self._processes: dict[str, CameraProcess] = {}
+        self._leaving: list[CameraProcess] = []
+        self._due = 0.0
+
+    def add(self, robot: "EmulatedRobot") -> None:
+        """A robot has come, with a camera or without.
+
+        Raises:
+            PortError: There is no port or no process for it.
+        """
+        if robot.fit.has(PART):
+            self._model = self._model or configs.load(CameraModel, "accessories", PART)
+            image = read_format(robot.fit.parts[PART])
+            try:
+                self._processes[robot.name] = CameraProcess(robot.name, image, self._model)
+            except OSError as error:
+                raise PortError(f"there is no camera to be had for {robot.name}: {error}") from error
+
+    def url(self, name: str) -> str | None:
+        """Where a robot's camera is; None where it has none."""
+        process = self._processes.get(name)
+        return None if process is None else process.url
+
+    def tend(self) -> None:
+        """Tell every camera what is new, if that is due; never waits."""
+        now = self._emulator.time
+        if now < self._due:
+            return
+        self._leaving = [process for process in self._leaving if not process.has_ended]
+        self._due = now + 1 / RATE
+        for name, process in list(self._processes.items()):
+            robot = self._emulator.robots.get(name)
+            if robot is None:
+                self._drop(name)
+            elif not process.tell(self._moment(robot, process)):
+                self._drop(name)
+                self._complain(f"the camera of {name} has ended; the robot goes on without it")
+
+    def close(self) -> None:
+        """End every process."""
+        for name in list(self._processes):
+            self._drop(name)
+        while self._leaving:
+            self._leaving.pop().close()
+
+    def _drop(self, name: str) -> None:
+        process = self._processes.pop(name)
+        process.leave()
+        self._leaving.append(process)
+
+    def _moment(self, robot: "EmulatedRobot", process: CameraProcess) -> Moment:
+        """What is new to a camera, and where it looks now: along its head, if it is on one."""
+        model = self._model
+        assert model is not None  # there is a camera
+        head = _head(robot)
+        view = View.on(
+            self._world.truth(robot.name).pose,
+            model.forward_m,
+            model.height_m,
+            head.pan.position if head else 0.0,
+            head.tilt.position if head else 0.0,
+            head.field_of_view if head else model.field_of_view,
+        )
+        return Moment(self._world.sight.news(process.known), view)
+
+
+def _head(robot: "EmulatedRobot") -> Head | None:
+    device = robot.microcontroller.plugged(HEAD_PORT)
+    return device.head if isinstance(device, Vcc4 | EviD30) else None

@@ -1,0 +1,52 @@
+"""The newest picture, and who is waiting for it; older ones are gone."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+
+class Picture(NamedTuple):
+    """number: counts from 1. jpeg: the file."""
+
+    number: int
+    jpeg: bytes
+
+
+class Feed:
+    """One writer, any number of viewers; pictures are made only while somebody looks."""
+
+    def __init__(self) -> None:
+        self._newest = Picture(0, b"")
+        self._viewers = 0
+        self._changed = threading.Condition()
+
+    def put(self, jpeg: bytes) -> None:
+        """There is a new picture."""
+        with self._changed:
+            self._newest = Picture(self._newest.number + 1, jpeg)
+            self._changed.notify_all()
+
+    def wait_for_viewers(self) -> None:
+        """Return as soon as somebody looks."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._viewers > 0)
+
+    @contextmanager
+    def watching(self) -> Iterator[int]:
+        """Look, as long as the block lasts; gives the number of the picture before."""
+        with self._changed:
+            self._viewers += 1
+            self._changed.notify_all()
+            before = self._newest.number
+        try:
+            yield before
+        finally:
+            with self._changed:
+                self._viewers -= 1
+
+    def after(self, number: int, timeout: float) -> Picture | None:
+        """Wait for a picture newer than one; None when none has come within so many s."""
+        with self._changed:
+            has_come = self._changed.wait_for(lambda: self._newest.number > number, timeout)
+            return self._newest if has_come else None

@@ -1,0 +1,134 @@
+"""A second world that has looks only, to be drawn from: it hears of the first one's news and knows no physics.
+
+The engine's own renderer needs no graphics at all. Where the machine has some, the engine's plug-in for EGL draws
+faster; it ends the whole process where it fails, so it is tried in a process of its own first.
+"""
+
+import os
+import tempfile
+from collections.abc import Iterable
+from enum import Enum
+from importlib.util import find_spec
+from math import atan, degrees, tan
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from p2os_emu.world.engine import engine
+from p2os_emu.world.floor import Floor, picture
+from p2os_emu.world.look import Form, Part
+from p2os_emu.world.sight import News, Placed
+from p2os_emu.world.view import View
+
+NEAR, FAR = 0.05, 60.0
+"""m; nearer and farther than this nothing is drawn."""
+SKY = (186, 208, 226)
+"""Red, green, blue of where there is nothing."""
+LIGHT = (2.0, -3.0, 6.0)
+"""Where it comes from."""
+GRAPHICS = (Path("/dev/dri"), Path("/dev/nvidia0"))
+"""What a machine has one of that has graphics."""
+EGL = "eglRenderer"
+
+
+class Renderer(Enum):
+    """What draws."""
+
+    SOFTWARE = engine.ER_TINY_RENDERER
+    HARDWARE = engine.ER_BULLET_HARDWARE_OPENGL
+
+
+def choose_renderer() -> Renderer:
+    """What this machine offers: hardware where it has some and a picture comes of it."""
+    if not any(device.exists() for device in GRAPHICS) or find_spec(EGL) is None:
+        return Renderer.SOFTWARE
+    child = os.fork()
+    if child == 0:  # whatever happens here, the parent goes on
+        os._exit(0 if _draws_with_hardware() else 1)
+    _, status = os.waitpid(child, 0)
+    return Renderer.HARDWARE if status == 0 else Renderer.SOFTWARE
+
+
+def _draws_with_hardware() -> bool:
+    mirror = Mirror(Renderer.HARDWARE)
+    cube = (Part(Form.BOX, (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0)),)
+    mirror.apply(News({0: (cube, Placed((2.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))}))
+    drawn = mirror.draw(View(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 32, 24)
+    return bool(drawn[12, 16, 0] > drawn[12, 16, 1])
+
+
+class Mirror:
+    """Things by their numbers, each part a body without mass."""
+
+    def __init__(self, renderer: Renderer = Renderer.SOFTWARE) -> None:
+        self._renderer = renderer
+        self._client = engine.connect(engine.DIRECT)
+        self._things: dict[int, list[tuple[int, Part]]] = {}
+        if renderer is Renderer.HARDWARE:
+            plugin = find_spec(EGL)
+            assert plugin is not None  # or it would not have been chosen
+            engine.loadPlugin(plugin.origin, f"_{EGL}Plugin", physicsClientId=self._client)
+
+    def close(self) -> None:
+        """Forget everything."""
+        engine.disconnect(physicsClientId=self._client)
+
+    def apply(self, news: News) -> None:
+        """Take in what has changed."""
+        for number in news.gone:
+            for body, _ in self._things.pop(number, ()):
+                engine.removeBody(body, physicsClientId=self._client)
+        for number, (look, placed) in news.new.items():
+            self._things[number] = [(self._build(part), part) for part in look]
+            self._place(self._things[number], placed)
+        for number, placed in news.moved.items():
+            self._place(self._things.get(number, ()), placed)
+
+    def draw(self, view: View, width: int, height: int) -> NDArray[np.uint8]:
+        """Draw what a view shows: rows of pixels with red, green, blue."""
+        aspect = width / height
+        vertical = 2 * atan(tan(view.field_of_view / 2) / aspect)
+        drawn = engine.getCameraImage(
+            width,
+            height,
+            engine.computeViewMatrix(view.eye, view.ahead, view.up),
+            engine.computeProjectionMatrixFOV(degrees(vertical), aspect, NEAR, FAR),
+            lightDirection=LIGHT,
+            shadow=0,
+            renderer=self._renderer.value,
+            flags=engine.ER_NO_SEGMENTATION_MASK,
+            physicsClientId=self._client,
+        )
+        colours = np.reshape(np.asarray(drawn[2], np.uint8), (height, width, 4))[:, :, :3].copy()
+        colours[np.reshape(drawn[3], (height, width)) >= 1.0] = SKY
+        return colours
+
+    def _build(self, part: Part) -> int:
+        x, y, z = part.size
+        match part.form:
+            case Form.BOX:
+                shape = {"shapeType": engine.GEOM_BOX, "halfExtents": (x / 2, y / 2, z / 2)}
+            case Form.CYLINDER:
+                shape = {"shapeType": engine.GEOM_CYLINDER, "radius": x / 2, "length": z}
+            case Form.SPHERE:
+                shape = {"shapeType": engine.GEOM_SPHERE, "radius": x / 2}
+        visual = engine.createVisualShape(rgbaColor=part.colour, physicsClientId=self._client, **shape)
+        body: int = engine.createMultiBody(0.0, -1, visual, physicsClientId=self._client)
+        if part.floor is not None:
+            self._cover(body, part.floor, x)
+        return body
+
+    def _cover(self, body: int, floor: Floor, edge: float) -> None:
+        """Paint a floor; the engine takes pictures from files only."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "floor.bmp"
+            Image.fromarray(picture(floor, edge)).save(file)
+            texture = engine.loadTexture(str(file), physicsClientId=self._client)
+        engine.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
+
+    def _place(self, parts: Iterable[tuple[int, Part]], placed: Placed) -> None:
+        for body, part in parts:
+            place, turn = engine.multiplyTransforms(placed.place, placed.turn, part.place, part.turn)
+            engine.resetBasePositionAndOrientation(body, place, turn, physicsClientId=self._client)
