@@ -138,6 +138,10 @@ class Connector:
                 return self._pause(now)
         return None
 
+    def change_rate(self, baud: int) -> None:
+        """The robot has been told another rate, bit/s: talk at it, and look for the robot there first."""
+        self.baud = self._outbox.baud = self._known = baud
+
     def rest(self, now: float) -> None:
         """A robot answered that is not wanted: look again, after a while."""
         self._outbox.clear()

@@ -15,6 +15,7 @@ from math import inf
 
 from gateway.connector import CLOSE, STOP, Connector
 from gateway.elements.element import Element
+from gateway.elements.gyro import Gyro
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
 from gateway.events import (
     ConfigurationReceived,
@@ -25,7 +26,9 @@ from gateway.events import (
     SipReceived,
 )
 from gateway.helm import Helm
+from gateway.journey import is_at_rest
 from gateway.plausibility import Plausibility
+from gateway.rate_raiser import RateRaiser
 from gateway.settings import Settings
 from p2os import (
     Command,
@@ -66,6 +69,8 @@ class Driver(Helm):
         self._find_model = find_model
         self._line = self._settings.line
         self._connector = Connector(rates, self._outbox, rng or random.Random(), self._line)
+        wanted_rate = None if self._settings.radio else self._settings.raise_baud_to
+        self._rate_raiser = RateRaiser(self._outbox, self._connector, wanted_rate)
         self._decoder = FrameDecoder()
         self._codec: SipCodec | None = None
         self._plausibility: Plausibility | None = None
@@ -102,6 +107,7 @@ class Driver(Helm):
         return min(
             self._outbox.deadline,
             self._motion.deadline,
+            self._rate_raiser.deadline,
             self._sip_at + self._line.sip_timeout,
             *(element.deadline for element in self._elements.values()),
         )
@@ -185,6 +191,7 @@ class Driver(Helm):
         if self._is_open:
             self.lost[reason] += 1
             self._motion.lose_link()
+            self._rate_raiser.lose_link()
             for element in self._elements.values():
                 element.lose_link()
             if self.is_connected:
@@ -207,6 +214,7 @@ class Driver(Helm):
             self._restart("the robot fell silent", now)
         else:
             self._motion.watch(now)
+            self._rate_raiser.watch(now)
             for element in self._elements.values():
                 if now >= element.deadline:
                     element.watch(now)
@@ -281,13 +289,18 @@ class Driver(Helm):
         if not verdict.continues:
             self.odometry.forget_counters()
         self._sip_at = now
-        self.odometry.update(sip, self.model)
+        turned = self.lookup(Gyro).take_turn()
+        believes_gyro = self._settings.use_gyro and not is_at_rest(sip)  # at rest its noise would only walk away
+        self.odometry.update(sip, self.model, turned if believes_gyro else None)
         odometry = self.odometry
         is_first, self.is_connected = not self.is_connected, True
         self._events.append(
             SipReceived(sip, odometry.pose, odometry.covariance, odometry.linear, odometry.angular, is_first)
         )
         self._motion.take(sip, now)
+        self._rate_raiser.see()
+        if is_first:
+            self._rate_raiser.begin(now)
         for element in self._elements.values():
             element.see(sip, now)
 

@@ -29,6 +29,7 @@ class Outbox:
         self.last_sent: float | None = None
         self._waiting: dict[Hashable, bytes] = {}
         self._requests: dict[Hashable, bytes] = {}
+        self._pauses: dict[Hashable, float] = {}  # after the frame has left, s
         self._ahead = 0  # frames that have left before the oldest request
         self._free_at = -inf
 
@@ -41,6 +42,22 @@ class Outbox:
         self._waiting.pop(kind, None)
         self._waiting = {kind: frame, **self._waiting}
         self._free_at = -inf
+
+    def put_alone(self, kind: Hashable, frame: bytes, pause: float, now: float) -> float:
+        """Queue a frame before all others, after which nothing leaves for a while; what stops the robot does.
+
+        Args:
+            kind: As in `put`.
+            frame: The whole frame.
+            pause: s, from its last byte on.
+            now: Steady time, s.
+        Returns:
+            When the pause is over, s.
+        """
+        self._waiting.pop(kind, None)
+        self._waiting = {kind: frame, **self._waiting}
+        self._pauses[kind] = pause
+        return max(now, self._free_at) + self._time_for(frame) + pause
 
     def ask(self, kind: Hashable, frame: bytes) -> None:
         """Queue a request: a frame that can wait until those of `put` have left."""
@@ -56,6 +73,7 @@ class Outbox:
         """Take everything back."""
         self._waiting.clear()
         self._requests.clear()
+        self._pauses.clear()
         self._free_at = -inf
 
     @property
@@ -68,8 +86,9 @@ class Outbox:
         if now < self._free_at or not (self._waiting or self._requests):
             return b""
         queue = self._next_queue()
-        frame = queue.pop(next(iter(queue)))
-        self._free_at = now + max(PACE, self._time_for(frame))
+        kind = next(iter(queue))
+        frame = queue.pop(kind)
+        self._free_at = now + max(PACE, self._time_for(frame) + self._pauses.pop(kind, 0.0))
         self.last_sent = now
         return frame
 

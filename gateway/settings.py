@@ -4,8 +4,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
-from configs import build, read
+from configs import ConfigError, build, read
 from gateway.line import CABLE, RADIO, Line
+from p2os import BAUD_CODES
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +105,9 @@ class Settings:
     switch the sonar on or off after connecting; None, which no file can say, leaves it. encoders: ask for encoder
     packets. inputs_outputs: ask for I/O packets; as the model has it when left out. emulated: the robot is not real;
     unknown when left out, which all treat as real. radio: the robot is behind a radio modem, as `--radio` says.
+    use_gyro: take the odometry's turns from the gyro, where the robot sends its readings, while the wheels turn.
+    raise_baud_to: bit/s that the robot is told to talk at once it is connected, if it talks slower; left out, its rate
+    stays as it is. It is never raised behind a radio modem.
     """
 
     model: str | None = None
@@ -113,11 +117,18 @@ class Settings:
     inputs_outputs: bool | None = None
     emulated: bool | None = None
     radio: bool = False
+    use_gyro: bool = False
+    raise_baud_to: int | None = None
     calibration: Calibration = field(default_factory=Calibration)
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
     limits: Limits = field(default_factory=Limits)
     fitted: Fitted = field(default_factory=Fitted)
     laser: LaserSettings = field(default_factory=LaserSettings)
+
+    def __post_init__(self) -> None:
+        rates = sorted(BAUD_CODES.values())
+        if self.raise_baud_to is not None and self.raise_baud_to not in rates:
+            raise ValueError(f"raise_baud_to must be one of {', '.join(map(str, rates))}, not {self.raise_baud_to}")
 
     @property
     def line(self) -> Line:
@@ -129,6 +140,12 @@ def load_settings(path: Path) -> Settings:
     """Read the file.
 
     Raises:
-        ConfigError: It cannot be read, is not TOML, or holds an unknown key or a wrong type.
+        ConfigError: It cannot be read, is not TOML, or holds an unknown key, a wrong type or a value that cannot be.
     """
-    return build(Settings, read(path), str(path))
+    table = read(path)
+    try:
+        return build(Settings, table, str(path))
+    except ConfigError:
+        raise
+    except ValueError as error:  # of a value that no type rules out
+        raise ConfigError(f"{path}: {error}") from error

@@ -37,7 +37,7 @@ class Radio:
         self.robot = Microcontroller(configs.load(RobotModel, "robots", model), "happy")
         self.link = MemoryLink(client_rate=RADIO_BAUD)
         self.line = Line(self.link, profile, seed)
-        settings = Settings(radio=True, encoders=True, inputs_outputs=True)
+        settings = Settings(radio=True, encoders=True, inputs_outputs=True, raise_baud_to=38400)
         self.driver = Driver(find_model, (RADIO_BAUD,), settings, random.Random(seed))
         self.sent: list[tuple[float, bytes]] = []
         self.heard: list[tuple[float, bytes]] = []

@@ -295,7 +295,7 @@ def test_description_names_model_elements_geometry_and_versions(make_office: Cal
     said = office.ask("description")
     assert (said["name"], said["model"], said["class"], said["emulated"]) == ("happy", "powerbot-sh", "Pioneer", True)
     always = {"base", "battery", "io", "sonar", "bumpers", "sound", "servos"}
-    assert {element["name"] for element in said["elements"]} == always | {"ir", "power"}
+    assert {element["name"] for element in said["elements"]} == always | {"ir", "power", "charger"}
     assert len(said["geometry"]["sonar"]) == 28
     assert said["versions"]["acromovi"]
     assert json.dumps(said)

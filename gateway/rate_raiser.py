@@ -1,0 +1,84 @@
+"""Raises the rate of a robot's host port once it is connected, where the settings want it.
+
+The robot is told the rate, and both ends change theirs. If no SIP comes at the new one, it was not to be: back to the
+old rate, and that once and for all. A robot that is lost meanwhile is looked for at every rate, as always. The rate
+outlives this program: any other client that tries the usual rates finds the robot.
+Source: Pioneer 3 operations manual (HOSTBAUD); client libraries for the pauses.
+"""
+
+from enum import Enum, auto
+from math import inf
+
+from gateway.connector import Connector
+from gateway.outbox import Outbox
+from p2os import BAUD_CODES, Command, encode_command
+
+CODES = {baud: code for code, baud in BAUD_CODES.items()}
+PULSE = encode_command(Command.PULSE)
+SETTLING = 0.02
+"""Seconds for both ends to change."""
+PATIENCE = 0.6
+"""Seconds to wait for a SIP at the new rate: a few cycles."""
+
+
+class _Phase(Enum):
+    IDLE = auto()
+    TOLD = auto()
+    LISTENING = auto()
+
+
+class RateRaiser:
+    """Changes the connector's rate.
+
+    deadline: when `watch` is due, s.
+    """
+
+    def __init__(self, outbox: Outbox, connector: Connector, wanted: int | None) -> None:
+        """Prepare; wanted: bit/s, None to let the rate be."""
+        self._outbox = outbox
+        self._connector = connector
+        self._wanted = wanted
+        self._before = connector.baud
+        self._phase = _Phase.IDLE
+        self.deadline = inf
+
+    def begin(self, now: float) -> None:
+        """The robot has sent its first SIP: tell it the rate, if it is to change."""
+        if self._wanted is None or not 0 < self._connector.baud < self._wanted:
+            return
+        frame = encode_command(Command.HOSTBAUD, CODES[self._wanted])
+        self._before = self._connector.baud
+        self._phase = _Phase.TOLD
+        self.deadline = self._outbox.put_alone(Command.HOSTBAUD, frame, SETTLING, now)
+
+    def see(self) -> None:
+        """A SIP has come."""
+        if self._phase is _Phase.LISTENING:
+            self._phase = _Phase.IDLE
+            self.deadline = inf
+
+    def lose_link(self) -> None:
+        """The robot is lost, perhaps by this; do not try again."""
+        if self._phase is not _Phase.IDLE:
+            self._give_up()
+
+    def watch(self, now: float) -> None:
+        """Change over when the robot has heard it, and back when nothing is heard."""
+        if now < self.deadline:
+            return
+        if self._phase is _Phase.TOLD and self._wanted is not None:
+            self._phase = _Phase.LISTENING
+            self.deadline = now + PATIENCE
+            self._change(self._wanted)
+        else:
+            self._change(self._before)
+            self._give_up()
+
+    def _change(self, baud: int) -> None:
+        self._connector.change_rate(baud)
+        self._outbox.put_first(Command.PULSE, PULSE)  # the port takes the rate with the next bytes
+
+    def _give_up(self) -> None:
+        self._wanted = None
+        self._phase = _Phase.IDLE
+        self.deadline = inf
