@@ -45,26 +45,32 @@ class Odometry:
         if self._unwrapper is not None:
             self._unwrapper.rebase()
 
-    def update(self, sip: StandardSip, model: RobotModel) -> None:
-        """Take the next SIP."""
+    def update(self, sip: StandardSip, model: RobotModel, turned: float | None = None) -> None:
+        """Take the next SIP.
+
+        Args:
+            sip: As it came.
+            model: Of the robot.
+            turned: rad since the last SIP by a gyro, which knows better than the wheels; None for what they say.
+        """
         if self._unwrapper is None:
             self._unwrapper = OdometryUnwrapper(model)
         x, y = self._unwrapper.update(sip.x, sip.y)
         last = self._last or (x, y, sip.heading)
         self._last = (x, y, sip.heading)
-        self._advance(x - last[0], y - last[1], last[2], wrap_angle(sip.heading - last[2]))
+        self._advance(x - last[0], y - last[1], last[2], wrap_angle(sip.heading - last[2]), turned)
         self.linear = (sip.left_velocity + sip.right_velocity) / 2.0 * self._calibration.distance
         turning = sip.rotational_velocity
         if turning is None:
             turning = (sip.right_velocity - sip.left_velocity) / model.wheel_track
         self.angular = turning * self._calibration.heading
 
-    def _advance(self, dx: float, dy: float, heading: float, turn: float) -> None:
+    def _advance(self, dx: float, dy: float, heading: float, turn: float, true_turn: float | None) -> None:
         """Append a step given in the frame of the robot's counters: seen from the robot, and calibrated."""
         middle = heading + turn / 2.0
         forward = (dx * cos(middle) + dy * sin(middle)) * self._calibration.distance
         aside = (dy * cos(middle) - dx * sin(middle)) * self._calibration.distance
-        turn *= self._calibration.heading
+        turn = turn * self._calibration.heading if true_turn is None else true_turn
         direction = self.pose.heading + turn / 2.0
         c, s = cos(direction), sin(direction)
         step_x, step_y = forward * c - aside * s, forward * s + aside * c

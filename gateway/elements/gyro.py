@@ -15,6 +15,8 @@ SENT, INSIDE = 1, 2
 """CONFIGpac's has_gyro: readings come as packets, or the controller uses them itself."""
 NOMINAL_REST = 512.0
 """Counts of a gyro that does not turn, before it has been seen at rest."""
+DEAD = 0
+"""Counts of a gyro that gives no voltage: they come before the SIP that calls it failed, and no robot turns so fast."""
 REST_ERROR = 5.0
 """Standard deviation of that, counts; assumed."""
 RATE_PER_COUNT = radians(5.0 / 1023.0 * 300.0 / 2.5)
@@ -25,6 +27,8 @@ TIME_TO_SETTLE = 0.5
 """Seconds for which the wheels must have stood before a reading counts as one at rest."""
 MEMORY = 200.0
 """Readings over which the rest position is averaged: 5 s."""
+ENOUGH = 20.0
+"""Readings at rest after which a heading may be built on the gyro: half a second."""
 
 
 class Gyro(Element):
@@ -40,6 +44,8 @@ class Gyro(Element):
     _learned = 0.0  # readings at rest so far, at most MEMORY
     _standing_since = inf
     _has_failed = False
+    _turned = 0.0  # rad since the last `take_turn`
+    _has_turned = False
 
     def configure(self, configuration: Configuration, now: float) -> None:
         """The robot says what gyro it has; a slow line cannot carry what it would send."""
@@ -51,6 +57,7 @@ class Gyro(Element):
     def lose_link(self) -> None:
         """Nobody knows what the wheels do meanwhile."""
         self._standing_since = inf
+        self._turned, self._has_turned = 0.0, False
 
     def see(self, sip: StandardSip, now: float) -> None:
         """Note whether the wheels stand, and whether the gyro has failed."""
@@ -63,7 +70,7 @@ class Gyro(Element):
     def take(self, packet: object, now: float) -> None:
         """Turn readings into a turn rate; a gyro that has failed has none."""
         assert isinstance(packet, GyroReport)
-        counts = [sample.rate for sample in packet.samples]
+        counts = [sample.rate for sample in packet.samples if sample.rate != DEAD]
         if self._has_failed or not counts or not self.is_present:
             return
         if now - self._standing_since >= TIME_TO_SETTLE:
@@ -73,7 +80,19 @@ class Gyro(Element):
         mean = sum(counts) / len(counts)
         rest_error = REST_ERROR**2 if not self._learned else self._noise / self._learned
         variance = (self._noise / len(counts) + rest_error) * unit**2
-        self._announce(TurnRateSeen((self._rest - mean) * unit, variance, len(counts) * SAMPLE_PERIOD))
+        rate, duration = (self._rest - mean) * unit, len(counts) * SAMPLE_PERIOD
+        self._turned += rate * duration
+        self._has_turned = True
+        self._announce(TurnRateSeen(rate, variance, duration))
+
+    def take_turn(self) -> float | None:
+        """Take what the robot has turned since the last call, rad counter-clockwise.
+
+        None where that is not known: no packet has come, or it is not known where the gyro rests.
+        """
+        turned = self._turned if self._has_turned and self._learned >= ENOUGH else None
+        self._turned, self._has_turned = 0.0, False
+        return turned
 
     def _learn(self, count: int) -> None:
         self._learned = min(self._learned + 1.0, MEMORY)

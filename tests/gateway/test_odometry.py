@@ -1,4 +1,4 @@
-from math import hypot, pi
+from math import cos, hypot, pi, sin
 from typing import TYPE_CHECKING
 
 import pytest
@@ -55,6 +55,17 @@ def test_calibration_scales_distances_and_turns() -> None:
     assert odometry.pose.x == pytest.approx(1.02, abs=0.001)
     driven(odometry, Pose2D(6.0, 5.0, 0.0), [Twist2D(0.0, pi / 2)] * 10)
     assert odometry.pose.heading == pytest.approx(pi / 4, abs=0.002)
+
+
+def test_turns_of_a_gyro_are_believed_against_the_wheels() -> None:
+    odometry = Odometry(Calibration(heading=0.5), OdometryErrors())
+    odometry.update(heard(Pose2D()), MODEL)
+    for step in range(1, 11):  # the wheels slip: they claim a radian where the robot turned a quarter turn
+        odometry.update(heard(Pose2D(0.0, 0.0, step / 10)), MODEL, pi / 20)
+    assert odometry.pose.heading == pytest.approx(pi / 2)
+    odometry.update(heard(Pose2D(1.0 * cos(1.0), 1.0 * sin(1.0), 1.0)), MODEL, 0.0)
+    assert odometry.pose.x == pytest.approx(0.0, abs=0.005)
+    assert odometry.pose.y == pytest.approx(1.0, abs=0.005)
 
 
 def test_turns_add_up_beyond_a_full_turn() -> None:

@@ -99,3 +99,20 @@ def test_gyro_is_calibrated_by_the_settings(make_stand: "MakeStand") -> None:
     event = cycle(stand, 502)
     assert event is not None
     assert event.rate == pytest.approx(10 * RATE_PER_COUNT)
+
+
+def test_turns_add_up_until_they_are_taken_and_only_once_the_rest_position_is_known(stand: "Stand") -> None:
+    gyro = stand.element
+    assert isinstance(gyro, Gyro)
+    cycle(stand, 500, 500, 500, 500)
+    assert gyro.take_turn() is None
+    for _ in range(20):
+        cycle(stand, 512, 512, 512, 512)
+    gyro.take_turn()
+    turning = StandardSip(left_velocity=-0.1, right_velocity=0.1)
+    cycle(stand, 512, 512, 512, 512, sip=turning)
+    gyro.take_turn()
+    for _ in range(2):
+        cycle(stand, 502, 502, 502, 502, sip=turning)
+    assert gyro.take_turn() == pytest.approx(2 * 10 * RATE_PER_COUNT * 1.626 * 4 * SAMPLE_PERIOD)
+    assert gyro.take_turn() is None
