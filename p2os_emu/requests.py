@@ -12,6 +12,7 @@ from p2os_emu.control import RequestError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
 from p2os_emu.faults.board import Fault, FaultBoard
+from p2os_emu.faults.kind import FaultKind
 from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
@@ -173,8 +174,17 @@ def _clear(desk: Desk, fields: Fields) -> Mapping[str, Any]:
 
 
 def _faults(desk: Desk, fields: Fields) -> Mapping[str, Any]:
-    known = {name: {"meaning": kind.meaning, "ending": kind.ending} for name, kind in FAULTS.items()}
+    known = {name: _fault_explained(desk, kind) for name, kind in FAULTS.items()}
     return {"faults": [_fault_row(fault) for fault in desk.faults.faults], "known": known}
+
+
+def _fault_explained(desk: Desk, kind: FaultKind) -> dict[str, Any]:
+    return {
+        "meaning": kind.meaning,
+        "ending": kind.ending,
+        "parameters": {key: parameter.meaning for key, parameter in kind.parameters.items()},
+        "robots": [robot.name for robot in desk.emulator.robots.values() if kind.can_befall(robot)],
+    }
 
 
 def _fault_row(fault: Fault) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable
-from math import hypot, inf
+from math import hypot, inf, isfinite
 from typing import TYPE_CHECKING
 
 import pytest
@@ -157,6 +157,39 @@ def test_short_brown_out_is_noticed_at_once_and_the_pose_goes_on(mission: "Missi
     assert gone(Pose2D(0.0, 0.0, 0.0), believed) > 0.2
 
 
+def test_failed_gyro_gives_no_turn_rate_until_it_measures_again(make_mission: MakeMission) -> None:
+    mission = make_mission("gyro")
+    end = mission.fault("gyro-failed")
+    mission.run(0.5)
+    mission.forget()
+    mission.run(1.0)
+    assert mission.count(keys.IMU) == 0
+    end()
+    mission.run(2.0)
+    rates = [each.angular_velocity.z for each in mission.all(keys.IMU)]
+    assert rates
+    assert all(abs(rate) < 0.05 for rate in rates), "it stands; what a dead gyro read is no turn rate"
+
+
+def test_dirty_window_shortens_the_lasers_sight_until_it_is_wiped(make_mission: MakeMission) -> None:
+    mission = make_mission("laser")
+    mission.run(2.0)
+    mission.forget()
+    mission.run(1.0)
+    clean = echoes(mission)
+    end = mission.fault("laser-dirty:dirt=0.95")  # a reach of 32 m shrinks to 1.6 m
+    mission.run(1.0)
+    mission.forget()
+    mission.run(1.0)
+    assert echoes(mission) == 0 < clean
+    assert mission.count(keys.SCAN) > 0, "scans go on; where nothing comes back there is no echo"
+    end()
+    mission.run(1.0)
+    mission.forget()
+    mission.run(1.0)
+    assert echoes(mission) == clean
+
+
 def test_noise_is_counted_and_no_wrong_pose_is_published(mission: "Mission") -> None:
     mission.fault("line-noisy:rate=0.0005")
     mission.forget()
@@ -195,6 +228,11 @@ def test_silence_is_counted_once_and_odometry_stops_until_it_is_over(
     mission.forget()
     mission.run(1.0)
     assert mission.count(keys.ODOM) >= 9
+
+
+def echoes(mission: "Mission") -> int:
+    """How many beams of the last scan came back."""
+    return sum(map(isfinite, mission.last(keys.SCAN).ranges))
 
 
 def gone(start: Pose2D, end: Pose2D) -> float:

@@ -13,6 +13,8 @@ from p2os_emu.faults.file import schedule_file
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from p2os_emu.program import ChildFailed
+from p2os_emu.robot_for_tests import start
 
 
 @pytest.fixture
@@ -56,3 +58,18 @@ def test_file_that_cannot_be_read_is_named(board: FaultBoard, tmp_path: Path) ->
     (tmp_path / "storm.faults").write_bytes(b"\xff\xfe")
     with pytest.raises(FaultError, match="cannot be read"):
         schedule_file(board, tmp_path / "storm.faults", 0.0)
+
+
+def test_emulator_takes_the_faults_of_files_and_refuses_wrong_ones_with_their_line(tmp_path: Path) -> None:
+    pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
+    first, second, wrong = (tmp_path / name for name in ("first", "second", "wrong"))
+    first.write_text("line-cut@10+5\n")
+    second.write_text("stop-pressed@30\n")
+    wrong.write_text("stop-pressed@30\nstop-presed@40\n")
+    with start("p3dx", options=["--fault-file", str(first), "--fault-file", str(second)]) as (robot,):
+        assert [row["start"] for row in robot.emulator.ask("faults")["faults"]] == [10.0, 30.0]
+    with (
+        pytest.raises(ChildFailed, match="wrong, line 2: there is no fault 'stop-presed'"),
+        start("p3dx", options=["--fault-file", str(wrong)]),
+    ):
+        pass

@@ -15,6 +15,7 @@ from p2os_emu.fit import read_fit
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from p2os_emu.lists import listing
 
 POWERBOT = configs.load(RobotModel, "robots", "powerbot")
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]
@@ -351,3 +352,13 @@ def test_every_fault_leaves_a_robot_that_a_new_client_can_use(rig: Rig, name: st
         rig.link.client_write(sync)
         rig.run(0.1)
         assert rig.link.client_read()[3] == sync[3]
+
+
+def test_list_of_faults_explains_each_with_its_end_and_its_parameters() -> None:
+    shown = listing("faults")
+    for kind in FAULTS.values():
+        assert kind.name in shown
+        assert kind.meaning in shown
+        assert f"ends: {kind.ending}" in shown
+        assert all(f"{key}=: {parameter.meaning}" in shown for key, parameter in kind.parameters.items())
+    assert "needs: gyro" in shown
