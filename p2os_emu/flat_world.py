@@ -71,6 +71,8 @@ class FlatBody:
             right_travel=self._state.right_travel + self.right * STEP,
             left_velocity=self.left,
             right_velocity=self.right,
+            heading=self.pose.heading,
+            turn_rate=self.twist.angular,
         )
 
 

@@ -16,6 +16,9 @@ BOTH_BUMPERS = 3
 """The BUMPSTALL command counts 0 none, 1 front, 2 rear, 3 both; FLASH counts 0 both, 1 rear, 2 front, 3 none."""
 
 
+CHARGERS = {"powerbot": 2, "peoplebot": 1, "patrolbot": 1}
+"""By the model's name up to its first dash: the automatic charger that it leaves the factory with (assumed)."""
+
 ABOVE_ZERO = (
     "sip_cycle",
     "acceleration",
@@ -79,6 +82,7 @@ class Flash(FlashDefaults):
             rotation_top=model.max_rotation,
             max_velocity=model.max_velocity,
             max_rotation=model.max_rotation,
+            charger=CHARGERS.get(model.name.partition("-")[0], 0),
             ticks_mm=max(1, round(model.ticks_per_metre / 1000)),
         )
 

@@ -11,6 +11,7 @@ from p2os.packets import Packet, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec, StandardSip
 from p2os_emu.body import Arm, Beams, BodyState, Echoes, GripperState
+from p2os_emu.fit import BARE, Fit
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.microcontroller import Microcontroller
 
@@ -196,10 +197,11 @@ class Bench:
         flash: Flash | None = None,
         body: PlainBody | None = None,
         seed: int = 0,
+        fit: Fit = BARE,
     ) -> None:
         self.model = model
         self.body = body or PlainBody()
-        self.controller = Microcontroller(model, name, flash=flash, seed=seed)
+        self.controller = Microcontroller(model, name, flash=flash, seed=seed, fit=fit)
         self.time = 0.0
         self.pulsing = True
         self._codec = SipCodec(model)
