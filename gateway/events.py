@@ -80,6 +80,15 @@ class GripperSeen(NamedTuple):
     right_contact: bool
 
 
+class ArmSeen(NamedTuple):
+    """How the arm is. positions: of each joint, rad; of a gripper at the end, m. homed: they mean something."""
+
+    powered: bool
+    homed: bool
+    moving: tuple[bool, ...]
+    positions: tuple[float, ...]
+
+
 class HeadSeen(NamedTuple):
     """Where the camera head looks: rad to the left, rad up, magnification (1 at the widest)."""
 
@@ -221,6 +230,7 @@ Event = (
     | InfraredSeen
     | ChargeSeen
     | HeadSeen
+    | ArmSeen
     | LinkLost
     | SweepFailed
     | RobotRejected

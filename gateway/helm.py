@@ -132,12 +132,14 @@ class Helm(ABC):
         """Stop, and hold until the velocities have paused for 0.5 s. Never refused."""
         self._wake(now)
         self._motion.stop(now)
+        self._halt_elements(now)
 
     def halt(self, now: float) -> None:
         """Stop whatever is in force, without holding: whoever commands next drives."""
         self._wake(now)
         if self._motion.is_asked_to_move:
             self._motion.halt(now)
+        self._halt_elements(now)
 
     def let_go(self, now: float) -> None:
         """Stop, and ask nothing of the wheels until the next command: somebody else drives.
@@ -153,6 +155,7 @@ class Helm(ABC):
         self._wake(now)
         if on:
             self._motion.emergency_stop(now)
+            self._halt_elements(now)
         else:
             self._motion.release()
 
@@ -186,6 +189,10 @@ class Helm(ABC):
         element = self._elements[kind]
         assert isinstance(element, kind)
         return element
+
+    def _halt_elements(self, now: float) -> None:
+        for element in self._elements.values():
+            element.halt(now)
 
     def _travel(self, journey: Journey, now: float) -> str:
         self._motion.travel(journey, now)

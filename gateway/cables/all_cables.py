@@ -3,8 +3,10 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from configs import load
 from gateway.cables.cable import ElementDriver
 from gateway.settings import Settings
+from p2os.accessories.arm_model import ArmModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,14 @@ def _laser(has_rate: bool, settings: Settings) -> ElementDriver:
     return LaserDriver(settings.laser, has_rate=has_rate)
 
 
+def _arm(has_rate: bool, settings: Settings) -> ElementDriver:
+    from gateway.cables.powercube import PowerCubeDriver  # likewise
+
+    return PowerCubeDriver(load(ArmModel, "accessories", "powercube-arm"), has_rate=has_rate)
+
+
 CABLES: Mapping[str, CablePart] = {
     "laser": CablePart("a SICK LMS 2xx on a port of its own: a device or a URL", _laser),
+    "arm": CablePart("the PowerBot's arm of PowerCube modules on a port of its own: a device or a URL", _arm),
 }
 """By name; `p2os-gateway --NAME PORT` opens the port."""

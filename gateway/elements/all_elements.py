@@ -1,5 +1,6 @@
 """Every element that a driver looks after, in the order in which they are asked."""
 
+from gateway.elements.arm import Arm
 from gateway.elements.batteries import Batteries
 from gateway.elements.compass import Compass
 from gateway.elements.configuration import ControllerConfiguration
@@ -22,6 +23,7 @@ ELEMENTS: tuple[type[Element], ...] = (
     WheelEncoders,
     Gyro,
     Gripper,
+    Arm,
     Infrared,
     Charger,
     Servos,

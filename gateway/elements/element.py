@@ -62,6 +62,9 @@ class Element:
     def watch(self, now: float) -> None:
         """Time has passed."""
 
+    def halt(self, now: float) -> None:
+        """Stand still: somebody has stopped the robot. Nothing to do for what cannot move."""
+
     def _ask(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
         """Queue a command that can wait until those that move the robot have left.
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from gateway.faces.arm import ArmFace
 from gateway.faces.cable_face import CableFace
 from gateway.faces.compass import CompassFace
 from gateway.faces.face import Face
@@ -12,6 +13,7 @@ from gateway.faces.infrared import InfraredFace
 from gateway.faces.joystick import JoystickFace
 from gateway.faces.laser import LaserFace
 from gateway.faces.panel import ChargerFace, DisplayFace, PowerFace, ServosFace
+from gateway.faces.powercube import PowerCubeFace
 from gateway.faces.ptz import PtzFace
 from gateway.faces.sound import SoundFace
 
@@ -21,6 +23,7 @@ FACES: tuple[type[Face], ...] = (
     InnerGyroFace,
     CompassFace,
     GripperFace,
+    ArmFace,
     JoystickFace,
     PtzFace,
     SoundFace,
@@ -30,5 +33,5 @@ FACES: tuple[type[Face], ...] = (
     ChargerFace,
 )
 
-CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {LaserFace.name: LaserFace}
+CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {face.name: face for face in (LaserFace, PowerCubeFace)}
 """Those of elements on cables of their own, by name. The option of `p2os-gateway` is called the same."""

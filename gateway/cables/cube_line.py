@@ -1,0 +1,122 @@
+"""Requests to PowerCube modules and their answers: what waits to be written, what for an answer, what is repeated.
+
+The line carries both ways at once and an answer says what it answers: requests need not wait for one another.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from p2os import DecodeError
+from p2os.accessories.powercube import (
+    CubeCommand,
+    Reply,
+    Request,
+    TelegramDecoder,
+    decode_reply,
+    encode_request,
+)
+
+ANSWER_WINDOW = 0.3
+"""Seconds for an answer."""
+TRIES = 4
+"""Times that an order is given before it is given up."""
+
+
+class Heard(NamedTuple):
+    """An answer, and from whom."""
+
+    module: int
+    reply: Reply
+
+
+_Subject = tuple[int, int, int]
+
+
+@dataclass(slots=True)
+class _Order:
+    """One that waits for its answer. tries: left."""
+
+    telegram: bytes
+    ask_again_at: float
+    tries: int
+
+
+class CubeLine:
+    """One line of modules; bytes and time in, answers and bytes out.
+
+    damaged: bytes that were no telegram, counted by reason. unanswered: orders given up.
+    """
+
+    def __init__(self, damaged: Counter[str]) -> None:
+        self.damaged = damaged
+        self.unanswered = 0
+        self._decoder = TelegramDecoder()
+        self._outgoing = bytearray()
+        self._orders: dict[_Subject, _Order] = {}
+
+    def clear(self) -> None:
+        """Forget what waits, and what has half come."""
+        self._decoder = TelegramDecoder()
+        self._outgoing.clear()
+        self._orders.clear()
+
+    def ask(self, module: int, request: Request) -> None:
+        """Send a question; nobody minds if it is lost, since it comes again."""
+        self._outgoing += encode_request(module, request)
+
+    def order(self, module: int, request: Request, now: float) -> None:
+        """Send what must arrive: it is repeated until it is answered."""
+        telegram = encode_request(module, request)
+        self._orders[_subject(module, request)] = _Order(telegram, now + ANSWER_WINDOW, TRIES - 1)
+        self._outgoing += telegram
+
+    @property
+    def has_orders(self) -> bool:
+        """Some have not been answered."""
+        return bool(self._orders)
+
+    def drop_orders(self) -> None:
+        """Repeat nothing that was ordered up to now, and let nothing of it leave that has not."""
+        self._orders.clear()
+        self._outgoing.clear()
+
+    def receive(self, data: bytes) -> Iterable[Heard]:
+        """Take bytes; the answers that they complete."""
+        for module, is_answer, content in self._decoder.receive(data):
+            if not is_answer:
+                continue  # an echo of our own
+            try:
+                reply = decode_reply(content)
+            except DecodeError:
+                self.damaged["content"] += 1
+                continue
+            self._orders.pop(_subject(module, reply), None)
+            yield Heard(module, reply)
+        if self._decoder.damaged:
+            self.damaged["telegram"] += self._decoder.damaged
+            self._decoder.damaged = 0
+
+    def repeat(self, now: float) -> None:
+        """Give orders again that have not been answered in time."""
+        for subject, waiting in list(self._orders.items()):
+            if now >= waiting.ask_again_at:
+                if waiting.tries == 0:
+                    del self._orders[subject]
+                    self.unanswered += 1
+                else:
+                    waiting.tries -= 1
+                    waiting.ask_again_at = now + ANSWER_WINDOW
+                    self._outgoing += waiting.telegram
+
+    def bytes_due(self) -> bytes:
+        """Take what is to be written."""
+        due = bytes(self._outgoing)
+        self._outgoing.clear()
+        return due
+
+
+def _subject(module: int, about: Request | Reply) -> _Subject:
+    """What an answer has in common with its request; a new motion takes the place of one of any kind."""
+    return module, about.command, 0 if about.command == CubeCommand.MOVE else about.about
