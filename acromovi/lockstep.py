@@ -18,7 +18,7 @@ from gateway.events import Event
 from gateway.faces.all_faces import CABLE_FACES
 from gateway.faces.cable_face import CableFace
 from gateway.robot_on_bus import RobotOnBus
-from gateway.settings import Settings
+from gateway.settings import LaserSettings, Settings
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.emulator import STEP, Emulator
@@ -32,7 +32,7 @@ from p2os_emu.world import World, WorldSpec
 T = TypeVar("T")
 
 NS_PER_S = 1_000_000_000
-SETTINGS = Settings(emulated=True)
+SETTINGS = Settings(emulated=True, laser=LaserSettings(baud=38400))
 NO_RATE = (0,)  # a line in memory has no baud rate to look for
 
 

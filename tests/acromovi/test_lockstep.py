@@ -164,3 +164,19 @@ def test_two_robots_of_a_team_share_one_bus() -> None:
         bus.subscribe("*/odom", lambda sample: heard.add(sample.key))
         lockstep.run(2.0)
         assert heard == {"happy/odom", "grumpy/odom"}
+
+
+def scans(seed: int, seconds: float) -> list[bytes]:
+    """What a robot with a laser publishes in the office."""
+    heard: list[bytes] = []
+    with Lockstep(load_world("office"), {ROBOT: "p3dx-sh"}, fits={ROBOT: "laser"}, seed=seed) as lockstep:
+        lockstep.bus().subscribe(keys.SCAN.key(ROBOT), lambda sample: heard.append(sample.payload))
+        lockstep.run(seconds)
+    return heard
+
+
+def test_scans_of_a_seed_are_always_the_same() -> None:
+    first, again, other = scans(1, 4.0), scans(1, 4.0), scans(2, 4.0)
+    assert 15 < len(first) < 30
+    assert first == again
+    assert first != other

@@ -30,19 +30,22 @@ def engine_ranges(world: World, body: RobotBody, beams: Beams) -> list[float]:
     return [hit[2] * beams.reach if hit[0] >= 0 else inf for hit in hits]
 
 
-@pytest.mark.parametrize("heading", [0.0, 0.7, -2.9])
+@pytest.mark.parametrize("heading", [0.01, 0.7, -2.9])
 def test_office_full_of_robots_looks_as_the_physics_engine_sees_it(
     heading: float, model: Models, make_world: MakeWorld
 ) -> None:
     world = make_world(load_world("office"))
     bodies = [world.add_robot(f"robot {number}", model("p3dx")) for number in range(6)]
-    world.place("robot 0", replace(bodies[0].pose, heading=heading))
+    for name, body in zip(world.robots, bodies, strict=True):
+        # Odd headings: a beam that meets a corner exactly may do so or not.
+        world.place(name, replace(body.pose, heading=body.pose.heading + heading))
     for body in bodies:
-        found = body.scan(HALF_TURN).ranges
+        found, cosines, _ = body.scan(HALF_TURN)
         expected = np.array(engine_ranges(world, body, HALF_TURN))
         both = np.isfinite(found) & np.isfinite(expected)
         assert np.array_equal(np.isfinite(found), np.isfinite(expected))
-        assert np.max(np.abs(found[both] - expected[both])) < 0.003  # hulls under the engine lean a little
+        # Hulls under the engine lean a little: measured across their surface.
+        assert np.max(np.abs(found[both] - expected[both]) * cosines[both]) < 0.001
 
 
 @pytest.mark.parametrize("beams", [HALF_TURN, replace(HALF_TURN, first=-3.0, step=0.011, count=540)])
