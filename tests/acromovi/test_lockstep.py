@@ -177,6 +177,6 @@ def scans(seed: int, seconds: float) -> list[bytes]:
 
 def test_scans_of_a_seed_are_always_the_same() -> None:
     first, again, other = scans(1, 4.0), scans(1, 4.0), scans(2, 4.0)
-    assert 15 < len(first) < 30
+    assert len(first) > 30  # ten a second, once the laser is set up
     assert first == again
     assert first != other
