@@ -84,8 +84,12 @@ class Helm(ABC):
 
     @property
     def faults(self) -> list[str]:
-        """What the robot's elements say is wrong with them, a sentence each."""
-        return [fault for element in self._elements.values() for fault in element.faults]
+        """What is wrong with how the robot moves, and with its elements, a sentence each."""
+        ignored = ["the robot stands although it is told to drive; does it hear the gateway?"]
+        return [
+            *(ignored if self._motion.is_ignored else []),
+            *(fault for element in self._elements.values() for fault in element.faults),
+        ]
 
     def set_velocity(self, linear: float, angular: float, now: float) -> None:
         """Drive at m/s forward and rad/s counter-clockwise, until 0.5 s pass without a new velocity.

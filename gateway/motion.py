@@ -14,6 +14,7 @@ from gateway.connector import STOP
 from gateway.errors import CommandRefused
 from gateway.events import End, MotionEnded
 from gateway.journey import Journey, is_at_rest
+from gateway.obedience import Obedience
 from gateway.outbox import Outbox
 from p2os import Command, StandardSip, encode_command
 
@@ -28,6 +29,7 @@ TIME_TO_BRAKE = 1.0
 TIME_TO_ENABLE = 0.5
 """Seconds within which SIPs may not yet show that the motors were switched on."""
 
+STANDSTILL = 0.0, 0.0
 ESTOP = encode_command(Command.ESTOP)
 PULSE = encode_command(Command.PULSE)
 MOTORS_ON = encode_command(Command.ENABLE, 1)
@@ -55,6 +57,8 @@ class Motion:
         self._mode = _Mode.UNASKED
         self._speeds: dict[Command, tuple[bytes, float]] = {}  # last frame of each kind, and when it was queued
         self._journey: Journey | None = None
+        self._obedience = Obedience()
+        self._asked = STANDSTILL
         self._cmd_vel_at = -inf
         self._holds = False
         self._estopped_at = -inf
@@ -66,6 +70,11 @@ class Motion:
         self.wants_motors = wants_motors
         self.max_linear = inf
         self.max_angular = inf
+
+    @property
+    def is_ignored(self) -> bool:
+        """The robot stands although it is told to drive, and does not say why."""
+        return self._obedience.is_ignored
 
     @property
     def is_asked_to_move(self) -> bool:
@@ -108,8 +117,9 @@ class Motion:
         if self._mode is not _Mode.DRIVING:
             self._speeds.clear()
             self._mode = _Mode.DRIVING
-        self._set_speed(Command.VEL, _clip(linear, self.max_linear), now)
-        self._set_speed(Command.RVEL, _clip(angular, self.max_angular), now)
+        self._asked = _clip(linear, self.max_linear), _clip(angular, self.max_angular)
+        self._set_speed(Command.VEL, self._asked[0], now)
+        self._set_speed(Command.RVEL, self._asked[1], now)
 
     def travel(self, journey: Journey, now: float) -> None:
         """Begin a long motion in place of whatever is in force.
@@ -180,6 +190,7 @@ class Motion:
         """Take a plausible SIP that the odometry has already taken."""
         self.is_rolling = not is_at_rest(sip)
         self._follow_motors(sip, now)
+        self._obedience.judge(*(self._asked if self._mode is _Mode.DRIVING else STANDSTILL), sip, now)
         if self._journey is not None:
             end = self._journey.update(sip, now)
             if end is None:

@@ -67,7 +67,7 @@ REACTIONS = {
     "line-frozen": LOST,
     "line-garbled": LOST,
     "line-half-duplex:toward=host": LOST,
-    "line-half-duplex:toward=robot": Reaction(goes_on=False),
+    "line-half-duplex:toward=robot": Reaction(says="the robot stands although it is told to drive", goes_on=False),
     "line-noisy:rate=0.0001": Reaction(),
 }
 ELSEWHERE = {
