@@ -89,6 +89,13 @@ class ArmSeen(NamedTuple):
     positions: tuple[float, ...]
 
 
+class GripperJoints(NamedTuple):
+    """Where the gripper's joints are, m: opening between the paddles, height of the lift; None where nobody knows."""
+
+    opening: float | None
+    lift: float | None
+
+
 class HeadSeen(NamedTuple):
     """Where the camera head looks: rad to the left, rad up, magnification (1 at the widest)."""
 
@@ -96,6 +103,14 @@ class HeadSeen(NamedTuple):
     tilt: float
     zoom: float
     moving: bool
+
+
+class PictureTaken(NamedTuple):
+    """A camera has made a picture: a JPEG file, and its size in pixels."""
+
+    jpeg: bytes
+    width: int
+    height: int
 
 
 class LinkLost(NamedTuple):
@@ -224,12 +239,14 @@ Event = (
     | EncodersReceived
     | InputsOutputsReceived
     | GripperSeen
+    | GripperJoints
     | TurnRateSeen
     | CompassSeen
     | JoystickSeen
     | InfraredSeen
     | ChargeSeen
     | HeadSeen
+    | PictureTaken
     | ArmSeen
     | LinkLost
     | SweepFailed

@@ -5,12 +5,15 @@ what: the state byte follows the sonar readings, and again in the byte after it;
 laid out as the digital inputs are.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from enum import IntEnum, IntFlag
+from typing import Any
 
+import configs
 from gateway.elements.asked import AskedElement
 from gateway.errors import CommandRefused
-from gateway.events import GripperSeen
+from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip
 
 
@@ -62,6 +65,23 @@ ORDERS = {
 """What it can be told, and the arguments of GRIPPER that say so: to stop, paddles and lift are told one by one."""
 
 
+@dataclass(frozen=True, slots=True)
+class GripperTravel:
+    """How far its joints go, m: opening between open paddles, and lift."""
+
+    opening: float
+    lift: float
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> "GripperTravel":
+        """Read what is needed of a gripper's file in `configs/accessories`."""
+        return cls(table["opening_m"], table["lift_travel_m"])
+
+
+TRAVELS = {GripperKind.PIONEER: "gripper-pioneer", GripperKind.PEOPLEBOT: "gripper-peoplebot"}
+"""Files of `configs/accessories`."""
+
+
 class Gripper(AskedElement):
     """Asks once whether there is one; SIPs bring its state."""
 
@@ -97,20 +117,20 @@ class Gripper(AskedElement):
             inputs = GripperInput(sip.analog_port)
             moving = bool(inputs & GripperInput.PADDLES_MOVING), bool(inputs & GripperInput.LIFT_MOVING)
         self._has_failed = bool(state & (GripperState.PADDLES_ERROR | GripperState.LIFT_ERROR))
-        self._announce(
-            GripperSeen(
-                paddles_open=_only(state, GripperState.PADDLES_OPEN, GripperState.PADDLES_CLOSED),
-                paddles_closed=_only(state, GripperState.PADDLES_CLOSED, GripperState.PADDLES_OPEN),
-                paddles_moving=moving[0],
-                lift_up=_only(state, GripperState.LIFT_UP, GripperState.LIFT_DOWN),
-                lift_down=_only(state, GripperState.LIFT_DOWN, GripperState.LIFT_UP),
-                lift_moving=moving[1],
-                outer_beam=bool(inputs & GripperInput.OUTER_BEAM),
-                inner_beam=bool(inputs & GripperInput.INNER_BEAM),
-                left_contact=not inputs & GripperInput.LEFT_CONTACT,
-                right_contact=not inputs & GripperInput.RIGHT_CONTACT,
-            )
+        seen = GripperSeen(
+            paddles_open=_only(state, GripperState.PADDLES_OPEN, GripperState.PADDLES_CLOSED),
+            paddles_closed=_only(state, GripperState.PADDLES_CLOSED, GripperState.PADDLES_OPEN),
+            paddles_moving=moving[0],
+            lift_up=_only(state, GripperState.LIFT_UP, GripperState.LIFT_DOWN),
+            lift_down=_only(state, GripperState.LIFT_DOWN, GripperState.LIFT_UP),
+            lift_moving=moving[1],
+            outer_beam=bool(inputs & GripperInput.OUTER_BEAM),
+            inner_beam=bool(inputs & GripperInput.INNER_BEAM),
+            left_contact=not inputs & GripperInput.LEFT_CONTACT,
+            right_contact=not inputs & GripperInput.RIGHT_CONTACT,
         )
+        self._announce(seen)
+        self._announce(self._joints(seen))
 
     def order(self, what: str) -> None:
         """Move it.
@@ -127,7 +147,17 @@ class Gripper(AskedElement):
 
     def _meet(self, kind: int) -> None:
         self._kind = GripperKind.PEOPLEBOT if kind == GripperKind.PEOPLEBOT else GripperKind.PIONEER
+        self._travel = configs.load(GripperTravel, "accessories", TRAVELS[self._kind])
         self.is_present = kind != GripperKind.NONE
+
+    def _joints(self, seen: GripperSeen) -> GripperJoints:
+        """Where the joints are, as far as switches tell: paddles that hold something stand somewhere."""
+        holds = seen.left_contact or seen.right_contact or seen.outer_beam or seen.inner_beam
+        opening = self._travel.opening if seen.paddles_open else None
+        if seen.paddles_closed and not holds:
+            opening = 0.0
+        lift = self._travel.lift if seen.lift_up else 0.0 if seen.lift_down else None
+        return GripperJoints(opening, lift)
 
 
 def _only(state: GripperState, this: GripperState, other: GripperState) -> bool:

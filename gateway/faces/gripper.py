@@ -2,13 +2,15 @@
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from bus import keys
 from bus.keys import Topic, frame
-from bus.messages import Gripper, header
+from bus.messages import Gripper, Header, JointState, header
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
 from gateway.elements.gripper import Gripper as GripperElement
-from gateway.events import Event, GripperSeen
+from gateway.events import Event, GripperJoints, GripperSeen
 from gateway.faces.face import Face
 
 
@@ -17,10 +19,14 @@ def _order(driver: Driver, arguments: Arguments, now: float) -> None:
 
 
 class GripperFace(Face):
-    """`<robot>/gripper` and `command/gripper`."""
+    """`<robot>/gripper`, its joints in `<robot>/joint_states`, and `command/gripper`.
+
+    Joints, in m: `<robot>/lift` from its lowest place, `<robot>/left_paddle` and `right_paddle` from the middle, to the
+    left.
+    """
 
     name = "gripper"
-    streams = (keys.GRIPPER,)
+    streams = (keys.GRIPPER, keys.JOINT_STATES)
     commands = (CommandRow(keys.GRIP, {"do": str}, _order),)
 
     def is_present(self, driver: Driver) -> bool:
@@ -28,6 +34,24 @@ class GripperFace(Face):
         return driver.has(GripperElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every SIP."""
-        if isinstance(event, GripperSeen):
-            yield keys.GRIPPER, Gripper(header(stamp, frame(self._robot, "base_link")), True, *event)
+        """One of each with every SIP; a joint whose place nobody knows is left out."""
+        match event:
+            case GripperSeen():
+                yield keys.GRIPPER, Gripper(self._header(stamp), True, *event)
+            case GripperJoints(opening, lift):
+                places = {"lift": lift}
+                if opening is not None:
+                    places |= {"left_paddle": opening / 2.0, "right_paddle": -opening / 2.0}
+                known = {frame(self._robot, name): place for name, place in places.items() if place is not None}
+                if known:
+                    yield keys.JOINT_STATES, self._joint_state(known, stamp)
+
+    def _joint_state(self, places: dict[str, float], stamp: int) -> JointState:
+        nothing = np.array([])
+        position = np.array(list(places.values()))
+        return JointState(
+            header=self._header(stamp), name=list(places), position=position, velocity=nothing, effort=nothing
+        )
+
+    def _header(self, stamp: int) -> Header:
+        return header(stamp, frame(self._robot, "base_link"))

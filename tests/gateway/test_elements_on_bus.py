@@ -117,6 +117,13 @@ def test_gripper_moves_as_it_is_told_and_only_for_the_holder_of_the_lease(make_f
     office.run(0.3)
     assert [each.value for _, each in office.bench.sent if each.command is Command.GRIPPER] == [1]
     assert "open, close" in office.refusal("command/gripper", do="fly", token=token)
+    office.run(4.0)
+    assert office.last("gripper").paddles_open
+    joints = office.last("joint_states")
+    assert dict(zip(joints.name, joints.position.tolist(), strict=True)) == {
+        "happy/left_paddle": pytest.approx(0.1),
+        "happy/right_paddle": pytest.approx(-0.1),
+    }
 
 
 def test_infrared_sensors_are_switches(make_fitted: MakeFitted) -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from gateway.elements.gripper import ORDERS, Gripper
 from gateway.errors import CommandRefused
-from gateway.events import GripperSeen
+from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip
 
 if TYPE_CHECKING:
@@ -21,9 +21,11 @@ def stand(make_stand: "MakeStand") -> "Stand":
 
 
 def seen(stand: "Stand") -> GripperSeen:
-    event = stand.announced[-1]
-    assert isinstance(event, GripperSeen)
-    return event
+    return [event for event in stand.announced if isinstance(event, GripperSeen)][-1]
+
+
+def joints(stand: "Stand") -> GripperJoints:
+    return [event for event in stand.announced if isinstance(event, GripperJoints)][-1]
 
 
 def true_claims(event: GripperSeen) -> set[str]:
@@ -121,3 +123,21 @@ def test_error_bits_are_a_fault_until_they_are_gone(stand: "Stand") -> None:
     assert len(stand.element.faults) == 1
     stand.see(StandardSip(gripper_state=0b0000_0001))
     assert stand.element.faults == ()
+
+
+@pytest.mark.parametrize(
+    ("state", "inputs", "opening", "lift"),
+    [
+        (0b0010_0001, IDLE_INPUTS, 0.2, 0.0),
+        (0b0001_0010, IDLE_INPUTS, 0.0, 0.07),
+        (0b0001_0010, 0b0010_1000, None, 0.07),  # closed on something
+        (0b0100_0100, IDLE_INPUTS, None, None),
+    ],
+)
+def test_joints_are_where_the_switches_say_and_unknown_in_between(
+    stand: "Stand", state: int, inputs: int, opening: float | None, lift: float | None
+) -> None:
+    stand.connect()
+    stand.take(GripperReport(kind=1, state=0, grasp_time=0.2))
+    stand.see(StandardSip(gripper_state=state, digital_in=inputs))
+    assert joints(stand) == (opening, lift)
