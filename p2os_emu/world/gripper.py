@@ -21,6 +21,7 @@ from p2os_emu.world.rays import Place
 
 CARRIAGE = 0.02  # m along the robot, of what carries the paddles
 SLIP = 0.003  # m that a held object gives way before its hold begins anew
+TOUCH = 0.001  # m; the rubber of paddles that have stopped still presses on what is so near
 CLOSED = 0.01  # opening below which the paddles press on each other
 SQUARE = 0.5  # least part of a contact's normal that points across the robot, for the paddle's inner face
 BEAM_INSET = 0.005  # m within the paddles, of the ends of a beam, so that it meets what touches a paddle
@@ -137,7 +138,7 @@ class RobotGripper:
                 forces=[self.model.contact_force_n] * 2,
                 physicsClientId=self._client,
             )
-        elif self._grip is None:  # paddles that hold something stay pressed on it
+        else:
             self._hold(self._left, self._right)
 
     def _drive_lift(self) -> None:
@@ -187,7 +188,7 @@ class RobotGripper:
         heading = heading_of(orientation)
         for contact in contacts:
             other, normal, distance = contact[2], contact[7], contact[8]
-            if distance <= 0.0 and outward * (normal[1] * cos(heading) - normal[0] * sin(heading)) > SQUARE:
+            if distance <= TOUCH and outward * (normal[1] * cos(heading) - normal[0] * sin(heading)) > SQUARE:
                 yield other
 
     def _take(self, held: int, force: float) -> None:
@@ -226,11 +227,19 @@ class RobotGripper:
 
     def _from_lift(self, held: int) -> tuple[Place, tuple[float, float, float, float]]:
         """Place (m) and orientation of an object, seen from the middle of the lift's carriage."""
-        client = self._client
-        carriage = engine.getLinkState(self._body, self._lift, physicsClientId=client)
-        thing = engine.getBasePositionAndOrientation(held, physicsClientId=client)
-        place, orientation = engine.multiplyTransforms(*engine.invertTransform(*carriage[:2]), *thing)
+        thing = engine.getBasePositionAndOrientation(held, physicsClientId=self._client)
+        place, orientation = engine.multiplyTransforms(*engine.invertTransform(*self._carriage()), *thing)
         return place, orientation
+
+    def _carriage(self) -> tuple[Place, tuple[float, float, float, float]]:
+        """Place (m, in the world) and orientation of the middle of the lift's carriage."""
+        state = engine.getLinkState(
+            self._body,
+            self._lift,
+            computeForwardKinematics=True,  # otherwise it is where it was a step ago
+            physicsClientId=self._client,
+        )
+        return state[0], state[1]
 
     def _look(self) -> GripperState:
         lift, left, right = self._joints(self._lift, self._left, self._right)
@@ -254,11 +263,10 @@ class RobotGripper:
         """Whether something stands in the outer and the inner beam."""
         half = self.model.opening_m / 2 + BEAM_INSET
         ends = half - left, right - half
-        base = engine.getBasePositionAndOrientation(self._body, physicsClientId=self._client)
-        link = engine.getLinkState(self._body, self._lift, physicsClientId=self._client)
+        origin, orientation = self._carriage()
         starts, stops = [], []
         for beam in (self.model.outer_beam_m, self.model.inner_beam_m):
-            places = (self._in_world(link[0], base[1], beam + CARRIAGE / 2, y) for y in ends)
+            places = (self._in_world(origin, orientation, beam + CARRIAGE / 2, y) for y in ends)
             starts.append(next(places))
             stops.append(next(places))
         hits = engine.rayTestBatch(
