@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from p2os import Command, encode_command
 from p2os_emu.control import RequestError
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.faults.board import FaultBoard
@@ -36,9 +37,9 @@ def fresh() -> Iterator[Desk]:
 def make_desk() -> Iterator[Desk]:
     poller = Poller()
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "")
+    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", ["grumpy=joystick"])
     team.add("p3dx:happy")
-    team.add("p3dx:grumpy")
+    team.add("p3dx-sh:grumpy")
     faults = FaultBoard(emulator.robots)
     emulator.before_step = faults.advance
     yield Desk(team, faults, Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None))
@@ -78,6 +79,48 @@ def test_fault_is_listed_until_it_is_cleared(desk: Desk) -> None:
     assert asked in ask(desk, "faults")["faults"]
     assert ask(desk, "clear", number=asked["number"]) == {"cleared": [asked["number"]]}
     assert ask(desk, "faults")["faults"] == []
+
+
+def test_joystick_stays_where_it_is_put(desk: Desk) -> None:
+    pushed = ask(desk, "joystick", robot="grumpy", y=1.0, button1=True)
+    assert pushed == {
+        "robot": "grumpy",
+        "x": 0.0,
+        "y": 1.0,
+        "throttle": 1.0,
+        "button1": True,
+        "button2": False,
+    }
+    assert ask(desk, "joystick", robot="grumpy", x=-0.5)["y"] == 1.0
+    for _ in range(120):
+        desk.emulator.step()
+    assert ask(desk, "truth", robot="grumpy")["robots"]["grumpy"]["linear"] > 0.2
+    assert ask(desk, "joystick", robot="grumpy", x=0, y=0, button1=False)["button1"] is False
+    for _ in range(240):
+        desk.emulator.step()
+    assert ask(desk, "truth", robot="grumpy")["robots"]["grumpy"]["linear"] == 0.0
+
+
+def test_truth_shows_what_the_board_plays_shows_and_switches(desk: Desk) -> None:
+    controller = desk.emulator.robots["grumpy"].microcontroller
+    for command, value in (
+        (Command.SYNC0, None),
+        (Command.SYNC1, None),
+        (Command.SYNC2, None),
+        (Command.OPEN, None),
+        (Command.SAY, bytes([50, 69])),
+        (Command.LCDWRITE, b"hello"),
+        (Command.PTUPOS, (3, 150)),
+        (Command.POWER_LRF, 0),
+    ):
+        controller.receive(encode_command(command, value))
+    desk.emulator.step()
+    truth = ask(desk, "truth", robot="grumpy")["robots"]["grumpy"]
+    (note,) = truth["notes"]
+    assert (note["frequency"], note["seconds"]) == (440.0, 1.0)
+    assert truth["lcd"] == "hello"
+    assert truth["servos"] == {"3": pytest.approx(1.5e-3)}
+    assert not truth["power"]["lrf"]
 
 
 def test_clear_without_a_number_clears_all(desk: Desk) -> None:
@@ -148,6 +191,8 @@ def test_quit_ends_the_run(fresh: Desk) -> None:
         ({"do": "clear", "number": 99}, "no fault number 99"),
         ({"do": "speed", "factor": 0}, "must be above zero"),
         ({"do": "joystick", "robot": "happy"}, "happy has no joystick fitted"),
+        ({"do": "joystick", "robot": "grumpy", "x": 1.5}, '"x" must be from -1 to 1, not 1.5'),
+        ({"do": "joystick", "robot": "grumpy", "throttle": -1}, '"throttle" must be from 0 to 1'),
         ({"do": "add", "model": "p9dx"}, "there is no 'p9dx' among the robots"),
         ({"do": "add", "model": "p3dx", "name": "happy"}, "there is a robot 'happy' already"),
         ({"do": "add", "model": "p3dx", "name": "a/b"}, "robot name 'a/b' will not do"),
