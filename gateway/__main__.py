@@ -11,7 +11,7 @@ from pathlib import Path
 from configs import ConfigError
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
 from gateway.cables.all_cables import CABLES
-from gateway.cables.cable import ElementDriver
+from gateway.cables.cable import ElementDriver, ElementThread
 from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
 from gateway.errors import GatewayError, NoSuchPort
@@ -33,6 +33,8 @@ examples:
   p2os-gateway /tmp/happy --name happy --wait          an emulated one, also if it is not there yet
   p2os-gateway socket://localhost:8101                 behind a TCP bridge
   p2os-gateway /dev/ttyS0 --baud 9600 --config happy.toml
+  p2os-gateway /dev/ttyUSB0 --camera http://10.0.0.7/video
+                                                       with the pictures of its IP camera
   p2os-gateway /dev/ttyS1 --radio                      a robot behind radio modems
 
 exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not a port, 5 no permission, 6 port in use,
@@ -58,7 +60,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             is_json=arguments.json,
         )
         ports = {name: port for name in CABLES if (port := getattr(arguments, name)) is not None}
-        _serve(options, settings, arguments.baud, ports)
+        cameras = [] if arguments.camera is None else [_camera(arguments.camera)]
+        _serve(options, settings, arguments.baud, ports, cameras)
     except ConfigError as error:
         return _fail(error, EXIT_USAGE)
     except GatewayError as error:
@@ -66,10 +69,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     return EXIT_OK
 
 
-def _serve(options: Options, settings: Settings, baud: int | None, ports: Mapping[str, str]) -> None:
+def _serve(
+    options: Options,
+    settings: Settings,
+    baud: int | None,
+    ports: Mapping[str, str],
+    cameras: Sequence[ElementThread],
+) -> None:
     find_model = model_finder(settings)
     port = _open_first(options)
-    cables = [_cable(name, at, settings, options.waits) for name, at in ports.items()]
+    cables = [*(_cable(name, at, settings, options.waits) for name, at in ports.items()), *cameras]
     driver = Driver(find_model, rates_to_try(port, RADIO_BAUD if settings.radio else baud), settings)
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
@@ -99,6 +108,17 @@ def _cable(name: str, port_name: str, settings: Settings, waits: bool) -> CableT
     return CableThread(name, driver, port, lambda: open_port(port_name))
 
 
+def _camera(where: str) -> ElementThread:
+    """A camera that is opened by its own thread, now or whenever it is there."""
+    from gateway.cameras.camera_thread import (
+        CameraThread,
+    )  # here and not at the top: a gateway without one starts sooner
+    from gateway.cameras.source import check_source
+
+    check_source(where)
+    return CameraThread(where)
+
+
 def _open_first(options: Options) -> Port:
     """Open the port; wait for it only if asked to."""
     while True:
@@ -123,6 +143,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--radio", action="store_true", help="dial a radio modem, and ask no more than it carries")
     for name, part in CABLES.items():
         parser.add_argument(f"--{name}", metavar="PORT", help=part.help)
+    parser.add_argument(
+        "--camera", metavar="URL|DEVICE", help="its camera: http://HOST/PATH of an MJPEG stream, or a device (OpenCV)"
+    )
     parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")
     parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
     parser.add_argument("--wait", action="store_true", help="look for port and robot until they are there")

@@ -9,10 +9,10 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from gateway.bridge import Bridge
-from gateway.cables.cable_thread import CableThread
+from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
 from gateway.errors import NameNotValid
-from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
+from gateway.events import ElementFound, ElementLost, Event, HandshakeCompleted, LinkLost, RobotRejected
 from gateway.search import Search, bus_name
 from gateway.settings import Settings
 
@@ -55,7 +55,7 @@ class Gateway:
         driver: Driver,
         bridge: Bridge[Driver],
         now: float,
-        cables: Sequence[CableThread[Any]] = (),
+        cables: Sequence[ElementThread] = (),
     ) -> None:
         self._options = options
         self._settings = settings
@@ -147,7 +147,7 @@ class Gateway:
         ]
         robot = RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces)
         for cable, face in zip(self._cables, faces, strict=True):
-            cable.join(robot, face)
+            cable.join(robot, face, self._say)
         return robot
 
     @property
@@ -167,6 +167,17 @@ class Gateway:
                 self._tell(f"lost: {reason}; looking for the robot", {"event": "lost", "reason": reason})
             case RobotRejected(error):
                 self._complain(str(error))
+            case ElementFound(element, baud):
+                at = f" at {baud} bit/s" if baud else ""
+                self._tell(
+                    f"the {element} answers{at}",
+                    {"event": "element found", "element": element, "baud": baud or None},
+                )
+            case ElementLost(element, reason):
+                self._tell(
+                    f"lost the {element}: {reason}; looking for it",
+                    {"event": "element lost", "element": element, "reason": reason},
+                )
 
     def _tell(self, sentence: str, facts: dict[str, Any]) -> None:
         if self._options.is_json:

@@ -98,6 +98,13 @@ class LaserSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class CameraSettings:
+    """What a camera does not say of itself. field_of_view_rad: horizontal; without zoom."""
+
+    field_of_view_rad: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Settings:
     """The file.
 
@@ -123,6 +130,7 @@ class Settings:
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
     limits: Limits = field(default_factory=Limits)
     fitted: Fitted = field(default_factory=Fitted)
+    camera: CameraSettings = field(default_factory=CameraSettings)
     laser: LaserSettings = field(default_factory=LaserSettings)
 
     def __post_init__(self) -> None:

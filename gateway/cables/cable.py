@@ -2,9 +2,13 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from gateway.events import Event
+
+if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
+    from gateway.faces.cable_face import CableFace
+    from gateway.robot_on_bus import RobotOnBus
 
 
 class CableDriver(Protocol):
@@ -74,4 +78,39 @@ class ElementDriver(CableDriver, Protocol):
 
     def halt(self, now: float) -> None:
         """Stand still: somebody has stopped the robot. Nothing to do for what cannot move."""
+        ...
+
+
+class ElementThread(Protocol):
+    """An element at work on a thread of its own, beside the robot's.
+
+    name: of the element, as on the bus. driver, bridge: as its face takes them.
+    """
+
+    name: str
+
+    @property
+    def driver(self) -> Any:
+        """Its state."""
+        ...
+
+    @property
+    def bridge(self) -> Any:
+        """The way to command it."""
+        ...
+
+    def start(self) -> None:
+        """Let the thread run."""
+        ...
+
+    def join(self, robot: "RobotOnBus", face: "CableFace[Any]") -> None:
+        """From now on bring what happens to the bus."""
+        ...
+
+    def halt(self) -> None:
+        """Let nothing move any more, at once."""
+        ...
+
+    def close(self) -> None:
+        """Bring the element to rest, let go of it, end the thread."""
         ...

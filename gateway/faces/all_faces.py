@@ -5,6 +5,7 @@ from typing import Any
 
 from gateway.faces.arm import ArmFace
 from gateway.faces.cable_face import CableFace
+from gateway.faces.camera import CameraFace
 from gateway.faces.compass import CompassFace
 from gateway.faces.face import Face
 from gateway.faces.gripper import GripperFace
@@ -33,5 +34,5 @@ FACES: tuple[type[Face], ...] = (
     ChargerFace,
 )
 
-CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {face.name: face for face in (LaserFace, PowerCubeFace)}
-"""Those of elements on cables of their own, by name. The option of `p2os-gateway` is called the same."""
+CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {face.name: face for face in (LaserFace, PowerCubeFace, CameraFace)}
+"""Those of elements beside the robot's cable, by name. The option of `p2os-gateway` is called the same."""

@@ -40,7 +40,7 @@ class Axis:
 
     def angle(self, count: float) -> float:
         """The angle at a count, rad."""
-        return radians(count * self.deg_per_count)
+        return radians(count * self.deg_per_count) + 0.0  # no zero with a minus, which people would wonder at
 
     def count(self, angle: float) -> int:
         """The count nearest to an angle, rad, within the ends."""

@@ -1,0 +1,154 @@
+"""Where pictures come from: a URL or a device. A source gives the newest picture there is, as a JPEG file."""
+
+import base64
+import select
+import socket
+import time
+from contextlib import suppress
+from http import HTTPStatus
+from http.client import HTTPConnection, HTTPException, HTTPSConnection
+from importlib.util import find_spec
+from typing import Protocol
+from urllib.parse import SplitResult, unquote, urlsplit
+
+from gateway.cameras.multipart import MultipartDecoder, boundary_of
+from gateway.errors import CameraLost, CameraNotUsable
+
+PATIENCE = 3.0
+"""Seconds without a picture after which a camera has stalled."""
+STALLED = f"no picture has come for {PATIENCE:g} s"
+CHUNK = 1 << 16
+SCHEMES = ("http", "https")
+QUALITY = 85
+"""Of what a device's pictures are packed with."""
+
+
+class Source(Protocol):
+    """An open camera."""
+
+    def read(self) -> bytes:
+        """Wait for a picture; older ones than the newest are passed over.
+
+        Raises:
+            CameraLost: None has come in time, or the camera is gone.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of it; from any thread, and a `read` under way ends."""
+        ...
+
+
+def check_source(where: str) -> None:
+    """See that a camera can be opened in principle.
+
+    Raises:
+        CameraNotUsable: It is written wrong, or a part of the installation is missing.
+    """
+    parts = urlsplit(where)
+    if parts.scheme and parts.scheme not in SCHEMES:
+        raise CameraNotUsable(f"{where} is no camera; give a URL that begins with http://, or a device as /dev/video0")
+    if parts.scheme and not parts.hostname:
+        raise CameraNotUsable(f"{where} names no host; write http://HOST:PORT/PATH")
+    if not parts.scheme and find_spec("cv2") is None:
+        raise CameraNotUsable(f"{where} is opened by OpenCV; install it with: pip install 'acromovi[vision]'")
+
+
+def open_source(where: str) -> Source:
+    """Open a camera.
+
+    Args:
+        where: A URL of an MJPEG stream; or a device, by its path or its number.
+    Raises:
+        CameraLost: It is not there, or gives no pictures.
+    """
+    parts = urlsplit(where)
+    return UrlSource(parts) if parts.scheme else DeviceSource(where)
+
+
+class UrlSource:
+    """An IP camera; its pictures are passed on as they are."""
+
+    def __init__(self, url: SplitResult) -> None:
+        kind = HTTPSConnection if url.scheme == "https" else HTTPConnection
+        self._connection = kind(url.hostname or "", url.port, timeout=PATIENCE)
+        try:
+            self._connection.connect()
+            assert self._connection.sock is not None  # connected
+            self._socket = self._connection.sock
+            self._connection.request("GET", url._replace(scheme="", netloc="").geturl() or "/", headers=_login(url))
+            self._answer = self._connection.getresponse()
+        except (OSError, HTTPException) as error:
+            self._connection.close()
+            raise CameraLost(f"{url.hostname} does not answer: {error}") from error
+        boundary = boundary_of(self._answer.getheader("Content-Type", ""))
+        if self._answer.status != HTTPStatus.OK or boundary is None:
+            said = f"{self._answer.status} {self._answer.reason}, {self._answer.getheader('Content-Type', 'no type')}"
+            self.close()
+            raise CameraLost(f"{url.geturl()} is no stream of pictures: {said}")
+        self._decoder = MultipartDecoder(boundary)
+
+    def read(self) -> bytes:
+        """Wait for a picture."""
+        newest = b""
+        until = time.monotonic() + PATIENCE
+        while not newest or self._has_more():
+            try:
+                data = self._answer.read1(CHUNK)
+                newest = (self._decoder.receive(data) or [newest])[-1]
+            except TimeoutError as error:
+                raise CameraLost(STALLED) from error
+            except (OSError, ValueError, HTTPException) as error:  # ValueError: closed meanwhile, or NoPictures
+                raise CameraLost(f"the camera is lost: {error}") from error
+            if not data:
+                raise CameraLost("the camera has closed the connection")
+            if not newest and time.monotonic() >= until:
+                raise CameraLost(STALLED)
+        return newest
+
+    def close(self) -> None:
+        """Hang up."""
+        with suppress(OSError):  # the camera has hung up already
+            self._socket.shutdown(socket.SHUT_RDWR)
+        self._answer.close()
+        self._connection.close()
+
+    def _has_more(self) -> bool:
+        """A newer picture may be on its way already."""
+        return self._socket.fileno() >= 0 and bool(select.select([self._socket], (), (), 0.0)[0])
+
+
+class DeviceSource:
+    """A camera of this computer."""
+
+    def __init__(self, where: str) -> None:
+        import cv2  # here and not at the top: it is a large part that only this needs
+
+        self._pack = cv2.imencode
+        self._parameters = [cv2.IMWRITE_JPEG_QUALITY, QUALITY]
+        self._capture = cv2.VideoCapture(int(where) if where.isdecimal() else where)
+        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest picture, where the device can
+        if not self._capture.isOpened():
+            raise CameraLost(f"{where} cannot be opened")
+
+    def read(self) -> bytes:
+        """Wait for a picture."""
+        has_come, picture = self._capture.read()
+        if not has_come:
+            raise CameraLost("the camera gives no more pictures")
+        is_packed, data = self._pack(".jpg", picture, self._parameters)
+        if not is_packed:
+            raise CameraLost("the camera's picture cannot be packed")
+        return bytes(data)
+
+    def close(self) -> None:
+        """Let go of the device."""
+        self._capture.release()
+
+
+def _login(url: SplitResult) -> dict[str, str]:
+    """The header for a name and a password in the URL, where there are any."""
+    if url.username is None:
+        return {}
+    login = f"{unquote(url.username)}:{unquote(url.password or '')}"
+    return {"Authorization": "Basic " + base64.b64encode(login.encode()).decode()}
