@@ -158,3 +158,22 @@ def test_fixed_rate_is_the_only_one_tried(make_bench: "MakeBench") -> None:
     bench.run(2.0)
     assert bench.of(SweepFailed)[0].rates == (38400,)
     assert bench.driver.baud == 38400
+
+
+def test_everything_is_asked_within_a_second_of_a_slow_line_and_nothing_before_the_motors_are_on(
+    make_bench: "MakeBench",
+) -> None:
+    bench = make_bench(rates=(9600,), robot_baud=9600)
+    bench.connect()
+    opened = [at for at, each in bench.sent if each.command is Command.OPEN][-1]  # the one before is SYNC1
+    bench.run(5.0)
+    first: dict[object, float] = {}
+    for at, each in bench.sent:
+        if at >= opened:
+            first.setdefault(each.command, at - opened)
+    asked = set(first) - {Command.OPEN, Command.STOP, Command.ENABLE, Command.PULSE}
+    assert len(asked) > 5
+    assert min(first[command] for command in asked) > first[Command.ENABLE]
+    soon = {command for command in asked if first[command] < 1.0}
+    assert {Command.CONFIG, Command.SONAR, Command.GRIPREQUEST, Command.TCM2, Command.JOYREQUEST} <= soon
+    assert len([at for at, _ in bench.sent if opened <= at < opened + 1.0]) * 9 < 480  # bytes; half of what it carries
