@@ -12,7 +12,7 @@ from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
 from gateway.errors import NameNotValid
-from gateway.events import ElementFound, ElementLost, Event, HandshakeCompleted, LinkLost, RobotRejected
+from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
 from gateway.search import Search, bus_name
 from gateway.settings import Settings
 
@@ -62,6 +62,7 @@ class Gateway:
         self._driver = driver
         self._bridge = bridge
         self._cables = cables
+        self._answers: dict[str, bool] = {}  # elements on cables of their own, as last told
         self._search = Search(options.port, now)
         self._kept: list[Event] = []
         self._complaint = ""
@@ -98,6 +99,7 @@ class Gateway:
             events, self._kept = self._kept, []
             self._robot = self._join()
         self._robot.happened(events, now, stamp_ns)
+        self._say_elements()
 
     def close(self) -> None:
         """Let go of the cables and leave the bus."""
@@ -147,7 +149,7 @@ class Gateway:
         ]
         robot = RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces)
         for cable, face in zip(self._cables, faces, strict=True):
-            cable.join(robot, face, self._say)
+            cable.join(robot, face)
         return robot
 
     @property
@@ -167,17 +169,18 @@ class Gateway:
                 self._tell(f"lost: {reason}; looking for the robot", {"event": "lost", "reason": reason})
             case RobotRejected(error):
                 self._complain(str(error))
-            case ElementFound(element, baud):
-                at = f" at {baud} bit/s" if baud else ""
-                self._tell(
-                    f"the {element} answers{at}",
-                    {"event": "element found", "element": element, "baud": baud or None},
-                )
-            case ElementLost(element, reason):
-                self._tell(
-                    f"lost the {element}: {reason}; looking for it",
-                    {"event": "element lost", "element": element, "reason": reason},
-                )
+
+    def _say_elements(self) -> None:
+        """What has become of the elements on cables of their own."""
+        for cable in self._cables:
+            answers = cable.driver.is_connected
+            if answers == self._answers.get(cable.name, False):
+                continue
+            self._answers[cable.name] = answers
+            self._tell(
+                f"the {cable.name} answers" if answers else f"lost the {cable.name}; looking for it",
+                {"event": "element found" if answers else "element lost", "element": cable.name},
+            )
 
     def _tell(self, sentence: str, facts: dict[str, Any]) -> None:
         if self._options.is_json:
