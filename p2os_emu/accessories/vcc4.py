@@ -1,14 +1,14 @@
 """The Canon VC-C4 camera head: what it obeys, and what it answers.
 
-It works through its commands one after the other and answers each. While it is being switched on it keeps what comes
-and sees to it afterwards; while it looks for its zero, everything that would move it is answered with BUSY.
+It answers every command at once: one well-known client takes a camera that is silent for 400 ms for one that cannot
+answer. Switching on and looking for its zero take their time all the same: the head stands until it is on, and while it
+looks for its zero, everything that would move it is answered with BUSY.
 
 Source: fact sheet of accessories, section 3. Where that is silent: without power, and before host control is asked for,
 every command but POWER (and CONTROL_MODE, with power) is answered with NOT_HOST_CONTROLLED; what is unknown or outside
 its range with BAD_PARAMETER. Two clients' ways of asking for the zoom (0xA4 and 0xB4) are both answered.
 """
 
-from collections import deque
 from collections.abc import Callable, Mapping
 
 from p2os.accessories.head_model import Axis, HeadModel
@@ -25,8 +25,6 @@ from p2os.accessories.vcc4 import (
 )
 from p2os_emu.accessories.head import Head, Servo
 
-MOST_WAITING = 16
-"""Commands kept while the camera is being switched on; more are answered with BUSY."""
 PRODUCT = b"VC-C4"
 MAXIMUM = b"3"
 """Parameter of a zoom request that asks for the narrow end."""
@@ -56,9 +54,8 @@ class Vcc4:
         self.is_host_controlled = False
         self._model = model
         self._decoder = CommandDecoder()
-        self._waiting: deque[HeadCommand] = deque()
         self._out = bytearray()
-        self._powering = 0.0  # s left until it is switched on
+        self._powering = 0.0  # s left until the head can move
         self._initialising = 0.0  # s left until it has found its zero
         self._tilt_range = model.tilt.lowest, model.tilt.highest
         self._obey: Mapping[int, Callable[[bytes], _Answer]] = {
@@ -90,22 +87,13 @@ class Vcc4:
     def receive(self, data: bytes) -> None:
         """Take bytes from the line."""
         for command in self._decoder.receive(data):
-            if len(self._waiting) < MOST_WAITING:
-                self._waiting.append(command)
-            else:
-                self._out += encode_answer(Status.BUSY)
+            self._take(command)
 
     def step(self, dt: float) -> bytes:
         """Let time pass, s; returns the answers that are ready."""
-        if self._powering > 0.0:
-            self._powering = max(0.0, self._powering - dt)
-            if self._powering == 0.0:
-                self.is_on = True
-                self._answer(_DONE)
-        while self._waiting and self._powering == 0.0:
-            self._take(self._waiting.popleft())
+        self._powering = max(0.0, self._powering - dt)
         self._initialising = max(0.0, self._initialising - dt)
-        if self.is_on:
+        if self.is_on and self._powering == 0.0:
             self.head.step(dt)
         out = bytes(self._out)
         self._out.clear()
@@ -127,8 +115,8 @@ class Vcc4:
 
     def _switch(self, given: bytes) -> None:
         if given == b"1" and not self.is_on:
-            self._powering = self._model.power_on_s  # and answered afterwards
-            return
+            self.is_on = True
+            self._powering = self._model.power_on_s
         if given == b"0":
             self.is_on = self.is_host_controlled = False
             self._initialising = 0.0
@@ -147,7 +135,7 @@ class Vcc4:
             return Status.BUSY, b""
         if given != b"0":
             return _BAD
-        self._initialising = self._model.initialise_s
+        self._initialising = self._powering + self._model.initialise_s
         self.head.home()
         return _DONE
 
