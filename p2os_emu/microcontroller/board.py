@@ -7,6 +7,7 @@ from p2os.firmware import BAUD_CODES, FIRMWARES
 from p2os.packets import Packet
 from p2os.robot_model import RobotModel
 from p2os_emu.body import Body, BodyState
+from p2os_emu.device import Device
 from p2os_emu.microcontroller.arm import ArmServer
 from p2os_emu.microcontroller.aux_port import AuxPort
 from p2os_emu.microcontroller.battery import Battery
@@ -74,6 +75,7 @@ class Board:
         self.known = known_commands(model.firmware, FIRMWARES[model.firmware].version)
         self.answers: list[Packet] = []
         self.aux = {port: AuxPort(port, flash.aux_baud, Random(f"{seed} AUX{port}")) for port in (1, 2, 3)}
+        self._used_ports: tuple[AuxPort, ...] = ()
         self.buzzer = Buzzer(model.firmware)
         self.charger = Charger()
         self.joystick = JoystickServer(flash)
@@ -192,7 +194,8 @@ class Board:
     def advance(self, body: Body, state: BodyState, dt: float) -> None:
         """Take one step: encoders, gyro, joystick, motors, sonar, gripper, arm, AUX ports."""
         self.time += dt
-        self.odometry.update(state.left_travel, state.right_travel, self._turned(state, dt))
+        turned = None if self.gyro is None else self._turned(self.gyro, state, dt)
+        self.odometry.update(state.left_travel, state.right_travel, turned)
         if self.panel.stop_button and self.stops_on_button:
             self.e_stalled = True
             self.motors.brake_and_disable()
@@ -205,14 +208,16 @@ class Board:
         if self.gripper.kind:
             self.gripper.advance(body.gripper, dt)
         self.arm.advance(body.arm, dt, is_deserted=self.watchdog.barking)
-        for port in self.aux.values():
+        for port in self._used_ports:
             port.advance(dt)
 
-    def _turned(self, state: BodyState, dt: float) -> float | None:
+    def plug(self, port: int, device: Device) -> None:
+        """Plug a device into an AUX port, 1 to 3."""
+        self.aux[port].device = device
+        self._used_ports = tuple(each for each in self.aux.values() if each.device is not None)
+
+    def _turned(self, gyro: GyroServer, state: BodyState, dt: float) -> float | None:
         """Rad that the gyro inside the controller has turned in this step; None where the wheels decide."""
-        gyro = self.gyro
-        if gyro is None:
-            return None
         standing = abs(state.left_velocity) < AT_REST and abs(state.right_velocity) < AT_REST
         failed = self.panel.gyro_failed
         gyro.advance(state.turn_rate, standing, failed, dt)

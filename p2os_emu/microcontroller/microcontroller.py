@@ -111,7 +111,7 @@ class Microcontroller:
 
     def plug(self, port: int, device: Device) -> None:
         """Plug a device into an AUX port, 1 to 3; one device to a port."""
-        self._board.aux[port].device = device
+        self._board.plug(port, device)
 
     def plugged(self, port: int) -> Device | None:
         """What is plugged into an AUX port."""
