@@ -20,6 +20,8 @@ from p2os_emu.fit import Fit, FitError
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
 
+LASER_POWER = "lrf"
+"""The board's power output that feeds a laser whose model says that it can be switched."""
 HEAD_PORT = 1
 """The AUX port of a camera head, as every client has it."""
 
@@ -43,10 +45,16 @@ def _powercube(bench: Bench) -> Device:
     return PowerCubeArm(load(ArmModel, "accessories", "powercube-arm"), bench.body.arm)
 
 
+def _laser(bench: Bench) -> Device:
+    def has_power() -> bool:
+        return not mount.power_controlled or bench.microcontroller.outputs.power[LASER_POWER]
+
+    mount = bench.model.laser
+    return Lms200(load(ScannerModel, "accessories", "lms200"), mount, bench.body, has_power)
+
+
 CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {
-    ("laser", "lms200"): lambda bench: Lms200(
-        load(ScannerModel, "accessories", "lms200"), bench.model.laser, bench.body
-    ),
+    ("laser", "lms200"): _laser,
     ("arm", "powercube"): _powercube,
 }
 """Part and variant to what makes the device on its own cable."""

@@ -81,13 +81,16 @@ class Lms200:
     baud: of its port, bit/s. dirt: the part of the light that the window takes, 0 to 1. configuration, variant: as set.
     """
 
-    def __init__(self, model: ScannerModel, mount: LaserMount, body: Body) -> None:
+    def __init__(
+        self, model: ScannerModel, mount: LaserMount, body: Body, has_power: Callable[[], bool] = lambda: True
+    ) -> None:
         """Mount a scanner on a robot.
 
         Args:
             model: What it is.
             mount: Where it sits; a flipped one hangs upside down, and its beams come from left to right.
             body: Of the robot.
+            has_power: Whether the robot's power output that feeds it is on.
         """
         self.baud = model.baud
         self.dirt = 0.0
@@ -96,6 +99,8 @@ class Lms200:
         self._model = model
         self._mount = mount
         self._body = body
+        self._has_power = has_power
+        self._had_power = True
         self._time = 0.0
         self._decoder = TelegramDecoder(from_laser=False)
         self._ready_at = model.boot_s
@@ -117,8 +122,8 @@ class Lms200:
         }
 
     def receive(self, data: bytes) -> None:
-        """Take bytes from the line; while it boots, nobody hears them."""
-        if self._is_booting:
+        """Take bytes from the line; without power and while it boots, nobody hears them."""
+        if self._is_booting or not self._has_power():
             return
         for found in self._decoder.receive(data, self._time):
             match found:
@@ -130,6 +135,12 @@ class Lms200:
     def step(self, dt: float) -> bytes:
         """Let time pass, s; returns the telegrams that begin now."""
         self._time += dt
+        if not self._has_power():
+            self._had_power = False
+            return b""
+        if not self._had_power:
+            self._had_power = True
+            self._reset(b"")
         if self._next_baud is not None and not self._answers and self._time >= self._free_at + dt:
             self.baud, self._next_baud = self._next_baud, None
         if self._is_booting:

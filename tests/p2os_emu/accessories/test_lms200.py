@@ -53,7 +53,10 @@ class Stranger:
     def __init__(self, mount: LaserMount = FORWARD, **changes: object) -> None:
         table = configs.read(configs.find("accessories", "lms200"))
         self.room = Room()
-        self.laser = Lms200(configs.build(ScannerModel, {**table, **changes}, "test"), mount, self.room)
+        self.has_power = True
+        self.laser = Lms200(
+            configs.build(ScannerModel, {**table, **changes}, "test"), mount, self.room, lambda: self.has_power
+        )
         self.now = 0.0
         self.heard = bytearray()
         self._decoder = TelegramDecoder(from_laser=True)
@@ -100,6 +103,18 @@ def test_it_boots_as_long_as_it_is_told_and_hears_nothing_meanwhile() -> None:
     assert host.ask(STOP, 1.9) == []
     assert codes(host.run(0.2)) == [0x90]
     assert codes(host.ask(STOP)) == [0xA0]
+
+
+def test_without_power_it_is_deaf_and_dumb_and_then_as_after_the_power_switch() -> None:
+    host = Stranger()
+    host.run(0.1)
+    host.ask("02 00 02 00 20 40 50 08")
+    host.ask(START)
+    host.has_power = False
+    assert host.ask(STOP, 1.0) == []
+    host.has_power = True
+    assert codes(host.run(1.0)) == [0x90]
+    assert host.laser.baud == 9600
 
 
 def test_arias_connect_sequence_ends_in_scans(stranger: Stranger) -> None:
