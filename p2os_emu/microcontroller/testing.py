@@ -80,6 +80,38 @@ class PlainGripper:
             self._lift = min(max(self._lift + lift, 0.0), 1.0)
 
 
+class PlainArm:
+    """Joints that are at once where they are told to be, unless something holds them.
+
+    orders: joint to what it was told last, (position, speed), or None for no power. told: how often it was.
+    held: joints that do not move.
+    """
+
+    def __init__(self, joints: int) -> None:
+        self.positions = [0.0] * joints
+        self.velocities = [0.0] * joints
+        self.orders: dict[int, tuple[float, float] | None] = {}
+        self.held: set[int] = set()
+        self.told = 0
+
+    @property
+    def braked(self) -> set[int]:
+        """Joints that have no power."""
+        return {joint for joint, order in self.orders.items() if order is None}
+
+    def move(self, joint: int, position: float, speed: float) -> None:
+        """Let a joint go to a position."""
+        self.told += 1
+        self.orders[joint] = position, speed
+        if joint not in self.held:
+            self.positions[joint] = position
+
+    def release(self, joint: int) -> None:
+        """Take the power off a joint; it stays."""
+        self.told += 1
+        self.orders[joint] = None
+
+
 class PlainBody:
     """Exact wheels on an endless floor.
 

@@ -1,6 +1,6 @@
 """The arm server in virtual time: what the servos are told, and what a client hears of it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from math import radians
 
@@ -9,7 +9,7 @@ import pytest
 from configs import load
 from p2os import ArmInformation, ArmReport, ArmStatus, Command, RobotModel, StandardSip
 from p2os.accessories.arm_model import ArmModel
-from p2os_emu.microcontroller.testing import Bench, PlainBody
+from p2os_emu.microcontroller.testing import Bench, PlainArm, PlainBody
 
 HOME = (128, 28, 28, 128, 128, 28)
 """Counts of configs/accessories/pioneer-arm.toml: 90 degrees are 100 counts, downward from 128 in joints 1 to 3."""
@@ -17,31 +17,12 @@ ALL_GOOD = ArmStatus.GOOD | ArmStatus.INITIALISED
 POWERED = ALL_GOOD | ArmStatus.POWERED
 
 
-class PlainArm:
-    """Remembers what it was told: joint to (position, speed), or None when it was released."""
-
-    def __init__(self) -> None:
-        self.orders: dict[int, tuple[float, float] | None] = {}
-        self.told = 0
-
-    positions: Sequence[float] = (0.0,) * 6
-    velocities: Sequence[float] = (0.0,) * 6
-
-    def move(self, joint: int, position: float, speed: float) -> None:
-        self.told += 1
-        self.orders[joint] = position, speed
-
-    def release(self, joint: int) -> None:
-        self.told += 1
-        self.orders[joint] = None
-
-
 class ArmedBench(Bench):
     """A robot with an arm, and a client that hears its packets."""
 
     def __init__(self, model: RobotModel) -> None:
         body = PlainBody()
-        self.arm = body.arm = PlainArm()
+        self.arm = body.arm = PlainArm(6)
         super().__init__(model, body=body)
         self.controller.fit_arm(load(ArmModel, "accessories", "pioneer-arm"))
         self.connect()
