@@ -137,6 +137,7 @@ def _shown(controller: Microcontroller) -> dict[str, Any]:
         "servos": {str(port): pulse for port, pulse in outputs.servos.items()},
         "power": dict(outputs.power),
         "digital_out": controller.digital_out,
+        "charging": controller.charging.name.lower(),
         "shutdown_wanted": controller.shutdown_wanted,
         "simulator_messages": list(controller.simulator_messages),
     }

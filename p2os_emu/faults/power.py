@@ -23,6 +23,10 @@ def _plug_charger(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
     robot.microcontroller.panel.charger_plugged = bool(at_work)
 
 
+def _dock(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.docked = bool(at_work)
+
+
 def _cut_power(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
     if at_work:
         robot.power_off()
@@ -53,6 +57,12 @@ KINDS = (
         "the charger is plugged in",
         "the charger is pulled out",
         _plug_charger,
+    ),
+    FaultKind(
+        "docked",
+        "the robot stands at its dock: charging contacts that it lowers find power",
+        "it stands elsewhere",
+        _dock,
     ),
     FaultKind(
         "brown-out",

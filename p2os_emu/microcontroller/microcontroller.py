@@ -13,6 +13,7 @@ from p2os_emu.body import Body, BodyState
 from p2os_emu.device import Device
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import GripperModel
+from p2os_emu.microcontroller.battery import ChargeState
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.buzzer import Note
 from p2os_emu.microcontroller.cadence import Cadence
@@ -108,6 +109,11 @@ class Microcontroller:
     def shutdown_wanted(self) -> bool:
         """The robot's computer has been told to shut down."""
         return self._board.shutdown_wanted
+
+    @property
+    def charging(self) -> ChargeState:
+        """What the charger does, as the SIP says."""
+        return self._board.battery.charging
 
     def plug(self, port: int, device: Device) -> None:
         """Plug a device into an AUX port, 1 to 3; one device to a port."""

@@ -58,6 +58,7 @@ REACTIONS = {
     "stop-pressed": Reaction(says="the STOP button is pressed", refuses=MOTORS_OFF, goes_on=False, needs_enable=True),
     "low-battery:volts=21": Reaction(says="the battery is low, below 22.0 V"),
     "charger-plugged": Reaction(),
+    "docked": Reaction(),
     "gyro-failed": Reaction(says="the gyro has failed", fit="gyro"),
     "laser-dirty": Reaction(says="the laser's window is dirty", fit="laser"),
     # Silence, and what is as good as silence.

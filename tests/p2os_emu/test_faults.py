@@ -16,6 +16,7 @@ from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.lists import listing
+from p2os_emu.microcontroller.battery import ChargeState
 
 POWERBOT = configs.load(RobotModel, "robots", "powerbot")
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]
@@ -135,6 +136,17 @@ def test_charger_is_plugged_and_pulled(rig: Rig) -> None:
     assert rig.happy.microcontroller.panel.charger_plugged
     rig.run(1.0)
     assert not rig.happy.microcontroller.panel.charger_plugged
+
+
+def test_robot_at_its_dock_charges_once_its_contacts_are_down(rig: Rig) -> None:
+    rig.fault("docked@0+12")
+    rig.happy.microcontroller.receive(encode_command(Command.CHARGE, 1))
+    rig.run(4.0)
+    assert rig.happy.microcontroller.charging is ChargeState.NOT_CHARGING
+    rig.run(4.0)
+    assert rig.happy.microcontroller.charging is not ChargeState.NOT_CHARGING
+    rig.run(5.0)
+    assert rig.happy.microcontroller.charging is ChargeState.NOT_CHARGING
 
 
 def test_brown_out_resets_at_once_and_tells_the_client(rig: Rig) -> None:
