@@ -141,12 +141,11 @@ def test_charger_is_plugged_and_pulled(rig: Rig) -> None:
 def test_robot_at_its_dock_charges_once_its_contacts_are_down(rig: Rig) -> None:
     rig.fault("docked@0+12")
     rig.happy.microcontroller.receive(encode_command(Command.CHARGE, 1))
-    rig.run(4.0)
-    assert rig.happy.microcontroller.charging is ChargeState.NOT_CHARGING
-    rig.run(4.0)
-    assert rig.happy.microcontroller.charging is not ChargeState.NOT_CHARGING
-    rig.run(5.0)
-    assert rig.happy.microcontroller.charging is ChargeState.NOT_CHARGING
+    charges = []
+    for seconds in (4.0, 4.0, 5.0):
+        rig.run(seconds)
+        charges.append(rig.happy.microcontroller.charging is not ChargeState.NOT_CHARGING)
+    assert charges == [False, True, False]
 
 
 def test_brown_out_resets_at_once_and_tells_the_client(rig: Rig) -> None:
