@@ -131,10 +131,10 @@ class Vcc4:
         return _DONE
 
     def _initialise(self, given: bytes) -> _Answer:
-        if self.is_initialising:
-            return Status.BUSY, b""
         if given != b"0":
             return _BAD
+        if self.is_initialising:
+            return _DONE  # one well-known client asks twice, and never gets over a camera that is busy for long
         self._initialising = self._powering + self._model.initialise_s
         self.head.home()
         return _DONE

@@ -43,6 +43,16 @@ def test_start_up_of_aria_is_answered_step_by_step(head: Vcc4) -> None:
     assert ask(head, vcc4.request_zoom()) == bytes.fromhex("FE 30 30 30 30 30 30 30 30 EF")
 
 
+def test_second_initialise_is_taken_with_the_first_one(head: Vcc4) -> None:
+    """ARIA sends two, half a second apart, and then never gets over one that is busy for 2 s."""
+    for request in (vcc4.power(True), vcc4.host_control(), vcc4.initialise()):
+        assert ask(head, request) == OK
+    wait(head, 0.5)
+    assert ask(head, vcc4.initialise()) == OK
+    wait(head, 2.6)
+    assert not head.is_initialising
+
+
 def test_start_up_of_ros_p2os_works_although_it_never_waits_for_an_answer(head: Vcc4) -> None:
     ranges = [vcc4.tilt_range(-267, 790)] * 3
     for request in (vcc4.power(True), vcc4.host_control(), vcc4.initialise(), *ranges, vcc4.move(0, 0), vcc4.zoom(0)):
