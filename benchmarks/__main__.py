@@ -18,6 +18,8 @@ GROUPS = {
     "latency": "from the port to the bus and from the bus to the port",
     "gateway": "processor time and memory of the gateway",
     "stop_proof": "time and distance until the wheels stand, whatever dies; writes stop-proof.md",
+    "radio": "a million packets over a damaged radio modem: used, rejected, counted",
+    "fuzz": "ten million generated frames into every parser: no crash, memory flat",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

@@ -150,8 +150,8 @@ class FrameDecoder:
 
     def _noise(self, size: int, events: list[Frame | Damaged]) -> None:
         fresh = bytes(self._buffer[self._reported : size])
-        if fresh:
-            events.append(Damaged(fresh, Damage.NOISE))
+        for start in range(0, len(fresh), NOISE_BLOCK):
+            events.append(Damaged(fresh[start : start + NOISE_BLOCK], Damage.NOISE))
         self._drop(size)
 
     def _drop(self, size: int) -> None:

@@ -92,6 +92,14 @@ def test_any_splitting_of_a_stream_gives_the_same_events(pieces: list[bytes], da
     assert decode(*chunks) == decode(stream)
 
 
+@pytest.mark.parametrize("size", [255, 256, 257, 300, 512, 700])
+def test_long_noise_comes_in_blocks_however_it_is_cut(size: int) -> None:
+    stream = b"~" * size + encode_frame(b"\x1d")
+    whole = decode(stream)
+    assert [len(event.raw) for event in whole if isinstance(event, Damaged)][:-1] == [256] * ((size - 1) // 256)
+    assert decode(stream[:260], stream[260:]) == decode(*(bytes([byte]) for byte in stream)) == whole
+
+
 @given(st.binary(max_size=600).filter(lambda noise: b"\xfa" not in noise), PAYLOADS)
 def test_a_sound_frame_behind_garbage_is_found(garbage: bytes, payload: bytes) -> None:
     events = decode(garbage + encode_frame(payload))
