@@ -12,8 +12,8 @@ PIXELS = 2048
 """Edge of the picture that covers the whole floor."""
 JOINT = 0.08
 """Width of what separates tiles and planks, in pattern lengths."""
-PLANK_LENGTH = 4
-"""In widths of a plank."""
+PLANK_LENGTH, PLANK_SHIFT = 4.0, 1.5
+"""Of a plank, and against the one beside it, in widths."""
 
 
 class Texture(Enum):
@@ -48,16 +48,18 @@ class Floor:
 
 def picture(floor: Floor, edge: float) -> NDArray[np.uint8]:
     """The floor from above, a square of `edge` m: rows of pixels with red, green, blue."""
-    along = (np.arange(PIXELS) + 0.5) * edge / PIXELS / floor.pattern_m
-    x, y = np.meshgrid(along, along)
+    across = (np.arange(PIXELS) + 0.5) * edge / PIXELS / floor.pattern_m
+    x, y = across[np.newaxis, :], across[:, np.newaxis]
     match floor.texture:
         case Texture.CHECKER:
-            is_second = (np.floor(x) + np.floor(y)) % 2 == 1
+            is_second = np.floor(x) % 2 != np.floor(y) % 2
         case Texture.TILES:
             is_second = (x % 1 < JOINT) | (y % 1 < JOINT)
         case Texture.PLANKS:
-            is_second = (y % 1 < JOINT) | ((x + np.floor(y) * 1.5) % PLANK_LENGTH < JOINT)
+            is_second = (y % 1 < JOINT) | ((x + PLANK_SHIFT * np.floor(y)) % PLANK_LENGTH < JOINT)
         case Texture.PLAIN:
-            is_second = np.zeros_like(x, bool)
-    first, second = (np.array(COLOURS[name][:3]) * 255 for name in (floor.colour, floor.second_colour))
-    return np.where(is_second[..., None], second, first).astype(np.uint8)
+            is_second = np.zeros((PIXELS, PIXELS), bool)
+    colours = [COLOURS[name][:3] for name in (floor.colour, floor.second_colour)]
+    palette = np.round(np.array(colours) * 255).astype(np.uint8)
+    painted: NDArray[np.uint8] = palette[is_second.astype(np.uint8)]
+    return painted
