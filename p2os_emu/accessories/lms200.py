@@ -104,7 +104,7 @@ class Lms200:
         self._time = 0.0
         self._decoder = TelegramDecoder(from_laser=False)
         self._ready_at = model.boot_s
-        self._is_booting = True
+        self._is_new = True  # it has not yet said that it is there
         self._is_installing = False
         self._segment: Segment | None = None  # while scans are sent unasked
         self._scan_at = 0.0
@@ -123,7 +123,7 @@ class Lms200:
 
     def receive(self, data: bytes) -> None:
         """Take bytes from the line; without power and while it boots, nobody hears them."""
-        if self._is_booting or not self._has_power():
+        if self._time < self._ready_at or not self._has_power():
             return
         for found in self._decoder.receive(data, self._time):
             match found:
@@ -143,10 +143,10 @@ class Lms200:
             self._reset(b"")
         if self._next_baud is not None and not self._answers and self._time >= self._free_at + dt:
             self.baud, self._next_baud = self._next_baud, None
-        if self._is_booting:
-            if self._time < self._ready_at:
-                return b""
-            self._is_booting = False
+        if self._time < self._ready_at:
+            return b""
+        if self._is_new:
+            self._is_new = False
             self._say(Answer.POWER_ON, self._model.type.encode())
         sent = b""
         while self._answers and self._time >= self._free_at:
@@ -163,7 +163,7 @@ class Lms200:
         self.variant = self._model.variant
         self._segment, self._next_baud, self._is_installing = None, None, False
         self._answers.clear()
-        self._is_booting = True
+        self._is_new = True
         self._ready_at = self._time + self._model.boot_s
 
     def _set_mode(self, inside: bytes) -> None:

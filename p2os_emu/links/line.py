@@ -139,11 +139,13 @@ class Line:
         """Put the profile's stages in the order in which the bytes of each direction meet them."""
         modem = profile.modem
         baud = modem.baud if modem else None
+        if profile.enforces_baud:
+            # First of all: a host may have set another rate by the time its bytes arrive.
+            self._to_robot.stages.append(BaudCheck(Random(f"{self._seed} baud robot"), baud))
         if profile.paces:
             self._to_robot.stages.append(HostQueue(profile.host_buffer_bytes, baud))
             self._to_host.stages.append(RobotQueue(profile.buffer_bytes, baud))
         if profile.enforces_baud:
-            self._to_robot.stages.append(BaudCheck(Random(f"{self._seed} baud robot"), baud))
             self._to_host.stages.append(BaudCheck(Random(f"{self._seed} baud host"), baud))
         dialling = Dialling(modem) if modem else None
         if dialling:
