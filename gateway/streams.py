@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Mapping, Sequence
+from operator import is_
 from typing import Any
 
 from bus import Bus, Publisher, Subscription, keys
@@ -57,6 +58,7 @@ class Streams(Subscription):
         self._battery_shown: tuple[float, int | None, bool] | None = None
         self._ports_shown: tuple[int, int] | None = None
         self._state_shown: tuple[Any, ...] | None = None
+        self._judged: tuple[Any, ...] = (None,) * 4  # what the faults were last looked for in
         self._streams: Mapping[Topic, Publisher] = {
             topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
         }
@@ -126,6 +128,10 @@ class Streams(Subscription):
             stamp: Wall clock, ns.
         """
         is_due = now >= self.due_at
+        news = self._sip, self._driver.is_connected, self._driver.is_estopped, refusal
+        if not is_due and all(map(is_, news, self._judged)):
+            return  # nothing has come that faults could follow from
+        self._judged = news
         found = faults(self._driver, self._sip, refusal, self._cable_faces)
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
