@@ -178,7 +178,8 @@ def as_text(entry: Entry) -> str:
     arrow = "->" if entry.source is Source.HOST else "<-"
     head = f"{entry.time:10.4f} {arrow} {entry.name}"
     if entry.name == "damaged":
-        return f"{head} ({entry.problem}, {len(entry.raw)} bytes): {entry.raw.hex(' ')}"
+        words = f" {entry.raw.decode('ascii')!r}" if _is_text(entry.raw) else ""
+        return f"{head} ({entry.problem}, {len(entry.raw)} bytes): {entry.raw.hex(' ')}{words}"
     fields = "".join(f" {name}={_shown(value)}{entry.units.get(name, '')}" for name, value in entry.fields.items())
     return f"{head}{fields}" + (f" ({entry.problem}): {entry.raw.hex(' ')}" if entry.problem else "")
 
@@ -208,6 +209,11 @@ def _shown(value: Any) -> str:
         opening, closing = ("(", ")") if value and not isinstance(value[0], tuple) else ("[", "]")
         return opening + ",".join(_shown(each) for each in value) + closing
     return str(value)
+
+
+def _is_text(raw: bytes) -> bool:
+    """Whether somebody, a modem for example, speaks plain words."""
+    return len(raw) > 1 and raw.isascii() and raw.translate(None, b"\r\n\t").decode("ascii").isprintable()
 
 
 def _packet_name(packet_type: int) -> str:

@@ -109,6 +109,11 @@ def test_damaged_frame_is_shown_with_the_reason(log: WireLog) -> None:
     assert as_text(host(log, VEL[:-1] + b"\0")).endswith("-> damaged (checksum, 9 bytes): fa fb 06 0b 1b c8 00 d3 00")
 
 
+def test_plain_words_between_the_frames_can_be_read(log: WireLog) -> None:
+    dial, _ = log.receive(Source.HOST, b"WMS2\r" + SYNC0, 1.0)
+    assert as_text(dial) == "    1.0000 -> damaged (noise, 5 bytes): 57 4d 53 32 0d 'WMS2\\r'"
+
+
 def test_half_a_frame_is_given_up_when_time_passes(log: WireLog) -> None:
     assert log.receive(Source.ROBOT, SIP[:7], 1.0) == []
     (entry,) = log.receive(Source.ROBOT, b"", 2.0)
