@@ -111,6 +111,10 @@ class EmulatedRobot:
         """Take the power from controller and accessories; the wheels roll free."""
         self.is_powered = False
         self.body.release()
+        arm = self.body.arm
+        if arm is not None:
+            for joint in range(len(arm.positions)):
+                arm.release(joint)
         for cable in self.cables.values():
             cable.is_powered = False
 
