@@ -24,7 +24,10 @@ CLOCKS_AND_PORTS = {
     "asyncio", "datetime", "fcntl", "multiprocessing", "os", "pty", "select", "selectors", "serial", "signal", "socket",
     "subprocess", "termios", "threading", "time", "tty",
 }  # fmt: skip
-BYTES_AND_TIME_COME_FROM_THE_CALLER = ("p2os", "p2os_emu/microcontroller", "gateway/driver.py")
+BYTES_AND_TIME_COME_FROM_THE_CALLER = (
+    "p2os", "p2os_emu/microcontroller", "p2os_emu/accessories", "gateway/driver.py", "gateway/elements",
+    "gateway/cables/laser.py",
+)  # fmt: skip
 
 ONLY_IN = {  # third party module: the places that may import it
     "zenoh": ("bus/", "acromovi/"),

@@ -77,6 +77,7 @@ class RobotBody:
         # m of rim, as the encoders count it, per rad that the wheel truly turns.
         self._left_rim = chassis.wheel_radius * chassis.imperfections.left_wheel
         self._right_rim = chassis.wheel_radius * chassis.imperfections.right_wheel
+        self._strongest = chassis.motor_torque
         self._target: tuple[float, float] | None = (0.0, 0.0)
         self.release()
         self._state = BodyState()
@@ -108,7 +109,7 @@ class RobotBody:
         """Command the wheel rims, m/s; the motors follow as far as their torque allows."""
         if self._target != (left, right):
             self._target = left, right
-            self._motors(left / self._left_rim, right / self._right_rim, self.chassis.motor_torque)
+            self._motors(left / self._left_rim, right / self._right_rim, self._strongest)
 
     def release(self) -> None:
         """Take the power off both motors; gears and brushes bring the wheels to rest."""
@@ -157,7 +158,7 @@ class RobotBody:
     def refresh(self) -> None:
         """Read the machine anew; `World.step` does so after every step."""
         (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = self._joints()
-        powered, strongest = self._target is not None, self.chassis.motor_torque
+        powered, strongest = self._target is not None, self._strongest
         front, rear = self._bumpers()
         if self._gripper is not None:
             self._gripper.follow()
