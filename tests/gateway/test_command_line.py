@@ -153,3 +153,10 @@ def test_doctor_says_where_the_way_to_the_robot_ends(tmp_path: Path) -> None:
         findings = list(doctor.examine(port, "local"))
     assert [finding.check for finding in findings if not finding.is_ok] == ["robot"]
     assert "no robot answers" in findings[-1].found
+
+
+def test_radio_modem_takes_no_other_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["/dev/null", "--radio", "--baud", "38400"])
+    assert end.value.code == 2
+    assert "9600 bit/s only" in capsys.readouterr().err

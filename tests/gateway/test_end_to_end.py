@@ -103,6 +103,16 @@ def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, way: s
         assert stands(robots, name, 0.5)
 
 
+def test_robot_behind_radio_modems_is_dialled_driven_and_stopped(name: str, bus: Bus) -> None:
+    robot = ("--robot", f"p3dx-sh:{name}", "--world", "empty", "--link", "radio-modem")
+    with emulator(*robot) as robots, gateway(robots.port, "--radio", "--quiet"):
+        watcher = Watcher(bus, name)
+        watcher.hear(20)
+        watcher.drive_until_fast(0.3)
+        wait_for(lambda: watcher.odom.twist.twist.linear.x == 0.0)
+        assert stands(robots, name, 0.5)
+
+
 def test_gateway_killed_while_driving_and_started_again_never_turns_the_wheels(name: str, bus: Bus) -> None:
     with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots:
         watcher = Watcher(bus, name)
