@@ -1,5 +1,7 @@
 """A TCM2 compass module, behind the microcontroller. Source: compass manual, Pioneer 3 operations manual (TCM2)."""
 
+from collections.abc import Sequence
+
 from gateway.elements.asked import AskedElement
 from gateway.events import CompassSeen
 from geometry import wrap_angle
@@ -7,6 +9,8 @@ from p2os import Command, CompassReport, RobotModel
 
 ONE_PACKET, CONTINUOUS = 2, 3
 """Arguments of TCM2."""
+ERROR_BITS = 0xFFFF
+"""The width of the module's error word, which the packet carries with a sign."""
 
 
 class Compass(AskedElement):
@@ -15,6 +19,12 @@ class Compass(AskedElement):
     takes = (CompassReport,)
     question = Command.TCM2, ONE_PACKET
     stream = Command.TCM2, CONTINUOUS
+    _errors = 0
+
+    @property
+    def faults(self) -> Sequence[str]:
+        """The module says so itself."""
+        return (f"the compass reports errors ({self._errors & ERROR_BITS:#06x})",) if self._errors else ()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
@@ -26,4 +36,5 @@ class Compass(AskedElement):
         super().take(packet, now)
         assert isinstance(packet, CompassReport)
         self.is_present = True
+        self._errors = packet.errors
         self._announce(CompassSeen(packet, wrap_angle(-packet.heading)))

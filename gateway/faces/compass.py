@@ -7,12 +7,9 @@ from bus.keys import Topic, frame
 from bus.messages import Compass as CompassMessage
 from bus.messages import Vector3, header
 from gateway.driver import Driver
-from gateway.elements.compass import Compass
+from gateway.elements.compass import ERROR_BITS, Compass
 from gateway.events import CompassSeen, Event
 from gateway.faces.face import Face
-
-ERRORS = 0xFFFF
-"""The bits of the module's error word."""
 
 
 class CompassFace(Face):
@@ -36,6 +33,6 @@ class CompassFace(Face):
                 roll=report.roll,
                 magnetic_field=Vector3(x=report.field_x, y=report.field_y, z=report.field_z),
                 temperature=report.temperature,
-                errors=report.errors & ERRORS,
+                errors=report.errors & ERROR_BITS,
             )
             yield keys.COMPASS, message

@@ -89,6 +89,15 @@ def test_compass_heading_is_turned_counter_clockwise(make_stand: "MakeStand") ->
     assert event.report is NORTH_EAST
 
 
+def test_errors_of_the_compass_module_are_a_fault_until_they_are_gone(make_stand: "MakeStand") -> None:
+    stand = make_stand(Compass)
+    stand.connect()
+    stand.take(NORTH_EAST._replace(errors=-0x8000 + 1))
+    assert stand.element.faults == ("the compass reports errors (0x8001)",)
+    stand.take(NORTH_EAST)
+    assert stand.element.faults == ()
+
+
 def test_joystick_is_passed_on_and_is_let_drive(make_stand: "MakeStand") -> None:
     stand = make_stand(Joystick)
     stand.connect()
