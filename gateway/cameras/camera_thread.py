@@ -110,7 +110,7 @@ class CameraThread:
         self._is_closed.set()
         source = self._source
         if source is not None:
-            source.close()
+            source.interrupt()
         if self._thread.is_alive():
             self._thread.join(LEAVING)
 

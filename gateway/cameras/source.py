@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from typing import Protocol
 from urllib.parse import SplitResult, unquote, urlsplit
 
-from gateway.cameras.multipart import MultipartDecoder, boundary_of
+from gateway.cameras.multipart import MultipartDecoder, NoPictures, boundary_of
 from gateway.errors import CameraLost, CameraNotUsable
 
 PATIENCE = 3.0
@@ -34,8 +34,12 @@ class Source(Protocol):
         """
         ...
 
+    def interrupt(self) -> None:
+        """Let a `read` under way in another thread end, where that can be done."""
+        ...
+
     def close(self) -> None:
-        """Let go of it; from any thread, and a `read` under way ends."""
+        """Let go of it."""
         ...
 
 
@@ -98,7 +102,7 @@ class UrlSource:
                 newest = (self._decoder.receive(data) or [newest])[-1]
             except TimeoutError as error:
                 raise CameraLost(STALLED) from error
-            except (OSError, ValueError, HTTPException) as error:  # ValueError: closed meanwhile, or NoPictures
+            except (OSError, NoPictures, HTTPException) as error:
                 raise CameraLost(f"the camera is lost: {error}") from error
             if not data:
                 raise CameraLost("the camera has closed the connection")
@@ -106,10 +110,14 @@ class UrlSource:
                 raise CameraLost(STALLED)
         return newest
 
-    def close(self) -> None:
-        """Hang up."""
+    def interrupt(self) -> None:
+        """Hang up, so that nothing more comes."""
         with suppress(OSError):  # the camera has hung up already
             self._socket.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        """Hang up and forget it."""
+        self.interrupt()
         self._answer.close()
         self._connection.close()
 
@@ -140,6 +148,9 @@ class DeviceSource:
         if not is_packed:
             raise CameraLost("the camera's picture cannot be packed")
         return bytes(data)
+
+    def interrupt(self) -> None:
+        """A device gives a picture soon, or hangs; nothing ends that."""
 
     def close(self) -> None:
         """Let go of the device."""

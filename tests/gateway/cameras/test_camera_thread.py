@@ -1,0 +1,110 @@
+"""A camera's thread and state, with sources that the test makes."""
+
+import threading
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+
+from bus import keys
+from gateway.cameras.camera_thread import CameraState, CameraThread
+from gateway.cameras.source import PATIENCE, Source
+from gateway.errors import CameraLost
+from gateway.events import Event, PictureTaken
+from gateway.faces.cable_face import CableFace
+from gateway.faces.camera import CameraFace
+from gateway.robot_on_bus import RobotOnBus
+from gateway.settings import CameraSettings, Settings
+
+JPEG = bytes.fromhex("FF D8  FF C0 00 0B 08 00 78 00 A0 01 11 00  FF D9")  # 160 by 120
+
+
+class Pictures:
+    """A source of some pictures, which then waits until it is interrupted."""
+
+    def __init__(self, *pictures: bytes) -> None:
+        self._pictures = list(pictures)
+        self._is_over = threading.Event()
+
+    def read(self) -> bytes:
+        if self._pictures:
+            return self._pictures.pop(0)
+        self._is_over.wait(10.0)
+        raise CameraLost("it was interrupted")
+
+    def interrupt(self) -> None:
+        self._is_over.set()
+
+    def close(self) -> None:
+        self.interrupt()
+
+
+class Robot:
+    """Takes what a thread brings to the bus."""
+
+    def __init__(self) -> None:
+        self.events: list[Event] = []
+
+    def element_happened(self, face: object, events: list[Event], stamp_ns: int) -> None:
+        self.events += events
+
+
+def joined(open_camera: Callable[[str], Source]) -> tuple[CameraThread, Robot]:
+    thread, robot = CameraThread("somewhere", open_camera), Robot()
+    thread.join(cast(RobotOnBus, robot), cast("CableFace[Any]", None))
+    thread.start()
+    return thread, robot
+
+
+def test_pictures_reach_the_bus_as_they_are_and_what_is_none_is_counted(until: Callable[..., None]) -> None:
+    thread, robot = joined(lambda where: Pictures(JPEG, b"no picture", JPEG[:-1]))
+    until(lambda: thread.driver.damaged["picture"] == 2)
+    assert robot.events == [PictureTaken(JPEG, 160, 120)]
+    assert (thread.driver.size, thread.driver.is_connected, thread.driver.faults()) == ((160, 120), True, ())
+    thread.close()
+    assert not any(each.name == "camera" for each in threading.enumerate())
+
+
+def test_camera_that_is_not_there_is_a_fault_and_tried_again(until: Callable[..., None]) -> None:
+    tries = 0
+
+    def open_camera(where: str) -> Source:
+        nonlocal tries
+        tries += 1
+        if tries == 1:
+            raise CameraLost("nobody answers")
+        return Pictures(JPEG)
+
+    thread, robot = joined(open_camera)
+    until(lambda: not thread.driver.is_connected and "nobody answers" in thread.driver.faults()[0])
+    until(lambda: thread.driver.is_connected)
+    assert len(robot.events) == 1
+    thread.close()
+
+
+def test_camera_that_stalls_is_a_fault_even_while_its_thread_hangs() -> None:
+    now = 5.0
+    state = CameraState(lambda: now)
+    assert state.faults() == ("the camera gives no pictures: it has not been opened yet",)
+    state.take((160, 120))
+    assert state.faults() == ()
+    now += PATIENCE
+    assert state.faults() == ("the camera gives no pictures: none has come for 3 s",)
+    state.lose("it hung up")
+    state.lose("nobody answers")
+    assert dict(state.lost) == {"it hung up": 1}  # the second time it was not there to be lost
+    assert state.faults() == ("the camera gives no pictures: nobody answers",)
+
+
+def test_face_publishes_the_jpeg_and_describes_its_size() -> None:
+    state = CameraState(lambda: 0.0)
+    state.take((160, 120))
+    settings = Settings(camera=CameraSettings(field_of_view_rad=0.8))
+    face = CameraFace("happy", cast(Any, None), settings, state, cast(Any, None))
+    [(topic, message)] = face.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000)
+    assert topic is keys.CAMERA
+    image = cast(Any, message)
+    assert (image.format, image.header.frame_id, image.header.stamp.nanosec) == ("jpeg", "happy/camera", 500_000_000)
+    assert np.asarray(image.data).tobytes() == JPEG
+    assert face.describe() == {"size": (160, 120), "field_of_view": 0.8}
+    face.halt()  # moves nothing, and needs nobody

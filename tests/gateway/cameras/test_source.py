@@ -1,0 +1,178 @@
+"""Reading an IP camera over loopback: the camera is a few lines of this test."""
+
+import socket
+import threading
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from gateway.cameras import source as module
+from gateway.cameras.source import check_source, open_source
+from gateway.errors import CameraLost, CameraNotUsable
+
+LIMIT = 10.0
+HEAD = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n"
+
+
+def part(picture: bytes) -> bytes:
+    return b"--frame\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(picture), picture)
+
+
+class Camera:
+    """Answers one client with what `serve` does to its connection. requests: what the clients asked."""
+
+    def __init__(self) -> None:
+        self.requests: list[bytes] = []
+        self.serve: Callable[[socket.socket], None] = lambda connection: connection.sendall(HEAD)
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}/video"
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+        self._thread.join(LIMIT)
+
+    def _run(self) -> None:
+        while True:
+            try:
+                connection, _ = self._listener.accept()
+            except OSError:
+                return
+            with connection:
+                self.requests.append(connection.recv(4096))
+                self.serve(connection)
+
+
+@pytest.fixture
+def camera() -> Iterator[Camera]:
+    camera = Camera()
+    yield camera
+    camera.close()
+
+
+def test_newest_picture_is_read_and_older_ones_are_passed_over(camera: Camera) -> None:
+    has_read = threading.Event()
+
+    def serve(connection: socket.socket) -> None:
+        connection.sendall(HEAD + part(b"one") + part(b"two") + part(b"three"))
+        has_read.wait(LIMIT)
+        connection.sendall(part(b"four"))
+        has_read.clear()
+        has_read.wait(LIMIT)
+
+    camera.serve = serve
+    source = open_source(camera.url)
+    assert source.read() in (b"three", b"two", b"one")
+    has_read.set()
+    while source.read() != b"four":
+        pass
+    has_read.set()
+    source.close()
+    assert camera.requests[0].startswith(b"GET /video HTTP/1.1\r\n")
+
+
+def test_name_and_password_of_the_url_are_shown_to_the_camera(camera: Camera) -> None:
+    source = open_source(camera.url.replace("http://", "http://eye:open%20up@"))
+    source.close()
+    assert b"Authorization: Basic ZXllOm9wZW4gdXA=\r\n" in camera.requests[0]
+
+
+def test_camera_that_hangs_up_is_lost(camera: Camera) -> None:
+    source = open_source(camera.url)
+    with pytest.raises(CameraLost, match="has closed the connection"):
+        source.read()
+    source.close()
+
+
+@pytest.mark.parametrize(
+    ("answer", "says"),
+    [
+        (b"HTTP/1.0 404 Not Found\r\nContent-Length: 0\r\n\r\n", "404 Not Found"),
+        (b"HTTP/1.0 200 OK\r\nContent-Type: text/html\r\n\r\n<html>", "200 OK, text/html"),
+        (b"nonsense\r\n\r\n", "does not answer"),
+        (b"", "does not answer"),
+    ],
+)
+def test_what_is_no_stream_of_pictures_is_lost_with_what_was_said(camera: Camera, answer: bytes, says: str) -> None:
+    camera.serve = lambda connection: connection.sendall(answer)
+    with pytest.raises(CameraLost, match=says):
+        open_source(camera.url)
+
+
+def test_nobody_there_is_lost() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+    with pytest.raises(CameraLost, match="does not answer"):
+        open_source(f"http://127.0.0.1:{port}/video")
+
+
+def test_silence_is_lost(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "PATIENCE", 0.05)
+    is_over = threading.Event()
+
+    def serve(connection: socket.socket) -> None:
+        connection.sendall(HEAD + part(b"one"))
+        is_over.wait(LIMIT)
+
+    camera.serve = serve
+    source = open_source(camera.url)
+    assert source.read() == b"one"
+    with pytest.raises(CameraLost, match="no picture has come"):
+        source.read()
+    source.close()
+    is_over.set()
+
+
+def test_read_under_way_can_be_ended_from_elsewhere(camera: Camera) -> None:
+    is_reading, is_over = threading.Event(), threading.Event()
+
+    def serve(connection: socket.socket) -> None:
+        connection.sendall(HEAD)
+        is_over.wait(LIMIT)
+
+    camera.serve = serve
+    source = open_source(camera.url)
+    ends: list[CameraLost] = []
+
+    def read() -> None:
+        is_reading.set()
+        try:
+            source.read()
+        except CameraLost as lost:
+            ends.append(lost)
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    is_reading.wait(LIMIT)
+    source.interrupt()
+    reader.join(LIMIT)
+    source.close()
+    is_over.set()
+    assert len(ends) == 1
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ("rtsp://camera/video", "give a URL that begins with http://"),
+        ("http:///video", "names no host"),
+    ],
+)
+def test_what_is_no_camera_is_refused_with_what_is(where: str, says: str) -> None:
+    with pytest.raises(CameraNotUsable, match=says):
+        check_source(where)
+
+
+def test_device_without_opencv_is_refused_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "find_spec", lambda name: None)
+    check_source("http://camera/video")
+    with pytest.raises(CameraNotUsable, match=r"pip install 'acromovi\[vision\]'"):
+        check_source("/dev/video0")
+
+
+def test_device_that_is_not_there_is_lost() -> None:
+    pytest.importorskip("cv2", reason="devices are opened by OpenCV, which is an extra")
+    with pytest.raises(CameraLost, match="cannot be opened"):
+        open_source("/dev/video-of-nobody")

@@ -1,0 +1,106 @@
+"""The camera of a running emulator: real processes, real pictures."""
+
+import http.client
+import io
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from p2os import Command, encode_command, encode_frame
+from p2os.accessories import vcc4
+from p2os_emu.program import emulator
+
+WORLD = """
+[[walls]]
+from_m = [6.0, -4.0]
+to_m = [6.0, 4.0]
+[[objects]]
+name = "post"
+at_m = [3.0, 0.0]
+size_m = [0.4, 0.4, 1.0]
+mass_kg = 5.0
+colour = "red"
+"""
+FIT = ("--robot", "p3dx-sh:happy", "--fit", "ptz:vcc4,camera:96x72@30")
+LIMIT = 15.0
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> str:
+    path = tmp_path / "room.toml"
+    path.write_text(WORLD)
+    return str(path)
+
+
+def picture(url: str) -> NDArray[np.uint8]:
+    at = urlsplit(url)
+    connection = http.client.HTTPConnection(at.hostname or "", at.port, timeout=LIMIT)
+    connection.request("GET", "/image")
+    with connection.getresponse() as answer:
+        data = answer.read()
+    connection.close()
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
+
+
+def red_column(url: str) -> float | None:
+    """The middle of what is red; None where nothing is."""
+    red, green, blue = np.moveaxis(picture(url).astype(int), 2, 0)
+    columns = np.nonzero((red > 60) & (red > 2 * green) & (red > 2 * blue))[1]
+    return float(columns.mean()) if len(columns) > 5 else None
+
+
+def camera_pid(emulator_pid: int) -> int:
+    """The only child of an emulator."""
+    return int(Path(f"/proc/{emulator_pid}/task/{emulator_pid}/children").read_text().split()[0])
+
+
+def is_running(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+def test_picture_follows_the_head_and_the_end_of_the_emulator_ends_the_camera(
+    world: str, until: Callable[..., None]
+) -> None:
+    with emulator(*FIT, "--world", world) as robots:
+        url = robots.robots[0]["camera_url"]
+        assert url is not None
+        assert url.startswith("http://127.0.0.1:")
+        assert picture(url).shape == (72, 96, 3)
+        straight = red_column(url)
+        assert straight is not None
+        assert straight == pytest.approx(48, abs=2)
+        with Path(robots.port).open("wb", buffering=0) as port:
+            for sync in range(3):
+                port.write(encode_frame(bytes([sync])))
+            port.write(encode_command(Command.OPEN))
+            for request in (vcc4.power(True), vcc4.host_control(), vcc4.move(-89, 0)):  # 10 degrees to the left
+                port.write(encode_command(Command.TTY2, request))
+            until(lambda: (red_column(url) or 0.0) > straight + 15)
+        pid = camera_pid(robots.process.pid)
+        robots.process.kill()
+        robots.process.wait()
+        until(lambda: not is_running(pid))
+
+
+def test_camera_that_dies_is_said_once_and_the_robot_goes_on(world: str, until: Callable[..., None]) -> None:
+    command = [sys.executable, "-m", "p2os_emu", *FIT, "--world", world, "--duration", "3", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        os.kill(camera_pid(process.pid), signal.SIGKILL)
+        _, complaints = process.communicate(timeout=LIMIT)
+    assert process.returncode == 0
+    assert complaints == "p2os-emu: the camera of happy has ended; the robot goes on without it\n"
