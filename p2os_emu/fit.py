@@ -117,6 +117,7 @@ _USUAL: Mapping[tuple[str, str], str] = {
     ("arm", "powerbot"): "powercube",
     ("gripper", "peoplebot"): "peoplebot",
     ("gripper", "p2pb"): "peoplebot",
+    ("gripper", "p2pp"): "peoplebot",
     ("gripper", "perfpb"): "peoplebot",
     ("gripper", "perfpb+"): "peoplebot",
 }
