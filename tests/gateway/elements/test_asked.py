@@ -93,9 +93,9 @@ def test_errors_of_the_compass_module_are_a_fault_until_they_are_gone(make_stand
     stand = make_stand(Compass)
     stand.connect()
     stand.take(NORTH_EAST._replace(errors=-0x8000 + 1))
-    assert stand.element.faults == ("the compass reports errors (0x8001)",)
+    assert list(stand.element.faults) == ["the compass reports errors (0x8001)"]
     stand.take(NORTH_EAST)
-    assert stand.element.faults == ()
+    assert list(stand.element.faults) == []
 
 
 def test_joystick_is_passed_on_and_is_let_drive(make_stand: "MakeStand") -> None:
