@@ -15,6 +15,7 @@ GROUPS = {
     "cadence": "how evenly SIPs come on a pty",
     "emulator": "processor time of one robot and of twenty, and readiness",
     "laser": "scans per second by the line's rate, and processor time of robots with lasers",
+    "camera": "SIP cadence and processor time while somebody looks through a robot's camera",
     "latency": "from the port to the bus and from the bus to the port",
     "gateway": "processor time and memory of the gateway",
     "stop_proof": "time and distance until the wheels stand, whatever dies; writes stop-proof.md",

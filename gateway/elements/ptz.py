@@ -23,7 +23,8 @@ from p2os.accessories.head_model import HeadKind, HeadModel
 AUX_PORT = 1
 MOVING_PERIOD = 0.1
 SLOW_LINE_PERIOD = 0.2
-"""Seconds between two questions while the head moves; the second on a line of 9600 bit/s."""
+RADIO_PERIOD = 0.5
+"""Seconds between two questions while the head moves: on a fast line, on one of 9600 bit/s, and over radio modems."""
 SLOW_LINE = 9600
 RESTING_PERIOD = 2.0
 """Seconds between two questions while it rests."""
@@ -203,12 +204,17 @@ class Ptz(Element):
     def _poll(self, now: float) -> None:
         talk, place = self._found()
         is_moving = place.is_moving(now)
-        is_slow = 0 < self._outbox.baud <= SLOW_LINE
-        self._poll_at = now + ((SLOW_LINE_PERIOD if is_slow else MOVING_PERIOD) if is_moving else RESTING_PERIOD)
+        self._poll_at = now + (self._moving_period if is_moving else RESTING_PERIOD)
         if place.turns or not place.zooms:
             self._aux.put("direction", talk.ask_direction)
         if place.zooms or not is_moving:
             self._aux.put("zoom position", talk.ask_zoom)
+
+    @property
+    def _moving_period(self) -> float:
+        if not self._settings.line.streams:
+            return RADIO_PERIOD
+        return SLOW_LINE_PERIOD if 0 < self._outbox.baud <= SLOW_LINE else MOVING_PERIOD
 
     # Telling.
 
