@@ -42,7 +42,12 @@ PARTS: Mapping[str, Part] = {
             ("pioneer", "powercube"),
             ("powercube",),
         ),
-        Part("camera", "a camera whose pictures an IP camera serves", ("320x240@10", "160x120@10"), check=read_format),
+        Part(
+            "camera",
+            "a camera whose pictures an IP camera serves, in any WIDTHxHEIGHT@RATE",
+            ("320x240@10", "160x120@10"),
+            check=read_format,
+        ),
         Part("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
         Part("compass", "a TCM2 compass", ("tcm2",)),
         Part("joystick", "a joystick in the robot's socket"),
