@@ -16,6 +16,7 @@ import pytest
 from acromovi.children import EmulatedRobots, emulator, gateway
 from bus import ZenohBus, keys
 from gateway.commands import COMMANDS
+from gateway.faces.all_faces import FACES
 from gateway.streams import STREAMS
 
 ROOT = Path(__file__).parents[1]
@@ -108,6 +109,10 @@ def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
     served = [
         *STREAMS,
         *(row.topic for row in COMMANDS),
+        *(row.topic for face in FACES for row in face.commands),
+        *(topic for face in FACES for topic in face.streams),
+        keys.SCAN,
+        keys.CAMERA,
         keys.CMD_VEL,
         keys.CMD_VEL_STAMPED,
         keys.LEASE,

@@ -2,7 +2,10 @@
 
 from collections.abc import Mapping
 
-from acromovi.scenes import sensors
+from acromovi.scenes import eyes, faults, hands, lines, sensors, tapes
 from acromovi.scenes.stage import Scene
 
-SCENES: Mapping[str, Scene] = {scene.name: scene for scene in sensors.SCENES}
+SCENES: Mapping[str, Scene] = {
+    scene.name: scene
+    for scene in (*hands.SCENES, *sensors.SCENES, *eyes.SCENES, *lines.SCENES, *faults.SCENES, *tapes.SCENES)
+}

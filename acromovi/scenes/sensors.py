@@ -3,7 +3,10 @@
 import math
 
 from acromovi.scenes.stage import Scene, SceneFailed, Stage
-from bus import keys
+from bus import keys, messages
+
+FAR_LEDGE, NEAR_LEDGE = 1 << 7, 1 << 8
+"""Of the FLAGS word in `<robot>/state`."""
 
 
 def _laser(stage: Stage) -> None:
@@ -34,11 +37,45 @@ def _bumpers(stage: Stage) -> None:
 
 
 def _gyro(stage: Stage) -> None:
-    stage.drive(0.0, 0.5, 1.0)
-    stage.say("the robot turns at 0.5 rad/s")
-    stage.drive(0.0, 0.5, 0.5)
-    moving = stage.see(keys.IMU, what="turn rate")
-    stage.say(f"the gyro says {moving.angular_velocity.z:+.3f} rad/s (the truth: {stage.truth()['angular']:+.3f})")
+    stage.tell(keys.TURN, angle=3.0)
+    stage.say("the robot turns by 3 rad")
+    turning = stage.see(keys.IMU, lambda imu: imu.angular_velocity.z > 0.3, "a turn that the gyro feels")
+    truth = stage.truth()["angular"]
+    stage.say(f"the gyro says {turning.angular_velocity.z:+.3f} rad/s (the truth: {truth:+.3f})")
+
+
+def _controller_gyro(stage: Stage) -> None:
+    stage.tell(keys.TURN, angle=3.0)
+    stage.see(
+        keys.ODOM, lambda odometry: abs(messages.heading(odometry.pose.pose.orientation) - 3.0) < 0.03, "the turn"
+    )
+    said = messages.heading(stage.see(keys.ODOM).pose.pose.orientation)
+    true = stage.truth()["heading"]
+    stage.say(
+        f"after a turn of 3 rad odometry says {said:.3f} rad, the truth is {true:.3f}: the gyro corrects the wheels"
+    )
+
+
+def _infrared(stage: Stage) -> None:
+    stage.ask("pose", x=14.2, y=6.1, heading=0.0)
+    for _ in range(20):
+        stage.drive(0.2, 0.0, 0.3)
+        seen = [one.header.frame_id for one in stage.see(keys.IR).ranges if one.range == -math.inf]
+        if seen:
+            stage.say(f"a wall ahead: {', '.join(seen)}")
+            return
+    raise SceneFailed("the infrared sensors did not see the wall")
+
+
+def _ledge(stage: Stage) -> None:
+    stage.ask("pose", x=4.0, y=3.3, heading=0.0)
+    for _ in range(20):
+        stage.drive(0.2, 0.0, 0.3)
+        flags = stage.see(keys.STATE).flags
+        if flags & (FAR_LEDGE | NEAR_LEDGE):
+            stage.say(f"stairs ahead: far {bool(flags & FAR_LEDGE)}, near {bool(flags & NEAR_LEDGE)}")
+            return
+    raise SceneFailed("the ledge sensors did not see the stairs")
 
 
 def _compass(stage: Stage) -> None:
@@ -46,7 +83,7 @@ def _compass(stage: Stage) -> None:
     field = compass.magnetic_field
     strength = math.sqrt(field.x**2 + field.y**2 + field.z**2)
     stage.say(
-        f"heading {math.degrees(compass.heading):.1f} deg (the truth: {math.degrees(stage.truth()['heading']):.1f}), "
+        f"the robot faces east, along the world's x axis: {math.degrees(compass.heading):.1f} deg from north, "
         f"field {strength * 1e6:.1f} uT"
     )
 
@@ -54,7 +91,8 @@ def _compass(stage: Stage) -> None:
 def _joystick(stage: Stage) -> None:
     stage.ask("joystick", x=-0.5, y=0.8, button1=True)
     joystick = stage.see(keys.JOYSTICK, lambda joy: any(joy.buttons), "a pressed button")
-    stage.say(f"axes {[round(float(axis), 2) for axis in joystick.axes]}, buttons {list(joystick.buttons)}")
+    axes, buttons = [round(float(axis), 2) for axis in joystick.axes], [int(button) for button in joystick.buttons]
+    stage.say(f"axes {axes}, buttons {buttons}")
 
 
 SCENES = (
@@ -66,7 +104,25 @@ SCENES = (
         ("--laser", "{laser_port}"),
     ),
     Scene("bumpers", "bumper segments by the place of the contact", ("--robot", "powerbot:{name}"), _bumpers),
+    Scene(
+        "infrared",
+        "the PowerBot's infrared sensors become <robot>/ir",
+        ("--robot", "powerbot-sh:{name}"),
+        _infrared,
+    ),
+    Scene(
+        "ledge",
+        "sensors that look over an edge of the floor",
+        ("--robot", "p3dx-sh:{name}", "--fit", "ledge", "--world", "gripper-lab"),
+        _ledge,
+    ),
     Scene("gyro", "the analog gyro becomes <robot>/imu", ("--robot", "p3dx-sh:{name}", "--fit", "gyro"), _gyro),
+    Scene(
+        "controller-gyro",
+        "a gyro inside the controller, which corrects the odometry",
+        ("--robot", "p3dx-sh:{name}", "--fit", "gyro:controller"),
+        _controller_gyro,
+    ),
     Scene(
         "compass",
         "the TCM2 compass becomes <robot>/compass",

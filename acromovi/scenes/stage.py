@@ -2,10 +2,12 @@
 
 import math
 import queue
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from acromovi.children import EmulatedRobots, emulator, gateway
@@ -25,7 +27,8 @@ class Scene:
     """A few seconds of one robot.
 
     name: what one types. shows: for people. emulator, gateway: their arguments; `{laser_port}` and the like stand for
-    what the emulator says of its robot. play: what happens.
+    what the emulator says of its robot, `{name}` and `{folder}` for the robot's name and a folder of the scene's own.
+    play: what happens. has_gateway: a gateway is started; without it the robot's port is free for the scene.
     """
 
     name: str
@@ -33,17 +36,19 @@ class Scene:
     emulator: tuple[str, ...]
     play: "Callable[[Stage], None]"
     gateway: tuple[str, ...] = ()
+    has_gateway: bool = True
 
 
 class Stage:
     """Where a scene plays.
 
-    robot: its name. robots: the emulator.
+    robot: its name. robots: the emulator. folder: of the scene's own, removed with it.
     """
 
-    def __init__(self, robot: str, robots: EmulatedRobots, bus: Bus, say: Callable[[str], None]) -> None:
+    def __init__(self, robot: str, robots: EmulatedRobots, bus: Bus, folder: Path, say: Callable[[str], None]) -> None:
         self.robot = robot
         self.robots = robots
+        self.folder = folder
         self.say = say
         self._bus = bus
 
@@ -149,14 +154,15 @@ def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[
         say: Takes a sentence for people.
     """
     with ExitStack() as stack:
-        arguments = [word.replace("{name}", robot) for word in scene.emulator]
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="acromovi-try-"))
+        arguments = [word.replace("{name}", robot).replace("{folder}", folder) for word in scene.emulator]
         robots = stack.enter_context(emulator("--quiet", *arguments))
-        facts = {key: value or "" for key, value in robots.robots[0].items()}
-        options = [word.format_map(facts) for word in scene.gateway]
         say(f"$ p2os-emu {' '.join(arguments)}")
-        say(f"$ p2os-gateway {' '.join([robots.port, *options])}")
-        bus = stack.enter_context(ZenohBus.open())
-        stack.enter_context(gateway(robots.port, "--quiet", *options))
-        stage = Stage(robot, robots, bus, say)
-        stage.see(keys.ODOM, what="odometry")
+        stage = Stage(robot, robots, stack.enter_context(ZenohBus.open()), Path(folder), say)
+        if scene.has_gateway:
+            facts = {key: value or "" for key, value in robots.robots[0].items()}
+            options = [word.format_map(facts) for word in scene.gateway]
+            say(f"$ p2os-gateway {' '.join([robots.port, *options])}")
+            stack.enter_context(gateway(robots.port, "--quiet", *options))
+            stage.see(keys.ODOM, what="odometry")
         yield stage

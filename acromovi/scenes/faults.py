@@ -1,0 +1,65 @@
+"""Scenes of robots that something has befallen, and of how their gateway tells."""
+
+import math
+
+from acromovi.scenes.stage import Scene, Stage
+from bus import keys
+
+
+def _stalled(stage: Stage) -> None:
+    stage.ask("fault", fault="wheel-stalled:side=left@0+8")
+    stage.tell(keys.MOVE, distance=1.0)
+    state = stage.see(keys.STATE, lambda state: any("stalled" in fault for fault in state.faults), "a stalled wheel")
+    stage.say("; ".join(state.faults))
+
+
+def _dead_disc(stage: Stage) -> None:
+    disc = f"{stage.robot}/sonar_3"
+
+    def hears(message: object) -> bool:
+        readings = message.ranges  # type: ignore[attr-defined] # a message
+        return any(one.header.frame_id == disc and math.isinf(one.range) == is_dead for one in readings)
+
+    is_dead = False
+    stage.see(keys.SONAR, hears, "an echo of disc 3")
+    stage.ask("fault", fault="sonar-dead:disc=3@0+5")
+    is_dead = True
+    stage.see(keys.SONAR, hears, "silence of disc 3")
+    stage.say("disc 3 hears nothing: its range is infinite")
+    is_dead = False
+    stage.see(keys.SONAR, hears, "disc 3 back", 15.0)
+    stage.say("disc 3 is back")
+
+
+def _stop_button(stage: Stage) -> None:
+    stage.tell(keys.MOVE, distance=1.0)
+    stage.ask("fault", fault="stop-pressed@0.5+3")
+    state = stage.see(keys.STATE, lambda state: state.estop, "the pressed button")
+    stage.say("; ".join(state.faults))
+    stage.say(f"a command meanwhile: {stage.is_refused(keys.MOVE, distance=1.0)}")
+    stage.see(keys.STATE, lambda state: not any("STOP" in fault for fault in state.faults), "the button out again")
+    stage.tell(keys.ENABLE, on=True)
+    stage.say("the button is out and the motors are on again")
+
+
+def _gyro(stage: Stage) -> None:
+    stage.see(keys.IMU, what="turn rates")
+    stage.ask("fault", fault="gyro-failed@0+4")
+    state = stage.see(keys.STATE, lambda state: any("gyro" in fault for fault in state.faults), "a failed gyro")
+    stage.say("; ".join(state.faults))
+    stage.see(keys.STATE, lambda state: not any("gyro" in fault for fault in state.faults), "the gyro back")
+    stage.see(keys.IMU, what="turn rates again")
+    stage.say("the gyro is back")
+
+
+SCENES = (
+    Scene("wheel-stalled", "something blocks a wheel", ("--robot", "p3dx-sh:{name}"), _stalled),
+    Scene(
+        "sonar-dead",
+        "a sonar disc goes deaf",
+        ("--robot", "p3dx-sh:{name}", "--perfect", "--world", "office"),
+        _dead_disc,
+    ),
+    Scene("stop-pressed", "someone presses the red button", ("--robot", "p3dx-sh:{name}"), _stop_button),
+    Scene("gyro-failed", "the gyro fails for 4 s", ("--robot", "p3dx-sh:{name}", "--fit", "gyro"), _gyro),
+)
