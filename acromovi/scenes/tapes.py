@@ -5,17 +5,26 @@ import sys
 import time
 from collections import Counter
 
-import serial
-
 import configs
 from acromovi.children import emulator, gateway
 from acromovi.scenes.stage import Scene, SceneFailed, Stage
 from bus import ZenohBus, keys
+from gateway.serial_port import Port, open_port
 from p2os import Command, ExtendedLaser, Frame, FrameDecoder, RobotModel, UnknownPacket, decode_packet, encode_command
 from p2os.wire_log import Entry, as_text
 
 CASSETTE = "drive.jsonl"
 SHOWN = 12
+TURN_S = 0.05
+HEARD_S = 1.0
+LASER_REQUEST = (
+    (Command.GRIPPERVAL, -90),
+    (Command.GRIPREQUEST, 90),
+    (Command.GYROCALCW, 100),
+    (Command.ADSEL, 2),
+    (Command.SIM_STAT, 1),
+)
+"""From -90 to 90 degrees, a degree a beam, with reflectance; and once the truth."""
 
 
 def _wire(stage: Stage) -> None:
@@ -59,29 +68,38 @@ def _check(stage: Stage) -> None:
 
 
 def _mobilesim(stage: Stage) -> None:
-    """The client's side in a few lines, as old programs do it: 36, 37, 38 and 35 ask for a laser."""
+    """The client's side in a few lines, as old programs have it: 36, 37, 38 and 35 ask for a laser."""
+    port = open_port(stage.robots.port)
+    try:
+        for command in (Command.SYNC0, Command.SYNC1, Command.SYNC2, Command.OPEN):
+            port.write(encode_command(command))
+            time.sleep(TURN_S)
+        for command, value in LASER_REQUEST:
+            port.write(encode_command(command, value))
+        heard, beams = _hear_laser(port)
+        port.write(encode_command(Command.CLOSE))
+    finally:
+        port.close()
+    if not beams:
+        raise SceneFailed("no laser packet came")
+    stage.say(f"a laser of {beams} beams in the robot's own line, and its true pose; heard: {dict(heard)}")
+
+
+def _hear_laser(port: Port) -> tuple[Counter[str], int]:
+    """What comes within a moment, counted by kind, and how many beams a sweep has."""
     model = configs.load(RobotModel, "robots", "p3dx-sh")
     frames = FrameDecoder()
     heard: Counter[str] = Counter()
     beams = 0
-    with serial.serial_for_url(stage.robots.port, timeout=0.1) as line:
-        for number in (Command.SYNC0, Command.SYNC1, Command.SYNC2, Command.OPEN):
-            line.write(encode_command(number))
-            time.sleep(0.05)
-        line.write(encode_command(Command.GRIPPERVAL, -90) + encode_command(Command.GRIPREQUEST, 90))
-        line.write(encode_command(Command.GYROCALCW, 100) + encode_command(Command.ADSEL, 2))
-        line.write(encode_command(Command.SIM_STAT, 1))
-        deadline = time.monotonic() + 3.0
-        while time.monotonic() < deadline and not (beams and heard["SimulatorState"]):
-            for found in frames.receive(line.read(4096), time.monotonic()):
-                if isinstance(found, Frame):
-                    packet = decode_packet(found.payload, model)
-                    heard[type(packet).__name__] += not isinstance(packet, UnknownPacket)  # the handshake
-                    beams = packet.total if isinstance(packet, ExtendedLaser) else beams
-        line.write(encode_command(Command.CLOSE))
-    if not beams:
-        raise SceneFailed("no laser packet came")
-    stage.say(f"a laser of {beams} beams in the robot's own line, and its true pose; heard: {dict(heard)}")
+    deadline = time.monotonic() + HEARD_S
+    while time.monotonic() < deadline:
+        time.sleep(TURN_S)
+        for found in frames.receive(port.read(), time.monotonic()):
+            if isinstance(found, Frame):
+                packet = decode_packet(found.payload, model)
+                heard[type(packet).__name__] += not isinstance(packet, UnknownPacket)  # the handshake
+                beams = packet.total if isinstance(packet, ExtendedLaser) else beams
+    return +heard, beams
 
 
 SCENES = (
