@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 SUFFIX = ".toml"
 PARAMETER_SUFFIX = ".p"
-KINDS = ("robots", "worlds", "links", "bus", "accessories")
+KINDS = ("robots", "worlds", "links", "bus", "accessories", "teams")
 
 
 class ConfigError(ValueError):
@@ -23,7 +23,7 @@ class ConfigError(ValueError):
 
 
 def names(kind: str) -> list[str]:
-    """The names of the files of one kind ("robots", "worlds", "links", "bus", "accessories"), sorted."""
+    """The names of the files of one of `KINDS`, sorted."""
     return sorted(path.stem if path.suffix == SUFFIX else path.name for path in _files(kind))
 
 
@@ -31,7 +31,7 @@ def find(kind: str, name: str) -> Path:
     """The file that a name means.
 
     Args:
-        kind: "robots", "worlds", "links", "bus" or "accessories".
+        kind: One of `KINDS`.
         name: Of a file in this package, or a path to one elsewhere.
     Raises:
         ConfigError: There is no such file; the message gives the nearest names.

@@ -48,8 +48,8 @@ class PhysicsError(Exception):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse, build and run; returns an exit code of `p2os_emu.options`."""
-    options = parse(argv)
     try:
+        options = parse(argv)
         if options.listing is not None:
             print(listing(options.listing), flush=True)
             return EXIT_OK
@@ -94,7 +94,7 @@ def _emulate(options: Options) -> None:
             recording = stack.enter_context(contextlib.closing(Recording(options.record, len(options.robots))))
             team.whenever_added.append(recording.add)
         cameras = stack.enter_context(contextlib.closing(_open_cameras(emulator, world, team)))
-        robots = [team.add(text) for text in options.robots]
+        robots = [team.add(text, options.places.get(text.rpartition(":")[2])) for text in options.robots]
         team.check_fits()
         faults = FaultBoard(emulator.robots)
         emulator.before_step = faults.advance

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 
 import configs
+from configs.team_file import TeamFile
 from p2os import RobotModel
 from p2os_emu.faults.table import FAULTS
 from p2os_emu.fit import PARTS, REMOVABLE
@@ -12,7 +13,7 @@ Row = tuple[str, str]
 
 
 def listing(kind: str) -> str:
-    """A table of everything of one kind: "robots", "parts", "worlds", "links" or "faults".
+    """A table of everything of one kind: "robots", "parts", "teams", "worlds", "links" or "faults".
 
     Raises:
         ConfigError: A file has an error.
@@ -38,6 +39,12 @@ def _parts() -> Iterator[Row]:
             yield f"{part.name}:{variant}", "  as it is usually" if variant == part.variants[0] else ""
     for name in REMOVABLE:
         yield f"no-{name}", f"takes the {name.replace('-', ' ')} off"
+
+
+def _teams() -> Iterator[Row]:
+    for name in configs.names("teams"):
+        team = configs.load(TeamFile, "teams", name)
+        yield name, f"{team.about}: {', '.join(robot.name for robot in team.robots)}"
 
 
 def _worlds() -> Iterator[Row]:
@@ -68,6 +75,7 @@ def _faults() -> Iterator[Row]:
 _LISTS: Mapping[str, Callable[[], Iterator[Row]]] = {
     "robots": _robots,
     "parts": _parts,
+    "teams": _teams,
     "worlds": _worlds,
     "links": _links,
     "faults": _faults,

@@ -2,10 +2,13 @@
 
 import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import configs
+from configs.team_file import TeamFile
+from geometry import Pose2D
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
 
 EXIT_OK = 0
@@ -23,6 +26,7 @@ examples:
   p2os-emu --robot p3dx:happy --pty /tmp/happy       always at the same path
   p2os-emu --robot p3dx --robot p2dx --tcp 8101      two robots, on TCP ports 8101 and 8102
   p2os-emu --robot p3dx --fit gripper,laser,ptz:vcc4 with accessories; the laser has a port of its own
+  p2os-emu --team pioneers                           one PowerBot and six Pioneers, each with something else
   p2os-emu --robot p3dx --world lab.map --link rs232 in a world of an ARIA map, on a cable of 9600 baud
   p2os-emu -m lab.map -r p3dx:happy -p 8101          as with MobileSim; -R p3dx makes a robot for every client
   p2os-emu --robot p3dx --fault line-cut:robot=p3dx@5+10
@@ -46,6 +50,7 @@ class Options:
     """What was asked for on the command line. speed: emulated s per s. duration: s of emulated time."""
 
     robots: tuple[str, ...]
+    places: Mapping[str, Pose2D]
     factory: str | None
     fits: tuple[str, ...]
     world: str
@@ -73,12 +78,17 @@ class Options:
 
 
 def parse(argv: Sequence[str] | None = None) -> Options:
-    """Read the command line; ends the program with exit code 2 and a message where it is wrong."""
+    """Read the command line; ends the program with exit code 2 and a message where it is wrong.
+
+    Raises:
+        ConfigError: There is no such team, or its file has an error.
+    """
     parser = _parser()
     given = parser.parse_args(argv)
+    places = _add_emulated(given, configs.load(TeamFile, "teams", given.team)) if given.team else {}
     needs_robot = given.listing is None and given.serve is None and given.check is None
     if needs_robot and not (given.robot or given.tcp_robot or given.factory):
-        parser.error("which robot? give --robot MODEL[:NAME]; --list-robots shows the models")
+        parser.error("which robot? give --robot MODEL[:NAME] or --team; --list-robots shows the models")
     if given.factory and given.pty is not None:
         parser.error("-R serves its clients on TCP: give -p PORT, not --pty")
     if (given.tcp_robot or given.factory) and given.pty is None and given.tcp is None:
@@ -87,12 +97,13 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         parser.error("a robot has one port: give --pty or --tcp, not both")
     return Options(
         robots=(*given.robot, *given.tcp_robot),
+        places=places,
         factory=given.factory,
         fits=tuple(given.fit),
         world=given.world or ("office" if given.check is None else "empty"),
         pty=given.pty,
         tcp=given.tcp,
-        link=given.link,
+        link=given.link or "ideal",
         seed=given.seed,
         speed=given.speed,
         faults=tuple(given.fault),
@@ -112,6 +123,16 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         quiet=given.quiet,
         listing=given.listing,
     )
+
+
+def _add_emulated(given: argparse.Namespace, team: TeamFile) -> dict[str, Pose2D]:
+    """Add a team's emulated robots to what was asked for; returns where those begin that have a place of their own."""
+    robots = [robot for robot in team.robots if robot.is_emulated]
+    given.robot += [f"{robot.model}:{robot.name}" for robot in robots]
+    given.fit += [f"{robot.name}={','.join(robot.fit)}" for robot in robots if robot.fit]
+    given.world = given.world or team.world
+    given.link = given.link or team.link
+    return {robot.name: Pose2D(*robot.at_m, math.radians(robot.heading_deg)) for robot in robots if robot.at_m}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -138,6 +159,9 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="MODEL[:NAME]",
         help="a robot of this model; repeat for more; without a name it is called as its model, then MODEL-2 and so on",
+    )
+    group.add_argument(
+        "--team", metavar="NAME|FILE", help="the emulated robots of a team, with their accessories, world and line"
     )
     group.add_argument(
         "-r",
@@ -199,7 +223,7 @@ def _add_ports(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help="listen on TCP instead, on this machine only; the next robots get the next ports; 0: any free ones",
     )
-    group.add_argument("--link", default="ideal", metavar="PROFILE", help="what the cable does to bytes (ideal)")
+    group.add_argument("--link", metavar="PROFILE", help="what the cable does to bytes (ideal)")
     group.add_argument(
         "--hangup-stops", action="store_true", help="stop a robot whose client closed the port; no real one could"
     )
@@ -267,7 +291,7 @@ def _add_cassettes(parser: argparse.ArgumentParser) -> None:
 
 def _add_lists(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("lists")
-    for kind in ("robots", "parts", "worlds", "links", "faults"):
+    for kind in ("robots", "parts", "teams", "worlds", "links", "faults"):
         group.add_argument(
             f"--list-{kind}", action="store_const", const=kind, dest="listing", help=f"show the {kind} there are"
         )

@@ -91,7 +91,7 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
 
 def test_an_unknown_kind_is_refused() -> None:
     with pytest.raises(
-        ConfigError, match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus or accessories"
+        ConfigError, match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus, accessories or teams"
     ):
         configs.names("robot")
 

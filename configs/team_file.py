@@ -1,0 +1,42 @@
+"""Teams as data: which robots there are, what they have, and where they are plugged in."""
+
+from dataclasses import dataclass
+
+EMULATED = "emu"
+"""The port of a robot that is emulated."""
+
+
+@dataclass(frozen=True, slots=True)
+class TeamRobot:
+    """One robot of a team.
+
+    name: on the bus. model: one of `configs/robots`, or a file. port: a device or a URL, or `EMULATED`.
+    fit: its accessories, as `--fit` writes them; of a real robot, what is bolted onto it.
+    laser, arm, camera: where those of a real robot are plugged in.
+    at_m, heading_deg: where it begins in an emulated world; left to the world without them.
+    """
+
+    name: str
+    model: str
+    port: str = EMULATED
+    fit: tuple[str, ...] = ()
+    laser: str | None = None
+    arm: str | None = None
+    camera: str | None = None
+    at_m: tuple[float, float] | None = None
+    heading_deg: float = 0.0
+
+    @property
+    def is_emulated(self) -> bool:
+        """It has no port of its own."""
+        return self.port == EMULATED
+
+
+@dataclass(frozen=True, slots=True)
+class TeamFile:
+    """A file of `configs/teams`. world, link: of the emulated robots."""
+
+    robots: tuple[TeamRobot, ...]
+    about: str = ""
+    world: str = "office"
+    link: str = "ideal"
