@@ -257,7 +257,7 @@ def _add(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     pose = Pose2D(fields["x"], fields["y"], fields.get("heading", 0.0)) if place else None
     text = fields["model"] + (f":{fields['name']}" if "name" in fields else "")
     try:
-        robot = desk.team.add(text, pose)
+        robot = desk.team.add(text, pose, parts=[part for part in fields.get("fit", "").split(",") if part])
     except (TeamError, ConfigError, PortError) as error:
         raise RequestError(str(error)) from error
     return {"robot": desk.team.entry(robot)}
@@ -291,7 +291,7 @@ REQUESTS: Mapping[str, _Request] = {
         _joystick, {"robot": str, "x": float, "y": float, "throttle": float, "button1": bool, "button2": bool}
     ),
     "reset": _Request(_reset, {"robot": str}),
-    "add": _Request(_add, {"model": str, "name": str, **_PLACE}, ("model",)),
+    "add": _Request(_add, {"model": str, "name": str, "fit": str, **_PLACE}, ("model",)),
     "remove": _Request(_remove, {"robot": str}, ("robot",)),
     "quit": _Request(_quit, {}),
 }

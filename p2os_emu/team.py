@@ -77,20 +77,23 @@ class Team:
         name, model = read_robot(text, ())
         self._fitted(name, model)
 
-    def add(self, text: str, pose: Pose2D | None = None, link: Link | None = None) -> EmulatedRobot:
+    def add(
+        self, text: str, pose: Pose2D | None = None, link: Link | None = None, parts: Sequence[str] = ()
+    ) -> EmulatedRobot:
         """Make a robot.
 
         Args:
             text: MODEL or MODEL:NAME; a model is one of `configs/robots` or a path to a file.
             pose: Where, m, m, rad; None leaves the choice to the world.
             link: Its cable; None opens a port for it.
+            parts: Of this robot alone, as `--fit` writes them.
         Raises:
             TeamError: The name will not do, or the world has no room there.
             ConfigError: There is no such model, or a file has an error.
             PortError: Its port cannot be opened.
         """
         name, model = read_robot(text, self.emulator.robots)
-        model, fit = self._fitted(name, model)
+        model, fit = self._fitted(name, model, parts)
         flash = self._flash_of(model, name)
         with ExitStack() as opened:
             if link is None:
@@ -121,9 +124,10 @@ class Team:
             "camera_url": self.camera_url(robot.name),
         }
 
-    def _fitted(self, name: str, model: RobotModel) -> tuple[RobotModel, Fit]:
+    def _fitted(self, name: str, model: RobotModel, own: Sequence[str] = ()) -> tuple[RobotModel, Fit]:
+        meant = [part for whom, parts in self._fits if whom in ("", name) for part in parts]
         try:
-            return read_fit([part for meant, parts in self._fits if meant in ("", name) for part in parts], model)
+            return read_fit([*meant, *own], model)
         except FitError as error:
             raise TeamError(f"robot {name}: {error}") from error
 

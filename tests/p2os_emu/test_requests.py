@@ -150,6 +150,8 @@ def test_robots_come_and_go(fresh: Desk) -> None:
     assert entry["port"].startswith("socket://127.0.0.1:")
     assert ask(fresh, "pose", robot="p2dx")["x"] == 5.0
     assert ask(fresh, "add", model="p2dx")["robot"]["name"] == "p2dx-2"
+    fitted = ask(fresh, "add", model="p3dx", name="doc", fit="laser,no-rear-sonar")["robot"]
+    assert fitted["laser_port"] is not None
     assert ask(fresh, "remove", robot="p2dx") == {"removed": "p2dx"}
     assert "p2dx" not in ask(fresh, "truth")["robots"]
 
@@ -196,6 +198,7 @@ def test_quit_ends_the_run(fresh: Desk) -> None:
         ({"do": "add", "model": "p9dx"}, "there is no 'p9dx' among the robots"),
         ({"do": "add", "model": "p3dx", "name": "happy"}, "there is a robot 'happy' already"),
         ({"do": "add", "model": "p3dx", "name": "a/b"}, "robot name 'a/b' will not do"),
+        ({"do": "add", "model": "p3dx", "fit": "lasser"}, "there is no part 'lasser'; did you mean laser"),
         ({"do": "add", "model": "p3dx", "x": 1}, 'a place needs "x" and "y"'),
         ({"do": "remove"}, 'remove needs "robot"'),
     ],
