@@ -80,6 +80,7 @@ class Bridge(Generic[D]):
         self._clock = clock
         self._lock = threading.Lock()
         self._wake_reader, self._wake_writer = os.pipe()
+        self._waking = threading.RLock()  # a signal handler may wake while its own thread is waking
         os.set_blocking(self._wake_writer, False)
         os.set_blocking(self._wake_reader, False)
         self._waits_until = -inf
@@ -131,6 +132,7 @@ class Bridge(Generic[D]):
                     self._port.write(self._driver.last_words)
                 self._port.close()
                 self._port = None
+        with self._waking:
             if not self._is_closed:
                 self._is_closed = True
                 os.close(self._wake_reader)
@@ -208,8 +210,9 @@ class Bridge(Generic[D]):
         self._driver.port_lost(str(lost), now)
 
     def wake(self) -> None:
-        """Let `run` look after everything now; from any thread or signal handler."""
-        if self._is_closed:
-            return
-        with suppress(BlockingIOError):  # it is being woken already
-            os.write(self._wake_writer, b"!")
+        """Let `run` look after everything now; from any thread or signal handler, and after `close` as well."""
+        with self._waking:
+            if self._is_closed:
+                return  # the descriptor may be somebody else's by now
+            with suppress(BlockingIOError):  # it is being woken already
+                os.write(self._wake_writer, b"!")
