@@ -4,6 +4,7 @@
 """
 
 import itertools
+import re
 from abc import ABC, abstractmethod
 from math import isfinite
 from typing import TypeVar
@@ -185,8 +186,17 @@ class Helm(ABC):
         self._check_link(now)
         element = self.lookup(kind)
         if not element.is_present:
-            raise CommandRefused(f"this robot has no {kind.__name__.lower()}, or has not shown it yet")
+            raise CommandRefused(f"this robot has no {_words(kind)}, or has not shown it yet")
         return element
+
+    def check_free(self) -> None:
+        """Refuse whatever moves a part of the robot while the e-stop is latched.
+
+        Raises:
+            CommandRefused: It is.
+        """
+        if self.is_estopped:
+            raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
 
     def lookup(self, kind: type[E]) -> E:
         """An element, to see what is known of it, whether the robot has it or not."""
@@ -210,3 +220,8 @@ class Helm(ABC):
 
     def _next_id(self, kind: str) -> str:
         return f"{kind}-{next(self._motion_ids)}"
+
+
+def _words(kind: type[Element]) -> str:
+    """What people call an element: `PowerOutputs` is "power outputs"."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()

@@ -67,12 +67,13 @@ def order(arm: Reaching, driver: Driver, arguments: Arguments, now: float) -> No
         raise CommandRefused(f"an arm cannot {what!r}; say {', '.join(ORDERS)}")
     rest = {key: value for key, value in arguments.items() if key not in ("do", TOKEN)}
     given = check_arguments(f"arm {what}", rest, *ORDERS[what])
-    if driver.is_estopped and what != "stop":
-        raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
+    if what != "stop":
+        driver.check_free()
     match what:
         case "move":
             speed = given.get("speed")
-            arm.move(_targets(given["joints"], arm.limits), speed and _speed(speed, arm.limits), now)
+            pace = None if speed is None else _speed(speed, arm.limits)
+            arm.move(_targets(given["joints"], arm.limits), pace, now)
         case "home":
             arm.home(now)
         case "park":

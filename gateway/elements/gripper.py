@@ -14,7 +14,7 @@ import configs
 from gateway.elements.asked import AskedElement
 from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
-from p2os import Command, Configuration, GripperReport, StandardSip
+from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
 
 
 class GripperState(IntFlag):
@@ -52,6 +52,8 @@ class GripperKind(IntEnum):
     PEOPLEBOT = 2
 
 
+HALT = 15
+"""Argument of GRIPPER: stop paddles and lift; what is held stays held."""
 ORDERS = {
     "open": (1,),
     "close": (2,),
@@ -60,9 +62,10 @@ ORDERS = {
     "down": (5,),
     "store": (7,),
     "deploy": (8,),
-    "halt": (15,),
+    "halt": (HALT,),
 }
 """What it can be told, and the arguments of GRIPPER that say so: to stop, paddles and lift are told one by one."""
+STOPPING = ("stop", "halt")
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,10 +143,22 @@ class Gripper(AskedElement):
         """
         if what not in ORDERS:
             raise CommandRefused(f"a gripper cannot {what!r}; say {', '.join(ORDERS)}")
+        if what in STOPPING:
+            self._drop()
         for argument in ORDERS[what]:
             kind = Command.GRIPPER, argument
             self._outbox.drop(kind)  # the latest order comes last
             self._ask(Command.GRIPPER, argument, kind)
+
+    def halt(self, now: float) -> None:
+        """Stop paddles and lift where they are; what stops goes first."""
+        if self.is_present:
+            self._drop()
+            self._outbox.put((Command.GRIPPER, HALT), encode_command(Command.GRIPPER, HALT))
+
+    def _drop(self) -> None:
+        """Take back the orders that still wait."""
+        self._outbox.drop(*((Command.GRIPPER, argument) for arguments in ORDERS.values() for argument in arguments))
 
     def _meet(self, kind: int) -> None:
         self._kind = GripperKind.PEOPLEBOT if kind == GripperKind.PEOPLEBOT else GripperKind.PIONEER

@@ -6,7 +6,7 @@ hand has moved the stick, or if the settings know that there is one.
 
 from gateway.elements.asked import AskedElement
 from gateway.events import JoystickSeen
-from p2os import Command, JoystickReport, RobotModel
+from p2os import Command, JoystickReport, RobotModel, encode_command
 
 ONE_PACKET, CONTINUOUS = 1, 2
 """Arguments of JOYINFO."""
@@ -22,6 +22,7 @@ class Joystick(AskedElement):
     takes = (JoystickReport,)
     question = Command.JOYREQUEST, ONE_PACKET
     stream = Command.JOYREQUEST, CONTINUOUS
+    _drives = False
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
@@ -42,7 +43,20 @@ class Joystick(AskedElement):
 
     def let_drive(self, on: bool) -> None:
         """Let it drive the robot, or not."""
+        self._drives = on
         self._ask(Command.JOYDRIVE, int(on))
+
+    def halt(self, now: float) -> None:
+        """Let it drive no longer: who stops a robot stops it against a hand on the stick as well."""
+        if self._drives:
+            self._drives = False
+            self._outbox.drop(Command.JOYDRIVE)
+            self._outbox.put(Command.JOYDRIVE, encode_command(Command.JOYDRIVE, 0))
+
+    def lose_link(self) -> None:
+        """The CLOSE that comes first on the next link ends its driving."""
+        super().lose_link()
+        self._drives = False
 
 
 def _is_held(report: JoystickReport) -> bool:

@@ -9,13 +9,17 @@ from bus.keys import Topic, frame
 from bus.messages import Gripper, Header, JointState, header
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
+from gateway.elements.gripper import STOPPING
 from gateway.elements.gripper import Gripper as GripperElement
 from gateway.events import Event, GripperJoints, GripperSeen
 from gateway.faces.face import Face
 
 
 def _order(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.element(GripperElement, now).order(arguments["do"])
+    gripper = driver.element(GripperElement, now)
+    if arguments["do"] not in STOPPING:
+        driver.check_free()
+    gripper.order(arguments["do"])
 
 
 class GripperFace(Face):

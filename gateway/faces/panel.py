@@ -10,7 +10,9 @@ from gateway.faces.face import Face
 
 
 def _charge(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.element(Charger, now).deploy(arguments["on"])
+    charger = driver.element(Charger, now)
+    driver.check_free()
+    charger.deploy(arguments["on"])
 
 
 def _write(driver: Driver, arguments: Arguments, now: float) -> None:
@@ -18,7 +20,10 @@ def _write(driver: Driver, arguments: Arguments, now: float) -> None:
 
 
 def _servo(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.element(Servos, now).move(arguments["port"], arguments["pulse"])
+    servos = driver.element(Servos, now)
+    if arguments["pulse"]:
+        driver.check_free()
+    servos.move(arguments["port"], arguments["pulse"])
 
 
 def _power(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:

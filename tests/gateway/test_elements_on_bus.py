@@ -115,7 +115,8 @@ def test_gripper_moves_as_it_is_told_and_only_for_the_holder_of_the_lease(make_f
     assert "lease" in office.refusal("command/gripper", do="open")
     assert office.ask("command/gripper", do="open", token=token)["accepted"]
     office.run(0.3)
-    assert [each.value for _, each in office.bench.sent if each.command is Command.GRIPPER] == [1]
+    told = [each.value for _, each in office.bench.sent if each.command is Command.GRIPPER]
+    assert told == [15, 1]  # what somebody set going before ends with a new lease
     assert "open, close" in office.refusal("command/gripper", do="fly", token=token)
     office.run(4.0)
     assert office.last("gripper").paddles_open
@@ -124,6 +125,29 @@ def test_gripper_moves_as_it_is_told_and_only_for_the_holder_of_the_lease(make_f
         "happy/left_paddle": pytest.approx(0.1),
         "happy/right_paddle": pytest.approx(-0.1),
     }
+
+
+@pytest.mark.parametrize(("command", "given"), [("stop", {}), ("estop", {"on": True})])
+def test_who_stops_the_robot_stops_its_gripper(make_fitted: MakeFitted, command: str, given: dict[str, bool]) -> None:
+    office = make_fitted("gripper")
+    office.run(1.0)
+    office.ask("command/gripper", do="open")
+    office.run(0.5)
+    assert office.last("gripper").paddles_moving
+    office.ask(f"command/{command}", **given)
+    office.run(0.5)
+    assert not office.last("gripper").paddles_moving
+    assert not office.last("gripper").paddles_open
+
+
+def test_gripper_obeys_a_latched_estop_only_to_stop(make_fitted: MakeFitted) -> None:
+    office = make_fitted("gripper")
+    office.run(1.0)
+    office.ask("command/estop", on=True)
+    assert "e-stop" in office.refusal("command/gripper", do="open")
+    assert "e-stop" in office.refusal("command/servo", port=1, pulse=0.001)
+    assert office.ask("command/servo", port=1, pulse=0.0)["accepted"]
+    assert office.ask("command/gripper", do="stop")["accepted"]
 
 
 def test_infrared_sensors_are_switches(make_fitted: MakeFitted) -> None:

@@ -116,6 +116,29 @@ def test_latest_order_is_heard_last(stand: "Stand") -> None:
     assert [command.value for command in stand.sent()] == [4, 2, 1]
 
 
+def test_halt_takes_back_what_waits_and_stops_paddles_and_lift(stand: "Stand") -> None:
+    stand.connect()
+    stand.element.halt(stand.now)
+    assert Command.GRIPPER not in {command.command for command in stand.sent()}  # there is none yet
+    stand.take(GripperReport(kind=1, state=0, grasp_time=0.2))
+    element = stand.element
+    assert isinstance(element, Gripper)
+    element.order("deploy")
+    element.halt(stand.now)
+    assert [(command.command, command.value) for command in stand.sent()] == [(Command.GRIPPER, 15)]
+
+
+@pytest.mark.parametrize(("what", "arguments"), [("stop", [3, 6]), ("halt", [15])])
+def test_order_to_stop_takes_back_what_waits(stand: "Stand", what: str, arguments: list[int]) -> None:
+    stand.connect()
+    stand.sent()
+    element = stand.element
+    assert isinstance(element, Gripper)
+    element.order("open")
+    element.order(what)
+    assert [command.value for command in stand.sent()] == arguments
+
+
 def test_error_bits_are_a_fault_until_they_are_gone(stand: "Stand") -> None:
     stand.connect()
     stand.take(GripperReport(kind=1, state=0, grasp_time=0.2))
