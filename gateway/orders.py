@@ -25,6 +25,8 @@ REFUSAL_SHOWN = 2.0
 NS_PER_S = 1_000_000_000
 
 _ROWS = (*COMMANDS, *(row for face in FACES for row in face.commands))
+STOPPING = (keys.STOP, keys.ESTOP)
+"""What stops the elements on cables of their own as well."""
 LEASE_ARGUMENTS: dict[str, tuple[dict[str, type], dict[str, type]]] = {
     "take": ({"holder": str}, {"priority": int, "seconds": float}),
     "renew": ({TOKEN: str}, {"seconds": float}),
@@ -127,7 +129,10 @@ class Orders(Subscription):
                     self._count(topic, refusal, now)
                     raise Refused(str(refusal)) from refusal
 
-            return self._commander.command(give)
+            given_answer = self._commander.command(give)
+            if topic in STOPPING:
+                self._halt_elements()  # now that the robot's own STOP is on its way: their cables may be slow
+            return given_answer
 
         return answer
 
@@ -179,10 +184,7 @@ class Orders(Subscription):
             arguments = check_arguments(name, given, row.takes, {TOKEN: str, **row.may_take})
             if row.moves:
                 self._pass(arguments.get(TOKEN, ""), driver, now)
-            answer = row.give(driver, arguments, now) or {}
-            if row.topic in (keys.STOP, keys.ESTOP):
-                self._halt_elements()
-            return {"accepted": True, **answer}
+            return {"accepted": True, **(row.give(driver, arguments, now) or {})}
 
         return handle
 
