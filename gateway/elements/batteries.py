@@ -24,5 +24,5 @@ class Batteries(AskedElement):
         if charges:
             self.is_present = True
             self._announce(ChargeSeen(min(1.0, sum(charges) / len(charges) / 100.0)))
-        self._asks_left = 1
+        self._asks_left = self.times
         self.deadline = now + PERIOD

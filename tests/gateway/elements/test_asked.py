@@ -147,6 +147,32 @@ def test_charge_is_the_mean_of_all_batteries_and_asked_for_again_after_a_while(m
     assert stand.has_it()
 
 
+def test_lost_answer_about_the_charge_is_asked_for_again(make_stand: "MakeStand") -> None:
+    stand = make_stand(Batteries)
+    stand.connect()
+    stand.take(BatteryReport(((0, 0, 0, 80, 70),)))
+    stand.sent()
+    stand.run(PERIOD + 0.1)
+    assert len(asked(stand)) == 1
+    stand.run(1.0)
+    assert len(asked(stand)) == 1
+
+
+def test_halt_ends_the_driving_of_a_joystick_once(make_stand: "MakeStand") -> None:
+    stand = make_stand(Joystick)
+    stand.connect()
+    stand.take(HELD)
+    stand.sent()
+    stick = stand.element
+    assert isinstance(stick, Joystick)
+    stick.halt(stand.now)
+    assert asked(stand) == []
+    stick.let_drive(True)
+    stick.halt(stand.now)
+    stick.halt(stand.now)
+    assert asked(stand) == [(Command.JOYDRIVE, 0)]
+
+
 def test_battery_packet_without_a_charge_is_none(make_stand: "MakeStand") -> None:
     stand = make_stand(Batteries)
     stand.connect()
