@@ -69,8 +69,10 @@ def _port_to_bus() -> list[float]:
     with CableRobot(name) as robot, zenoh.open(configuration("local")) as session, gateway(robot.port, "--quiet"):
         session.declare_subscriber(keys.ODOM.key(name), on_odometry)
         _wait(lambda: bool(heard))
-        offset = max(robot.written) - max(heard)  # the gateway counts from its first SIP
         time.sleep(PORT_SECONDS)
+    first, heard_at = min(heard.items())
+    # The gateway counts from the first SIP that it took: the last one written before that was heard.
+    offset = max(step for step, at in robot.written.items() if at <= heard_at) - first
     return [(now - robot.written[step + offset]) * 1e3 for step, now in sorted(heard.items()) if step + offset > 5]
 
 
