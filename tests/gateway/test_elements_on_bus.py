@@ -131,13 +131,13 @@ def test_gripper_moves_as_it_is_told_and_only_for_the_holder_of_the_lease(make_f
 def test_who_stops_the_robot_stops_its_gripper(make_fitted: MakeFitted, command: str, given: dict[str, bool]) -> None:
     office = make_fitted("gripper")
     office.run(1.0)
-    office.ask("command/gripper", do="open")
-    office.run(0.5)
-    assert office.last("gripper").paddles_moving
+    office.ask("command/gripper", do="up")
+    office.run(0.2)
+    assert office.last("gripper").lift_moving
     office.ask(f"command/{command}", **given)
     office.run(0.5)
-    assert not office.last("gripper").paddles_moving
-    assert not office.last("gripper").paddles_open
+    assert not office.last("gripper").lift_moving
+    assert not office.last("gripper").lift_up
 
 
 def test_gripper_obeys_a_latched_estop_only_to_stop(make_fitted: MakeFitted) -> None:
