@@ -1,6 +1,7 @@
 """From a name to a file, from a file to a table, from a table to a frozen dataclass; every error in one sentence."""
 
 import difflib
+import math
 import tomllib
 import types
 from collections.abc import Callable, Mapping, Sequence
@@ -15,6 +16,7 @@ T = TypeVar("T")
 
 SUFFIX = ".toml"
 PARAMETER_SUFFIX = ".p"
+FILE_SUFFIXES = (SUFFIX, PARAMETER_SUFFIX, ".map")
 KINDS = ("robots", "worlds", "links", "bus", "accessories", "teams")
 
 
@@ -44,6 +46,10 @@ def find(kind: str, name: str) -> Path:
         return elsewhere
     if name and elsewhere.is_dir():
         raise ConfigError(f"{name} is a folder; give the file or one of the {kind} {_listed(names(kind))}")
+    if elsewhere.name != name or elsewhere.suffix in FILE_SUFFIXES:
+        raise ConfigError(
+            f"there is no file {name}; give one that is there, or one of the {kind} {_listed(names(kind))}"
+        )
     near = difflib.get_close_matches(name.lower(), names(kind), 3, 0.4)
     hint = f"did you mean {_listed(near)}?" if near else f"choose one of {_listed(names(kind))}"
     raise ConfigError(f"there is no {name!r} among the {kind}; {hint}")
@@ -136,9 +142,11 @@ def _convert(kind: Any, value: Any, source: str, path: str) -> Any:
 
 
 def _convert_plain(kind: type, value: Any) -> Any:
-    """A bool, number, string or enumeration member; None where the value is of another type."""
+    """A bool, finite number, string or enumeration member; None where the value is of another type."""
     if isinstance(value, bool):
         return value if kind is bool else None
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
     if kind is float and isinstance(value, int):
         return float(value)
     if kind is Path and isinstance(value, str):

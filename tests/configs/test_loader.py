@@ -84,6 +84,14 @@ def test_an_unknown_name_is_answered_with_the_nearest(name: str, message: str) -
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.parametrize("name", ["lab/p3dx", "p3dx-of-mine.p", "office.map"])
+def test_a_path_without_a_file_is_not_taken_for_a_mistyped_name(name: str) -> None:
+    with pytest.raises(
+        ConfigError, match=f"there is no file {name}; give one that is there, or one of the robots amigo, "
+    ):
+        configs.find("robots", name)
+
+
 def test_a_folder_is_no_file(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="is a folder; give the file or one of the robots amigo, "):
         configs.find("robots", str(tmp_path))
@@ -91,7 +99,8 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
 
 def test_an_unknown_kind_is_refused() -> None:
     with pytest.raises(
-        ConfigError, match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus, accessories or teams"
+        ConfigError,
+        match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus, accessories or teams",
     ):
         configs.names("robot")
 
@@ -151,6 +160,8 @@ def test_what_a_table_lacks_is_the_default(cart: dict[str, Any]) -> None:
         ({"spare": {"diametre_m": 1}}, "cart.toml: unknown key spare.diametre_m; did you mean spare.diameter_m?"),
         ({"wheels": [{"ticks": 1}]}, "cart.toml: key wheels[0].diameter_m is missing"),
         ({"speed_m_s": "fast"}, "cart.toml: speed_m_s must be a number, not 'fast'"),
+        ({"speed_m_s": float("nan")}, "cart.toml: speed_m_s must be a number, not nan"),
+        ({"speed_m_s": float("inf")}, "cart.toml: speed_m_s must be a number, not inf"),
         ({"speed_m_s": True}, "cart.toml: speed_m_s must be a number, not True"),
         ({"name": 5}, "cart.toml: name must be text, not 5"),
         ({"is_electric": 1}, "cart.toml: is_electric must be true or false, not 1"),
