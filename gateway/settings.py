@@ -1,7 +1,9 @@
 """What a person can set for one gateway, in a TOML file given with `--config`."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
+from math import pi
 from pathlib import Path
 
 from configs import ConfigError, build, read
@@ -21,6 +23,9 @@ class Calibration:
     heading: float = 1.0
     gyro: float = 1.626
 
+    def __post_init__(self) -> None:
+        _check_above_zero("calibration", self, ("distance", "heading", "gyro"))
+
 
 @dataclass(frozen=True, slots=True)
 class OdometryErrors:
@@ -34,6 +39,9 @@ class OdometryErrors:
     heading_rad_per_m: float = 0.02
     heading_rad_per_rad: float = 0.05
 
+    def __post_init__(self) -> None:
+        _check_above_zero("odometry_errors", self, ("distance_per_m", "heading_rad_per_m", "heading_rad_per_rad"))
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
@@ -41,6 +49,9 @@ class Limits:
 
     linear_m_s: float | None = None
     angular_rad_s: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_above_zero("limits", self, ("linear_m_s", "angular_rad_s"))
 
 
 class PtzChoice(StrEnum):
@@ -103,6 +114,10 @@ class CameraSettings:
 
     field_of_view_rad: float | None = None
 
+    def __post_init__(self) -> None:
+        if self.field_of_view_rad is not None and not 0.0 < self.field_of_view_rad < pi:
+            raise ValueError(f"camera.field_of_view_rad must be between 0 and pi, not {self.field_of_view_rad}")
+
 
 @dataclass(frozen=True, slots=True)
 class Settings:
@@ -157,3 +172,10 @@ def load_settings(path: Path) -> Settings:
         raise
     except ValueError as error:  # of a value that no type rules out
         raise ConfigError(f"{path}: {error}") from error
+
+
+def _check_above_zero(table: str, values: object, keys: Iterable[str]) -> None:
+    for key in keys:
+        value: float | None = getattr(values, key)
+        if value is not None and not value > 0.0:
+            raise ValueError(f"{table}.{key} must be above 0, not {value}")

@@ -120,6 +120,9 @@ def test_unknown_model_names_the_nearest(complain: Complain) -> None:
         ("enable = true", "did you mean enable_motors"),
         ("model = 'p3dz'", "did you mean"),
         ("model = ", "is not TOML"),
+        ("[limits]\nlinear_m_s = -0.5", "limits.linear_m_s must be above 0, not -0.5"),
+        ("[calibration]\ngyro = nan", "calibration.gyro must be a number, not nan"),
+        ("[camera]\nfield_of_view_rad = 60.0", "camera.field_of_view_rad must be between 0 and pi, not 60.0"),
     ],
 )
 def test_configuration_of_no_use_names_file_and_key(complain: Complain, tmp_path: Path, text: str, why: str) -> None:
