@@ -5,6 +5,7 @@ A file holds one JSON object a line: {"t": s since the start, "from": "host" or 
 """
 
 import json
+import math
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -70,8 +71,10 @@ def read(path: Path) -> Cassette:
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise CassetteError(f"{path} cannot be read: {error}") from error
+    except OSError as error:
+        raise CassetteError(f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise CassetteError(f"{path} is no cassette: it is no text") from error
     header: dict[str, Any] = {}
     moments = []
     for number, line in enumerate(lines, 1):
@@ -80,12 +83,22 @@ def read(path: Path) -> Cassette:
             if number == 1 and "cassette" in entry:
                 header = entry
             else:
-                moments.append(Moment(float(entry["t"]), Source(entry["from"]), bytes.fromhex(entry["hex"])))
+                moments.append(_moment(entry))
         except (ValueError, TypeError, KeyError) as error:
-            raise CassetteError(f"{path}, line {number} is no line of a cassette: {error!r}") from error
+            raise CassetteError(
+                f'{path}, line {number} is no line of a cassette, as {{"t": s, "from": "host" or "robot", "hex": bytes}}'
+            ) from error
     if not moments:
         raise CassetteError(f"{path} holds no bytes; record some with p2os-emu --record {path}")
     return Cassette(tuple(moments), str(header.get("name", "")), str(header.get("model", "")))
+
+
+def _moment(entry: Any) -> Moment:
+    """Read one line's object; raises what a wrong one makes go wrong."""
+    time = float(entry["t"])
+    if not math.isfinite(time):
+        raise ValueError(f"{time} is no time")
+    return Moment(time, Source(entry["from"]), bytes.fromhex(entry["hex"]))
 
 
 class Recorder:

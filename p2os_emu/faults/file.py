@@ -19,8 +19,10 @@ def schedule_file(board: FaultBoard, path: Path, now: float) -> None:
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise FaultError(f"{path}: the file of faults cannot be read: {error}") from error
+    except OSError as error:
+        raise FaultError(f"{path}: the file of faults cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise FaultError(f"{path}: the file of faults cannot be read: it is no text") from error
     for number, line in enumerate(lines, 1):
         text = line.partition("#")[0].strip()
         if not text:
