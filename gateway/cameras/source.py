@@ -49,7 +49,13 @@ def check_source(where: str) -> None:
     Raises:
         CameraNotUsable: It is written wrong, or a part of the installation is missing.
     """
-    parts = urlsplit(where)
+    if not where:
+        raise CameraNotUsable("the camera is empty text; give http://HOST:PORT/PATH, or a device as /dev/video0")
+    try:
+        parts = urlsplit(where)
+        parts.port  # noqa: B018 - it is read here to see that it can be
+    except ValueError as error:
+        raise CameraNotUsable(f"{where} is no address: {error}; write http://HOST:PORT/PATH") from error
     if parts.scheme and parts.scheme not in SCHEMES:
         raise CameraNotUsable(f"{where} is no camera; give a URL that begins with http://, or a device as /dev/video0")
     if parts.scheme and not parts.hostname:

@@ -158,6 +158,10 @@ def test_read_under_way_can_be_ended_from_elsewhere(camera: Camera) -> None:
     [
         ("rtsp://camera/video", "give a URL that begins with http://"),
         ("http:///video", "names no host"),
+        ("http://camera:eighty/video", "is no address: .*; write http://HOST:PORT/PATH"),
+        ("http://camera:123456/video", "is no address"),
+        ("http://[::1/video", "is no address"),
+        ("", "give http://HOST:PORT/PATH, or a device"),
     ],
 )
 def test_what_is_no_camera_is_refused_with_what_is(where: str, says: str) -> None:
