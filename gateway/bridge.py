@@ -15,7 +15,7 @@ from typing import Generic, Protocol, TypeVar
 
 from gateway.cables.cable import CableDriver
 from gateway.errors import GatewayError, PortLost
-from gateway.events import ElementLost, ElementSilent, Event, LinkLost, SweepFailed
+from gateway.events import ElementLost, ElementSilent, Event, LinkLost, RobotRejected, SweepFailed
 from gateway.serial_port import Port, SocketPort
 
 T = TypeVar("T")
@@ -23,6 +23,8 @@ D = TypeVar("D", bound=CableDriver)
 
 REOPEN_PERIOD = 0.15
 """Seconds between two tries to open a port that is gone."""
+REJECTED_PERIOD = 2.0
+"""Seconds until a port is opened again behind which there was a robot that this gateway does not serve."""
 BRAKING_TIME = 1.0
 """Seconds for a robot or an arm to stop before its motors are switched off on leaving."""
 LONGEST_WAIT = 0.4
@@ -174,6 +176,10 @@ class Bridge(Generic[D]):
             # A dead connection gives no sign, and one that revives would bring old bytes.
             self._lose_port(PortLost("the connection is dead"), now)
         self._flush()
+        if self._port is not None and any(isinstance(event, RobotRejected) for event in events):
+            # It is not ours to hold: whose the port is by then, a later look will tell.
+            self._lose_port(PortLost("another robot is there"), now)
+            self._reopen_at = now + REJECTED_PERIOD
         return events
 
     def _flush(self) -> None:

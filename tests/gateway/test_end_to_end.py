@@ -17,6 +17,9 @@ import pytest
 from acromovi import doctor
 from acromovi.children import EmulatedRobots, emulator, gateway
 from bus import Bus, Sample, ZenohBus, keys, messages
+from gateway.errors import PortBusy
+from gateway.serial_port import open_port
+from p2os import Command, encode_command
 
 LIMIT = 15.0
 
@@ -154,12 +157,52 @@ def test_port_that_vanishes_and_returns_is_taken_up_again(name: str, bus: Bus, t
         first = stack.enter_context(emulator(*robot))
         process = stack.enter_context(gateway(str(cable), "--quiet"))
         watcher.hear()
+        cable.unlink()  # the name goes with the adapter; left behind, it would lead to whoever gets the number next
         first.process.kill()
         first.process.wait()
         count = watcher.count
         stack.enter_context(emulator(*robot))
         wait_for(lambda: watcher.count > count + 3)
         assert process.poll() is None
+
+
+def test_port_that_leads_to_another_robot_for_a_while_is_let_go_and_taken_up_again(
+    name: str, bus: Bus, tmp_path: Path
+) -> None:
+    """Adapters change their numbers: what is behind a name is not the same robot for ever."""
+    cable, robot = tmp_path / "cable", ("--robot", f"p3dx-sh:{name}", "--world", "empty")
+    watcher = Watcher(bus, name)
+    with ExitStack() as stack:
+        first, other = stack.enter_context(emulator(*robot)), stack.enter_context(emulator("--robot", "p3dx-sh:other"))
+        cable.symlink_to(first.port)
+        process = stack.enter_context(gateway(str(cable), "--quiet"))
+        watcher.hear()
+        cable.unlink()
+        cable.symlink_to(other.port)
+        first.process.kill()
+        first.process.wait()
+        wait_for(lambda: stranger_hears(other.port) == b"")  # the gateway looks at it,
+        wait_for(lambda: b"other" in stranger_hears(other.port))  # and does not hold it
+        count = watcher.count
+        cable.unlink()
+        cable.symlink_to(stack.enter_context(emulator(*robot)).port)
+        wait_for(lambda: watcher.count > count + 3)
+        assert process.poll() is None
+
+
+def stranger_hears(port: str) -> bytes:
+    """What a robot says to a client that knows nothing of gateways; empty while another program holds it."""
+    try:
+        line = open_port(port)
+    except PortBusy:
+        return b""
+    try:
+        for command in (Command.SYNC0, Command.SYNC1, Command.SYNC2):
+            line.write(encode_command(command))
+            time.sleep(0.05)
+        return line.read()
+    finally:
+        line.close()
 
 
 def test_doctor_finds_everything_in_order_and_leaves_the_robot_as_it_was(name: str) -> None:

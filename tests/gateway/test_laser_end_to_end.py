@@ -104,6 +104,8 @@ def test_a_laser_that_goes_is_said_and_one_that_comes_back_is_taken_up(name: str
         first = stack.enter_context(emulator(*robot))
         stack.enter_context(gateway(str(cable), "--laser", f"{cable}-laser", "--quiet"))
         wait_for(lambda: bool(watcher.scans) and "laser" in watcher.elements)
+        for link in (cable, cable.with_name("cable-laser")):
+            link.unlink()  # names go with their adapters; left behind, they would lead to whoever gets the number next
         first.process.kill()
         first.process.wait()
         wait_for(lambda: "the laser's port is gone" in watcher.state.faults)
