@@ -13,7 +13,7 @@ def _gripper(stage: Stage) -> None:
     stage.tell(keys.GRIP, do="open")
     stage.tell(keys.GRIP, do="down")
     stage.see(keys.GRIPPER, lambda gripper: gripper.paddles_open and gripper.lift_down, "an open gripper, lift down")
-    stage.tell(keys.MOVE, distance=1.0)
+    stage.tell(keys.MOVE, distance=1.2)  # more than it takes: the beams say when to stop
     gripper = stage.see(keys.GRIPPER, lambda gripper: gripper.inner_beam, "a broken inner beam", 15.0)
     stage.say(f"something stands between the paddles: beams {gripper.outer_beam}, {gripper.inner_beam}")
     stage.tell(keys.STOP)
