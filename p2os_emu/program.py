@@ -5,6 +5,7 @@ by itself when the program that started it is gone, however that ended.
 """
 
 import json
+import shutil
 import socket
 import subprocess
 import sys
@@ -13,9 +14,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 ENDING_TIMEOUT_S = 5.0
+PRIVATE = "p2os-emu-"
+"""How the names of an emulator's own folders begin."""
 _SPEAKER = "p2os-emu: "
 
 
@@ -63,25 +66,22 @@ def emulator(*arguments: str) -> Iterator[EmulatedRobots]:
     Raises:
         ChildFailed: It could not start; the message is its own.
     """
-    with tempfile.TemporaryDirectory(prefix="p2os-emu-") as folder:  # ours, so that it goes also after a kill
-        said = Path(folder, "stderr")
-        command = [sys.executable, "-m", "p2os_emu", "--json", "--control", f"{folder}/control", *arguments]
-        # Standard input is held open and never written to: its end tells the child that this program is gone.
-        with (
-            said.open("w") as stderr,
-            subprocess.Popen(
-                [*command, "--until-stdin-closes"],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=stderr,
-                text=True,
-            ) as process,
-        ):
-            try:
-                yield _announced(process, said)
-            finally:
-                end(process)
-                print(said.read_text(), end="", file=sys.stderr)
+    command = [sys.executable, "-m", "p2os_emu", "--json", *arguments, "--until-stdin-closes"]
+    # Standard input is held open and never written to: its end tells the child that this program is gone.
+    with (
+        tempfile.TemporaryFile("w+") as said,
+        subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=said, text=True) as process,
+    ):
+        robots = None
+        try:
+            robots = _announced(process, said)
+            yield robots
+        finally:
+            end(process)
+            if robots is not None:
+                _sweep(Path(robots.control).parent)
+            said.seek(0)
+            print(said.read(), end="", file=sys.stderr)
 
 
 def end(process: subprocess.Popen[str]) -> None:
@@ -94,13 +94,20 @@ def end(process: subprocess.Popen[str]) -> None:
         process.wait()
 
 
-def _announced(process: subprocess.Popen[str], said: Path) -> EmulatedRobots:
+def _sweep(folder: Path) -> None:
+    """Remove the private folder of the control socket, which an emulator that was killed leaves behind."""
+    if folder.name.startswith(PRIVATE):
+        shutil.rmtree(folder, ignore_errors=True)  # one that ended by itself has taken it along
+
+
+def _announced(process: subprocess.Popen[str], said: IO[str]) -> EmulatedRobots:
     assert process.stdout is not None
     line = process.stdout.readline()
     if line:
         announced = json.loads(line)
         return EmulatedRobots(process, tuple(announced["robots"]), announced["control"])
     process.wait(ENDING_TIMEOUT_S)
-    complaint = said.read_text().strip().rpartition(_SPEAKER)[2]
-    said.write_text("")  # it is told with the error
+    said.seek(0)
+    complaint = said.read().strip().rpartition(_SPEAKER)[2]
+    said.truncate(0)  # it is told with the error
     raise ChildFailed(complaint or f"p2os-emu ended with exit code {process.returncode} before its robots were ready")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from p2os_emu.program import ChildFailed
-from p2os_emu.robot_for_tests import RobotForTests
+from p2os_emu.robot_for_tests import RobotForTests, start
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
 
@@ -104,7 +104,10 @@ def test_strangers_tests_run_in_parallel_with_strict_markers(tmp_path: Path) -> 
     assert all(is_gone(int(pid)) for pid in (tmp_path / "port").read_text().split())
 
 
-def test_emulator_ends_with_a_test_that_was_killed(tmp_path: Path) -> None:
+def test_emulator_ends_with_a_test_that_was_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folders = tmp_path / "folders"
+    folders.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folders))
     rest = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
     (tmp_path / "test_stranger.py").write_text(STRANGER.format(marker="", rest=rest))
     assert pytest_in(tmp_path).returncode < 0
@@ -113,6 +116,14 @@ def test_emulator_ends_with_a_test_that_was_killed(tmp_path: Path) -> None:
     while not is_gone(pid):
         assert time.monotonic() < end, "the emulator outlived its test"
         time.sleep(0.01)
+    assert not list(folders.glob("p2os-emu-*"))
+
+
+def test_emulator_that_a_test_kills_leaves_no_folder() -> None:
+    with start("p3dx") as (other,):
+        folder = Path(other.emulator.control).parent
+        other.emulator.process.kill()
+    assert not folder.exists()
 
 
 def is_gone(pid: int) -> bool:
