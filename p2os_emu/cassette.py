@@ -86,7 +86,7 @@ def read(path: Path) -> Cassette:
                 moments.append(_moment(entry))
         except (ValueError, TypeError, KeyError) as error:
             raise CassetteError(
-                f'{path}, line {number} is no line of a cassette, as {{"t": s, "from": "host" or "robot", "hex": bytes}}'
+                f'{path}, line {number} is no line of a cassette as {{"t": s, "from": "host" or "robot", "hex": bytes}}'
             ) from error
     if not moments:
         raise CassetteError(f"{path} holds no bytes; record some with p2os-emu --record {path}")

@@ -172,7 +172,7 @@ def test_recording_of_others_needs_no_header(tmp_path: Path) -> None:
         ('{"t": 1, "from": "host", "hex": "00"}\n{"t": 1, "from": "nobody", "hex": "00"}\n', "line 2"),
         ('{"t": 1, "from": "host", "hex": "0"}\n', "line 1"),
         ("[]\n", "line 1"),
-        ('{"t": NaN, "from": "host", "hex": "00"}\n', "line 1 is no line of a cassette, as .*hex"),
+        ('{"t": NaN, "from": "host", "hex": "00"}\n', "line 1 is no line of a cassette as .*hex"),
     ],
 )
 def test_file_that_is_no_cassette_is_refused_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
