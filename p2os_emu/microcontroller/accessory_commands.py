@@ -38,11 +38,13 @@ def _gyro(board: Board, mode: int) -> None:
 
 
 def _gyrocalcw(board: Board, value: int) -> None:
-    board.gyro_cw = value
+    if value >= 0:  # CONFIGpac carries no negative one (assumed: those are ignored)
+        board.gyro_cw = value
 
 
 def _gyrocalccw(board: Board, value: int) -> None:
-    board.gyro_ccw = value
+    if value >= 0:
+        board.gyro_ccw = value
 
 
 def _tcm2(board: Board, mode: int) -> None:

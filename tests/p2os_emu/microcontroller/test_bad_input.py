@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from p2os.command_table import COMMANDS, Command
 from p2os.commands import encode_command
+from p2os.configuration import Configuration
 from p2os.framing import encode_frame
 from p2os.packets import PacketType
 from p2os.sip import StandardSip
@@ -36,6 +37,16 @@ def test_any_sound_frames_leave_a_robot_that_sends_sips(commands: list[bytes], b
         robot.controller.receive(encode_frame(payload))
         robot.run(STEP)
     assert any(isinstance(sent.packet, StandardSip) for sent in robot.run(0.3))
+
+
+def test_every_value_of_every_command_leaves_the_configuration_to_be_told(bench_of: BenchOf) -> None:
+    robot = bench_of("powerbot-sh").connect()
+    for number in set(range(256)) - set(SILENCING):
+        for argument in (b"", *(bytes((kind, 0xFF, 0xFF)) for kind in (0x3B, 0x1B)), b"\x2b\x02\xff\xff"):
+            robot.controller.receive(encode_frame(bytes((number,)) + argument))
+            robot.run(STEP)
+    robot.send(Command.CONFIG)
+    assert any(isinstance(sent.packet, Configuration) for sent in robot.run(0.3))
 
 
 @settings(max_examples=20, deadline=None)
