@@ -66,8 +66,8 @@ class Lens:
     wide_deg: float
 
     def ratio_at(self, count: float) -> float:
-        """The magnification at a count; 1 at the wide end."""
-        return float(self.ratio ** (count / self.counts))
+        """The magnification at a count, which lies between the ends whatever a head says; 1 at the wide end."""
+        return float(self.ratio ** (min(max(count, 0), self.counts) / self.counts))
 
     def count_at(self, ratio: float) -> int:
         """The count nearest to a magnification, within the ends."""
