@@ -111,7 +111,9 @@ class EmulatedRobot:
         """Take the power from controller and accessories; the wheels roll free."""
         self.is_powered = False
         self.body.release()
-        arm = self.body.arm
+        gripper, arm = self.body.gripper, self.body.arm
+        if gripper is not None:
+            gripper.drive(0.0, 0.0)
         if arm is not None:
             for joint in range(len(arm.positions)):
                 arm.release(joint)
@@ -122,6 +124,7 @@ class EmulatedRobot:
         """Give it back: everything is as after the power switch."""
         self.is_powered = True
         self.microcontroller.power_cycle()
+        self.microcontroller.power_cycle_aux()
         for cable in self.cables.values():
             cable.power_cycle()
 

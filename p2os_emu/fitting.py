@@ -81,8 +81,8 @@ PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
     ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
         Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.chance)
     ),
-    ("ptz", "vcc4"): lambda bench: bench.microcontroller.plug(HEAD_PORT, Vcc4(_head_model(bench))),
-    ("ptz", "evid30"): lambda bench: bench.microcontroller.plug(HEAD_PORT, EviD30(_head_model(bench))),
+    ("ptz", "vcc4"): lambda bench: bench.microcontroller.plug(HEAD_PORT, lambda: Vcc4(_head_model(bench))),
+    ("ptz", "evid30"): lambda bench: bench.microcontroller.plug(HEAD_PORT, lambda: EviD30(_head_model(bench))),
     ("gripper", "pioneer"): _wire_gripper,
     ("gripper", "peoplebot"): _wire_gripper,
     ("arm", "pioneer"): lambda bench: bench.microcontroller.fit_arm(load(ArmModel, "accessories", "pioneer-arm")),

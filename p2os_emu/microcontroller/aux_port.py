@@ -5,6 +5,7 @@ there, and what is left over stays. Source: fact sheet section 6, SERAUXpac. Whe
 the buffer; a new GETAUX takes the place of one not yet met.
 """
 
+from collections.abc import Callable
 from random import Random
 
 from p2os.accessory_packets import AuxData
@@ -22,14 +23,25 @@ class AuxPort:
     baud: its rate, bit/s. device: what is plugged in.
     """
 
-    __slots__ = ("_buffer", "_chance", "_number", "_wanted", "baud", "device")
+    __slots__ = ("_buffer", "_chance", "_make", "_number", "_wanted", "baud", "device")
 
     def __init__(self, number: int, baud: int, chance: Random) -> None:
         self.baud = baud
         self.device: Device | None = None
+        self._make: Callable[[], Device] | None = None
         self._number = number
         self._chance = chance
         self.clear()
+
+    def plug(self, make: Callable[[], Device]) -> None:
+        """Plug a device in. make: makes it as it is after the power switch."""
+        self._make = make
+        self.power_cycle()
+
+    def power_cycle(self) -> None:
+        """Give the device power; it forgets what it was told before."""
+        if self._make is not None:
+            self.device = self._make()
 
     def clear(self) -> None:
         """Flush the buffer and forget what was asked for."""

@@ -1,5 +1,6 @@
 """The board: all of the microcontroller but its connection. Commands change it, packets show it, steps move it."""
 
+from collections.abc import Callable
 from random import Random
 
 from p2os.command_table import known_commands
@@ -97,7 +98,6 @@ class Board:
         self.outputs = Outputs()
         for port in self.aux.values():
             port.baud = self.flash.aux_baud
-            port.clear()
         if self.gyro is not None:
             self.gyro.power_on()
         if self.compass is not None:
@@ -138,6 +138,8 @@ class Board:
         self.watchdog.timeout = flash.watchdog
         self.watchdog.feed()
         self.requests.clear()
+        for port in self.aux.values():
+            port.clear()  # nobody waits any more for what was asked for
         self.gripper.halt()
         self.arm.restore()
         self.gains = {name: getattr(flash, name) for name in GAINS}
@@ -211,9 +213,9 @@ class Board:
         for port in self._used_ports:
             port.advance(dt)
 
-    def plug(self, port: int, device: Device) -> None:
-        """Plug a device into an AUX port, 1 to 3."""
-        self.aux[port].device = device
+    def plug(self, port: int, make: Callable[[], Device]) -> None:
+        """Plug a device into an AUX port, 1 to 3; make: makes it as it is after the power switch."""
+        self.aux[port].plug(make)
         self._used_ports = tuple(each for each in self.aux.values() if each.device is not None)
 
     def _turned(self, gyro: GyroServer, state: BodyState, dt: float) -> float | None:

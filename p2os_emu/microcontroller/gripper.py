@@ -116,7 +116,7 @@ class GripperServer:
         self._lift.power_on()
         self._grasp_time = GRASP_TIME
         self._pressed = 0.0
-        self._told = 0, 0
+        self._told: tuple[int, int] | None = None  # the machine may still do what it was told before
         self._awaits_value: Order | None = None
 
     @property

@@ -1,5 +1,7 @@
 """The firmware of a robot, without port and clock: bytes and time in, bytes out."""
 
+from collections.abc import Callable
+
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessory_packets import Reset
 from p2os.framing import Frame, FrameDecoder, encode_frame
@@ -115,9 +117,19 @@ class Microcontroller:
         """What the charger does, as the SIP says."""
         return self._board.battery.charging
 
-    def plug(self, port: int, device: Device) -> None:
-        """Plug a device into an AUX port, 1 to 3; one device to a port."""
-        self._board.plug(port, device)
+    def plug(self, port: int, make: Callable[[], Device]) -> None:
+        """Plug a device into an AUX port, 1 to 3; one device to a port.
+
+        Args:
+            port: Which.
+            make: Makes the device as it is after the power switch.
+        """
+        self._board.plug(port, make)
+
+    def power_cycle_aux(self) -> None:
+        """Take the power from what hangs on the AUX ports for a moment, as the robot's power switch does."""
+        for port in self._board.aux.values():
+            port.power_cycle()
 
     def plugged(self, port: int) -> Device | None:
         """What is plugged into an AUX port."""

@@ -7,6 +7,7 @@ import pytest
 import configs
 from p2os import Command, RobotModel, encode_command
 from p2os_emu.accessories.lms200 import Lms200
+from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
 from p2os_emu.faults.board import FaultBoard
@@ -28,7 +29,7 @@ class Rig:
     def __init__(self) -> None:
         self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
         self.link = MemoryLink()
-        model, fit = read_fit(["gyro", "laser"], POWERBOT)
+        model, fit = read_fit(["gyro", "laser", "ptz:vcc4"], POWERBOT)
         self.laser = MemoryLink()
         self.happy = self.emulator.add("happy", model, self.link, fit=fit, cables={"laser": self.laser})
         self.grumpy = self.emulator.add("grumpy", POWERBOT, MemoryLink())
@@ -278,6 +279,18 @@ def test_longer_brown_out_takes_the_power_from_the_laser_too_and_leaves_the_dirt
     assert again is not scanner, "it begins as after the power switch"
     assert isinstance(again, Lms200)
     assert again.dirt == 0.7
+
+
+def test_brown_out_takes_the_power_from_the_camera_head_as_well(rig: Rig) -> None:
+    head = rig.happy.microcontroller.plugged(1)
+    assert isinstance(head, Vcc4)
+    head.is_host_controlled = True
+    rig.fault("brown-out:robot=happy")
+    rig.run(STEP)
+    again = rig.happy.microcontroller.plugged(1)
+    assert isinstance(again, Vcc4)
+    assert again is not head
+    assert not again.is_host_controlled
 
 
 def test_cable_of_an_accessory_is_cut_and_vanishes_by_itself(rig: Rig) -> None:

@@ -255,6 +255,17 @@ def test_closing_the_connection_halts_the_gripper(make: MakeGripper) -> None:
     assert place(bench) == before
 
 
+def test_a_reset_stops_a_gripper_on_its_way(make: MakeGripper) -> None:
+    bench = make()
+    order(bench, Order.CLOSE, Order.UP)
+    bench.run(0.5)
+    bench.controller.power_cycle()
+    bench.step()
+    stood = place(bench)
+    bench.run(1.0)
+    assert place(bench) == stood
+
+
 def test_a_gripper_that_is_wired_and_not_there_ends_in_an_error(bench_of: BenchOf) -> None:
     bench = bench_of("p3dx-sh")
     gripper = gripper_of(Fit({"gripper": "pioneer"}))
