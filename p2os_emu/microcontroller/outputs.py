@@ -1,15 +1,16 @@
 """What the board switches and shows: power outputs, servos, the display, a lamp.
 
-Source: fact sheet section 4. Assumed: every power output is on after the power switch; bit 0 of the power port is the
-first of its outputs.
+Source: fact sheet section 4. Assumed: every power output is on after the power switch. SETPBIOPORT is taken as clients
+send it, an output's number and its state, with 11 for the laser; the fact sheet's reading, a mask and levels, would
+leave a laser without power that they switch on.
 """
 
 from dataclasses import dataclass, field
 
 POWER_OUTPUTS = ("pc", "lrf", "5v", "12v", "aux_pc", "touchscreen", "ptz", "audio", "lrf2")
 """By name: each has a POWER command of its own."""
-POWER_PORT = tuple(f"port{bit + 1}" for bit in range(8))
-"""The eight outputs that SETPBIOPORT switches, bit 0 first."""
+POWER_PORTS = {number: f"port{number}" for number in range(16)} | {11: "lrf"}
+"""What SETPBIOPORT switches, by number."""
 SERVO_PORTS = range(1, 5)
 PULSE_UNIT = 1e-5
 """s of a servo pulse that one count of PTUPOS stands for, since P2OS."""
@@ -18,7 +19,7 @@ LCD_SIZE = 20
 
 
 def _all_on() -> dict[str, bool]:
-    return dict.fromkeys((*POWER_OUTPUTS, *POWER_PORT), True)
+    return dict.fromkeys((*POWER_OUTPUTS, *POWER_PORTS.values()), True)
 
 
 @dataclass(slots=True)
@@ -34,11 +35,10 @@ class Outputs:
     lcd: str = ""
     lamp: bool = True
 
-    def set_power_port(self, mask: int, levels: int) -> None:
-        """SETPBIOPORT: switch what the mask names."""
-        for bit, name in enumerate(POWER_PORT):
-            if mask >> bit & 1:
-                self.power[name] = bool(levels >> bit & 1)
+    def set_power_port(self, number: int, state: int) -> None:
+        """SETPBIOPORT; a number that is no output's is ignored."""
+        if number in POWER_PORTS:
+            self.power[POWER_PORTS[number]] = state != 0
 
     def set_servo(self, port: int, count: int) -> None:
         """PTUPOS; a pulse of no width ends the pulses."""

@@ -43,11 +43,12 @@ class TestPower:
         robot.step()
         assert all(robot.controller.outputs.power.values())
 
-    def test_the_power_port_changes_what_its_mask_names(self, robot: Bench) -> None:
-        robot.send(Command.SETPBIOPORT, (0b10000011, 0b00000010))
+    def test_a_power_port_is_switched_by_its_number_and_11_is_the_lasers(self, robot: Bench) -> None:
+        for number, state in ((3, 0), (11, 0), (8, 0), (8, 1), (200, 0)):
+            robot.send(Command.SETPBIOPORT, (number, state))
         robot.step()
         power = robot.controller.outputs.power
-        assert [name for name, on in power.items() if not on] == ["port1", "port8"]
+        assert {name for name, on in power.items() if not on} == {"port3", "lrf"}
 
     def test_everything_is_on_after_the_power_switch(self, robot: Bench) -> None:
         robot.send(Command.POWER_LRF, 0)
