@@ -20,6 +20,7 @@ class Part:
 
     variants: what `part:VARIANT` may say; the first one is meant when nothing is said. Empty where there is one kind.
     cabled: the variants that have a serial port of their own beside the robot's.
+    least_kg: by variant, what a robot weighs at least that can carry it; none where every robot can.
     check: takes any other variant as well, and raises ValueError for what is none.
     """
 
@@ -27,20 +28,41 @@ class Part:
     meaning: str
     variants: tuple[str, ...] = ()
     cabled: tuple[str, ...] = ()
+    least_kg: Mapping[str, float] = field(default_factory=dict)
     check: Callable[[str], object] | None = None
 
+
+_PIONEER_KG, _POWERBOT_KG = 9.0, 100.0
+"""What the lightest robots weigh onto which the makers built arms, heads and lasers, and the heavy arm."""
 
 PARTS: Mapping[str, Part] = {
     part.name: part
     for part in (
-        Part("gripper", "paddles with break-beams and contacts, on a lift", ("pioneer", "peoplebot")),
-        Part("laser", "a SICK LMS200 on a port of its own", ("lms200",), ("lms200",)),
-        Part("ptz", "a camera head behind AUX1", ("vcc4", "evid30")),
+        Part(
+            "gripper",
+            "paddles with break-beams and contacts, on a lift",
+            ("pioneer", "peoplebot"),
+            least_kg=dict.fromkeys(("pioneer", "peoplebot"), _PIONEER_KG),
+        ),
+        Part(
+            "laser",
+            "a SICK LMS200 on a port of its own",
+            ("lms200",),
+            ("lms200",),
+            least_kg={"lms200": _PIONEER_KG},
+        ),
+        Part(
+            "ptz",
+            "a camera head behind AUX1",
+            ("vcc4", "evid30"),
+            least_kg=dict.fromkeys(("vcc4", "evid30"), _PIONEER_KG),
+        ),
         Part(
             "arm",
             "the Pioneer's 5-DOF arm, or the PowerBot's 7-DOF arm of PowerCube modules on a port of its own",
             ("pioneer", "powercube"),
             ("powercube",),
+            least_kg={"pioneer": _PIONEER_KG, "powercube": _POWERBOT_KG},
         ),
         Part(
             "camera",
@@ -98,6 +120,8 @@ def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
             )
         else:
             parts[name] = _variant(PARTS[name], variant if colon else _usual(name, model))
+    for name, variant in parts.items():
+        _check_load(PARTS[name], variant, model)
     return model, Fit(parts)
 
 
@@ -111,6 +135,15 @@ def _variant(part: Part, variant: str) -> str:
         known = f"there are {', '.join(part.variants)}" if part.variants else "there is one kind"
         raise FitError(f"there is no {part.name} {variant!r}; {known}")
     return variant or next(iter(part.variants), "")
+
+
+def _check_load(part: Part, variant: str, model: RobotModel) -> None:
+    least = part.least_kg.get(variant, 0.0)
+    if model.mass < least:
+        raise FitError(
+            f"a {model.name} of {model.mass:g} kg cannot carry {part.name}:{variant}; "
+            f"fit it to a robot of {least:g} kg or more"
+        )
 
 
 def _usual(part: str, model: RobotModel) -> str:

@@ -52,3 +52,18 @@ def test_rear_sonar_comes_off_and_the_front_stays() -> None:
 def test_what_there_is_not_is_refused_with_what_there_is(text: str, says: str) -> None:
     with pytest.raises(FitError, match=says):
         read_fit([text], model("p3dx"))
+
+
+@pytest.mark.parametrize("part", ["gripper", "laser", "ptz", "arm:pioneer", "arm:powercube"])
+def test_small_robot_does_not_carry_what_is_too_heavy(part: str) -> None:
+    with pytest.raises(FitError, match=r"amigo of 3.6 kg cannot carry .*; fit it to a robot of \d+ kg or more"):
+        read_fit([part], model("amigo"))
+
+
+def test_arm_of_modules_goes_onto_a_powerbot_only() -> None:
+    with pytest.raises(FitError, match="p3dx-sh of 9 kg cannot carry arm:powercube"):
+        read_fit(["arm:powercube"], model("p3dx-sh"))
+    _, fit = read_fit(["arm:powercube", "no-arm"], model("p3dx-sh"))  # thought better of
+    assert not fit.has("arm")
+    _, fit = read_fit(["arm:powercube"], model("powerbot"))
+    assert fit.has("arm", "powercube")
