@@ -26,6 +26,9 @@ class Echo:
         self.heard = bytearray()
         self.says = b""
 
+    def itself(self) -> "Echo":
+        return self
+
     def receive(self, data: bytes) -> None:
         self.heard += data
 
@@ -43,7 +46,7 @@ def device() -> Echo:
 def port(request: pytest.FixtureRequest, robot: Bench, device: Echo) -> int:
     """A port with the device in it."""
     number: int = request.param
-    robot.controller.plug(number, lambda: device)
+    robot.controller.plug(number, device.itself)
     return number
 
 
@@ -128,7 +131,7 @@ def test_noise_is_the_same_for_the_same_seed(bench_of: BenchOf) -> None:
     for seed in (1, 1, 2):
         device = Echo(38400)
         robot = bench_of("powerbot-sh", seed=seed).connect()
-        robot.controller.plug(1, lambda device=device: device)
+        robot.controller.plug(1, device.itself)
         robot.send(Command.TTY2, b"hello device")
         robot.step()
         heard.append(bytes(device.heard))
@@ -137,7 +140,7 @@ def test_noise_is_the_same_for_the_same_seed(bench_of: BenchOf) -> None:
 
 def test_a_rate_survives_the_client_and_not_the_power_switch(robot: Bench) -> None:
     device = Echo(38400)
-    robot.controller.plug(1, lambda: device)
+    robot.controller.plug(1, device.itself)
     robot.send(Command.AUX1BAUD, 2)
     robot.send(Command.CLOSE)
     robot.step()
@@ -165,7 +168,7 @@ def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_
 
 def test_what_a_client_asked_for_is_forgotten_when_it_goes(robot: Bench) -> None:
     device = Echo()
-    robot.controller.plug(1, lambda: device)
+    robot.controller.plug(1, device.itself)
     robot.send(Command.GETAUX, 4)
     robot.send(Command.CLOSE)
     robot.step()
@@ -184,7 +187,7 @@ def test_empty_ports_swallow_everything(robot: Bench) -> None:
 def test_transcript_of_a_camera_on_aux1_byte_by_byte(robot: Bench) -> None:
     """Source: fact sheet section 11."""
     device = Echo()
-    robot.controller.plug(1, lambda: device)
+    robot.controller.plug(1, device.itself)
     robot.controller.receive(bytes.fromhex("FA FB 06 2B 3B 00 00 2B 3B"))
     robot.controller.receive(bytes.fromhex("FA FB 0C 2A 2B 07 FF 30 30 00 A0 31 EF 94 E9"))
     robot.step()
@@ -199,7 +202,7 @@ def test_transcript_of_a_camera_on_aux1_byte_by_byte(robot: Bench) -> None:
 def test_answers_are_the_stream_in_order(bench_of: BenchOf, pieces: list[bytes], sizes: list[int]) -> None:
     robot = bench_of("powerbot-sh").connect()
     device = Echo()
-    robot.controller.plug(2, lambda: device)
+    robot.controller.plug(2, device.itself)
     for piece in pieces:
         device.says = piece
         robot.step()
