@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
+from gateway.element_news import ElementNews
 from gateway.errors import NameNotValid
 from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
 from gateway.search import Search, bus_name
@@ -62,7 +63,7 @@ class Gateway:
         self._driver = driver
         self._bridge = bridge
         self._cables = cables
-        self._answers: dict[str, bool] = {}  # elements on cables of their own, as last told
+        self._element_news = ElementNews(cables)
         self._search = Search(options.port, now)
         self._kept: list[Event] = []
         self._complaint = ""
@@ -99,7 +100,7 @@ class Gateway:
             events, self._kept = self._kept, []
             self._robot = self._join()
         self._robot.happened(events, now, stamp_ns)
-        self._say_elements()
+        self._say_elements(now)
 
     def close(self) -> None:
         """Let go of the cables and leave the bus."""
@@ -170,17 +171,15 @@ class Gateway:
             case RobotRejected(error):
                 self._complain(str(error))
 
-    def _say_elements(self) -> None:
+    def _say_elements(self, now: float) -> None:
         """What has become of the elements on cables of their own."""
-        for cable in self._cables:
-            answers = cable.driver.is_connected
-            if answers == self._answers.get(cable.name, False):
-                continue
-            self._answers[cable.name] = answers
-            self._tell(
-                f"the {cable.name} answers" if answers else f"lost the {cable.name}; looking for it",
-                {"event": "element found" if answers else "element lost", "element": cable.name},
-            )
+        for element, answers, has_been, reasons in self._element_news.since(now):
+            if answers:
+                self._tell(f"the {element} answers", {"event": "element found", "element": element})
+            elif has_been:
+                self._tell(f"lost the {element}; looking for it", {"event": "element lost", "element": element})
+            else:
+                self._complain(f"{'; '.join(reasons)}; looking for it")
 
     def _tell(self, sentence: str, facts: dict[str, Any]) -> None:
         if self._options.is_json:

@@ -90,7 +90,8 @@ class UrlSource:
             self._answer = self._connection.getresponse()
         except (OSError, HTTPException) as error:
             self._connection.close()
-            raise CameraLost(f"{url.hostname} does not answer: {error}") from error
+            why = getattr(error, "strerror", None) or error
+            raise CameraLost(f"{url.hostname} does not answer: {why}") from error
         boundary = boundary_of(self._answer.getheader("Content-Type", ""))
         if self._answer.status != HTTPStatus.OK or boundary is None:
             said = f"{self._answer.status} {self._answer.reason}, {self._answer.getheader('Content-Type', 'no type')}"
