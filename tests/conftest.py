@@ -1,12 +1,13 @@
 """What tests of every room share."""
 
 import signal
-import time
 import uuid
 from collections.abc import Callable
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.waiting import wait_until
 
 # A loaded machine makes slow examples; a property says what is true, not how fast it is found out.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -14,15 +15,6 @@ settings.load_profile("patient")
 
 # A runner that was started in the background ignores SIGINT, and the programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-
-DEADLINE = 20.0  # s; only a failing test waits so long
-
-
-def wait_until(condition: Callable[[], object], what: str = "it happened") -> None:
-    deadline = time.monotonic() + DEADLINE
-    while not condition():
-        assert time.monotonic() < deadline, f"waited {DEADLINE} s in vain until {what}"
-        time.sleep(0.002)
 
 
 @pytest.fixture(scope="session")

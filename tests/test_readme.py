@@ -4,7 +4,6 @@ import re
 import shlex
 import subprocess
 import sys
-import time
 import uuid
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -18,6 +17,7 @@ from bus import ZenohBus, keys
 from gateway.commands import COMMANDS
 from gateway.faces.all_faces import FACES
 from gateway.streams import STREAMS
+from tests.waiting import wait_until
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -47,10 +47,7 @@ def setting(tmp_path: Path) -> Iterator[Setting]:
         bus = stack.enter_context(ZenohBus.open())
         heard: list[str] = []
         bus.subscribe(keys.ODOM.key(name), lambda sample: heard.append(sample.key))
-        deadline = time.monotonic() + DEADLINE
-        while not heard:
-            assert time.monotonic() < deadline, "no odometry came"
-            time.sleep(0.01)
+        wait_until(lambda: heard, "odometry came")
         yield Setting(name, port, robots)
 
 

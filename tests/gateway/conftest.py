@@ -1,13 +1,14 @@
 """A robot, a driver and the cable between them, under one virtual clock."""
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import TypeVar
 
 import pytest
 
+from bus import Bus, ZenohBus
 from configs import load
 from gateway.driver import Driver
 from gateway.events import Event, SipReceived
@@ -15,6 +16,7 @@ from gateway.settings import Settings
 from p2os import Command, Frame, FrameDecoder, Identity, ReceivedCommand, RobotModel, decode_command
 from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.microcontroller.testing import STEP, PlainBody
+from tests.gateway.virtual_time import VirtualTime
 
 T = TypeVar("T")
 
@@ -31,7 +33,7 @@ def find_model(identity: Identity) -> RobotModel:
 
 
 @dataclass
-class Bench:
+class Bench(VirtualTime):
     """Driver and firmware on one cable. `now` is the driver's steady time; the robot steps with it.
 
     sent: every sound frame from the driver, (time, command). events: what the driver reported, likewise with time.
@@ -55,22 +57,6 @@ class Bench:
 
     def start(self) -> None:
         self.driver.port_opened(self.now)
-
-    def run(self, seconds: float, each: Callable[[], None] | None = None) -> None:
-        """Let time pass; `each` is called after every step."""
-        end = self.now + seconds
-        while self.now < end - 1e-9:
-            self.step()
-            if each is not None:
-                each()
-
-    def run_until(self, condition: Callable[[], bool], limit: float = 10.0) -> float:
-        """Let time pass until something is so; return how long it took, s."""
-        start = self.now
-        while not condition():
-            assert self.now - start < limit, "it did not happen"
-            self.step()
-        return self.now - start
 
     def step(self) -> None:
         self.now += STEP
@@ -140,3 +126,16 @@ def make_bench() -> MakeBench:
 @pytest.fixture
 def bench(make_bench: MakeBench) -> Bench:
     return make_bench()
+
+
+@pytest.fixture
+def bus() -> Iterator[Bus]:
+    """A session of the test's own on this machine's bus."""
+    with ZenohBus.open() as session:
+        yield session
+
+
+@pytest.fixture
+def name(robot: str) -> str:
+    """The robot's name, for tests in which `robot` is the command line that makes one."""
+    return robot

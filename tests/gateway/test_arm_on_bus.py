@@ -1,17 +1,15 @@
 """Both arms as the bus sees them: the Pioneer's in virtual time, and both as programs on real ports."""
 
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from random import Random
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
 import numpy as np
 import pytest
 
 from acromovi.children import EmulatedRobots, emulator, gateway
-from bus import Bus, NoAnswer, Refused, Sample, ZenohBus, keys, messages
+from bus import Bus, NoAnswer, Refused, Sample, keys, messages
 from configs import load
 from gateway.settings import Settings
 from p2os import RobotModel
@@ -19,11 +17,10 @@ from p2os_emu import fitting
 from p2os_emu.fit import Fit
 from p2os_emu.microcontroller.testing import PlainArm
 from tests.gateway.test_robot_on_bus import Office
+from tests.waiting import wait_until
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import MakeBench
-
-LIMIT = 20.0
 
 
 @pytest.fixture
@@ -141,13 +138,6 @@ def test_silent_gateway_lets_the_arm_go_home_and_lose_its_power(powered: Office)
 # As programs.
 
 
-def wait_for(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)
-
-
 class Watcher:
     """Hears one robot's arm, and orders it."""
 
@@ -177,28 +167,17 @@ class Watcher:
         return self.joints is not None and abs(self.joints.position[joint - 1] - place) < 0.02
 
 
-@pytest.fixture
-def name() -> str:
-    return f"t{uuid4().hex[:12]}"
-
-
-@pytest.fixture
-def bus() -> Iterator[Bus]:
-    with ZenohBus.open() as session:
-        yield session
-
-
 def test_pioneers_arm_moves_and_is_parked_when_its_gateway_is_killed(name: str, bus: Bus) -> None:
     with emulator("--robot", f"p3dx-sh:{name}", "--fit", "arm", "--world", "empty") as robots:
         watcher = Watcher(bus, name)
         with gateway(robots.port, "--quiet") as process:
-            wait_for(lambda: watcher.order(do="power", on=True))
-            wait_for(lambda: watcher.order(do="move", joints={"1": 0.5, "2": 1.2}))
-            wait_for(lambda: watcher.is_at(1, 0.5) and watcher.is_at(2, 1.2))
+            wait_until(lambda: watcher.order(do="power", on=True))
+            wait_until(lambda: watcher.order(do="move", joints={"1": 0.5, "2": 1.2}))
+            wait_until(lambda: watcher.is_at(1, 0.5) and watcher.is_at(2, 1.2))
             process.kill()
             process.wait()
         with gateway(robots.port, "--quiet"):  # its first words are STOP and CLOSE
-            wait_for(lambda: watcher.is_at(1, 0.0) and watcher.arm is not None and not watcher.arm.powered)
+            wait_until(lambda: watcher.is_at(1, 0.0) and watcher.arm is not None and not watcher.arm.powered)
 
 
 def test_powerbots_arm_moves_and_halts_when_its_gateway_is_killed(name: str, bus: Bus) -> None:
@@ -209,20 +188,20 @@ def test_powerbots_arm_moves_and_halts_when_its_gateway_is_killed(name: str, bus
         ports = (robots.port, "--arm", robots.robots[0]["arm_port"], "--quiet")
         watcher = Watcher(bus, name)
         with gateway(*ports) as process:
-            wait_for(lambda: watcher.order(do="home"))
-            wait_for(lambda: watcher.arm is not None and watcher.arm.homed)
+            wait_until(lambda: watcher.order(do="home"))
+            wait_until(lambda: watcher.arm is not None and watcher.arm.homed)
             assert watcher.order(do="move", joints={"2": 0.4, "8": 0.05})
-            wait_for(lambda: watcher.is_at(2, 0.4) and watcher.is_at(8, 0.05))
+            wait_until(lambda: watcher.is_at(2, 0.4) and watcher.is_at(8, 0.05))
             assert watcher.order(do="move", joints={"2": 1.6}, speed=0.2)
-            wait_for(lambda: bool(watcher.arm.moving[1]))
+            wait_until(lambda: bool(watcher.arm.moving[1]))
             process.kill()
             process.wait()
         time.sleep(1.2)  # longer than the modules wait for a host
         watcher.arm = None
         with gateway(*ports):
-            wait_for(lambda: watcher.arm is not None)
+            wait_until(lambda: watcher.arm is not None)
             assert not watcher.arm.powered
             assert 0.4 < watcher.joints.position[1] < 1.0
             assert watcher.order(do="power", on=True)
-            wait_for(lambda: watcher.order(do="move", joints={"2": 0.4}))
-            wait_for(lambda: watcher.is_at(2, 0.4))
+            wait_until(lambda: watcher.order(do="move", joints={"2": 0.4}))
+            wait_until(lambda: watcher.is_at(2, 0.4))

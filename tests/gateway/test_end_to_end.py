@@ -5,30 +5,22 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from math import hypot
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import pytest
 
 from acromovi import doctor
 from acromovi.children import EmulatedRobots, emulator, gateway
-from bus import Bus, Sample, ZenohBus, keys, messages
+from bus import Bus, Sample, keys, messages
 from gateway.errors import PortBusy
 from gateway.serial_port import open_port
 from p2os import Command, encode_command
+from tests.waiting import wait_until
 
 LIMIT = 15.0
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)
 
 
 class Watcher:
@@ -48,7 +40,7 @@ class Watcher:
     def hear(self, more: int = 3) -> None:
         """Wait for further poses."""
         enough = self.count + more
-        wait_for(lambda: self.count >= enough)
+        wait_until(lambda: self.count >= enough)
 
     def drive(self, linear: float) -> None:
         self._bus.put(keys.CMD_VEL.key(self._name), messages.twist(linear, 0.0))
@@ -59,18 +51,7 @@ class Watcher:
             time.sleep(0.05)
             return self.odom is not None and self.odom.twist.twist.linear.x > 0.9 * linear
 
-        wait_for(is_fast)
-
-
-@pytest.fixture
-def name() -> str:
-    return f"t{uuid4().hex[:12]}"
-
-
-@pytest.fixture
-def bus() -> Iterator[Bus]:
-    with ZenohBus.open() as session:
-        yield session
+        wait_until(is_fast)
 
 
 def rolled(robots: EmulatedRobots, name: str) -> tuple[float, float]:
@@ -98,7 +79,7 @@ def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, way: s
         watcher = Watcher(bus, name)
         watcher.hear()
         watcher.drive_until_fast(0.3)
-        wait_for(lambda: watcher.odom.twist.twist.linear.x == 0.0)
+        wait_until(lambda: watcher.odom.twist.twist.linear.x == 0.0)
         assert stands(robots, name, 0.5)
         watcher.drive_until_fast(0.3)
         process.terminate()
@@ -112,7 +93,7 @@ def test_robot_behind_radio_modems_is_dialled_driven_and_stopped(name: str, bus:
         watcher = Watcher(bus, name)
         watcher.hear(20)
         watcher.drive_until_fast(0.3)
-        wait_for(lambda: watcher.odom.twist.twist.linear.x == 0.0)
+        wait_until(lambda: watcher.odom.twist.twist.linear.x == 0.0)
         assert stands(robots, name, 0.5)
 
 
@@ -124,7 +105,7 @@ def test_gateway_killed_while_driving_and_started_again_never_turns_the_wheels(n
             watcher.drive_until_fast(0.5)
             first.kill()
             first.wait()
-        wait_for(lambda: stands(robots, name, 0.3))  # the watchdog
+        wait_until(lambda: stands(robots, name, 0.3))  # the watchdog
         with gateway(robots.port, "--quiet"):
             watcher.hear()
             assert stands(robots, name, 1.0)
@@ -142,7 +123,7 @@ def test_gateway_frozen_while_driving_never_turns_the_wheels_by_itself(name: str
         process.send_signal(signal.SIGSTOP)
         for _ in range(20):  # commands pile up on the bus while nobody hears
             watcher.drive(0.5)
-        wait_for(lambda: stands(robots, name, 0.3))
+        wait_until(lambda: stands(robots, name, 0.3))
         process.send_signal(signal.SIGCONT)
         watcher.hear()
         assert stands(robots, name, 1.0)
@@ -162,7 +143,7 @@ def test_port_that_vanishes_and_returns_is_taken_up_again(name: str, bus: Bus, t
         first.process.wait()
         count = watcher.count
         stack.enter_context(emulator(*robot))
-        wait_for(lambda: watcher.count > count + 3)
+        wait_until(lambda: watcher.count > count + 3)
         assert process.poll() is None
 
 
@@ -181,12 +162,12 @@ def test_port_that_leads_to_another_robot_for_a_while_is_let_go_and_taken_up_aga
         cable.symlink_to(other.port)
         first.process.kill()
         first.process.wait()
-        wait_for(lambda: stranger_hears(other.port) == b"")  # the gateway looks at it,
-        wait_for(lambda: b"other" in stranger_hears(other.port))  # and does not hold it
+        wait_until(lambda: stranger_hears(other.port) == b"")  # the gateway looks at it,
+        wait_until(lambda: b"other" in stranger_hears(other.port))  # and does not hold it
         count = watcher.count
         cable.unlink()
         cable.symlink_to(stack.enter_context(emulator(*robot)).port)
-        wait_for(lambda: watcher.count > count + 3)
+        wait_until(lambda: watcher.count > count + 3)
         assert process.poll() is None
 
 

@@ -1,13 +1,13 @@
 """Camera head and camera through everything there is: firmware, driver, cable, processes, Zenoh."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from acromovi.children import emulator, gateway
-from bus import Bus, Sample, ZenohBus, keys, messages
+from bus import Bus, Sample, keys, messages
 from configs import load
 from gateway.cameras.jpeg import picture_size
 from gateway.elements.ptz import Ptz
@@ -54,12 +54,6 @@ def test_robot_without_a_head_refuses_to_look(make_bench: "MakeBench") -> None:
     bench.run(3.0)
     with pytest.raises(CommandRefused, match="this robot has no ptz"):
         bench.driver.element(Ptz, bench.now)
-
-
-@pytest.fixture
-def bus() -> Iterator[Bus]:
-    with ZenohBus.open() as session:
-        yield session
 
 
 def test_pictures_and_head_are_on_the_bus_and_the_head_turns_when_asked(

@@ -1,19 +1,16 @@
 """Emulator, gateway and bus as programs, with a laser on a port of its own."""
 
-import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 import pytest
 
 from acromovi.children import emulator, gateway
-from bus import Bus, NoAnswer, Sample, ZenohBus, keys, messages
+from bus import Bus, NoAnswer, Sample, keys, messages
+from tests.waiting import wait_until
 
-LIMIT = 15.0
 WALL_ON_THE_LEFT = """\
 about = "a wall 2 m to the left, and a reflector ahead"
 starts = [{ at_m = [0.0, 0.0] }]
@@ -27,13 +24,6 @@ at_m = [3.0, 0.0]
 size_m = [0.2, 0.4, 1.0]
 reflector = true
 """
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)
 
 
 class Watcher:
@@ -63,17 +53,6 @@ class Watcher:
         return messages.decode(sample.type_name, sample.payload)
 
 
-@pytest.fixture
-def name() -> str:
-    return f"t{uuid4().hex[:12]}"
-
-
-@pytest.fixture
-def bus() -> Iterator[Bus]:
-    with ZenohBus.open() as session:
-        yield session
-
-
 @pytest.mark.parametrize(("model", "way"), [("p3dx-sh", "pty"), ("powerbot-sh", "tcp")], ids=["upright", "flipped"])
 def test_what_stands_on_the_left_shows_on_the_left(name: str, bus: Bus, model: str, way: str, tmp_path: Path) -> None:
     world = tmp_path / "left.toml"
@@ -82,7 +61,7 @@ def test_what_stands_on_the_left_shows_on_the_left(name: str, bus: Bus, model: s
     with emulator(*robot, *(["--tcp", "0"] if way == "tcp" else [])) as robots:
         watcher = Watcher(bus, name)
         with gateway(robots.port, "--laser", robots.robots[0]["laser_port"], "--quiet"):
-            wait_for(lambda: len(watcher.scans) > 3)
+            wait_until(lambda: len(watcher.scans) > 3)
             laser = watcher.elements["laser"]
             scan = watcher.scans[-1]
             bearings = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
@@ -103,14 +82,14 @@ def test_a_laser_that_goes_is_said_and_one_that_comes_back_is_taken_up(name: str
     with ExitStack() as stack:
         first = stack.enter_context(emulator(*robot))
         stack.enter_context(gateway(str(cable), "--laser", f"{cable}-laser", "--quiet"))
-        wait_for(lambda: bool(watcher.scans) and "laser" in watcher.elements)
+        wait_until(lambda: bool(watcher.scans) and "laser" in watcher.elements)
         for link in (cable, cable.with_name("cable-laser")):
             link.unlink()  # names go with their adapters; left behind, they would lead to whoever gets the number next
         first.process.kill()
         first.process.wait()
-        wait_for(lambda: "the laser's port is gone" in watcher.state.faults)
+        wait_until(lambda: "the laser's port is gone" in watcher.state.faults)
         assert "laser" not in watcher.elements
         count = len(watcher.scans)
         stack.enter_context(emulator(*robot))
-        wait_for(lambda: len(watcher.scans) > count + 3)
+        wait_until(lambda: len(watcher.scans) > count + 3)
         assert "laser" in watcher.elements

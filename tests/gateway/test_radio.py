@@ -2,7 +2,6 @@
 
 import itertools
 import random
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -20,13 +19,14 @@ from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.microcontroller.testing import STEP, PlainBody
+from tests.gateway.virtual_time import VirtualTime
 
 STOP = encode_command(Command.STOP)
 CLOSE = encode_command(Command.CLOSE)
 PROFILE = configs.load(LinkProfile, "links", "radio-modem")
 
 
-class Radio:
+class Radio(VirtualTime):
     """now: steady time, s. sent: bytes from the driver, with time. heard: bytes to it, likewise."""
 
     def __init__(self, model: str = "powerbot-sh", seed: int = 1, *, auto_connect: bool = True) -> None:
@@ -43,20 +43,6 @@ class Radio:
         self.heard: list[tuple[float, bytes]] = []
         self.events: list[tuple[float, Event]] = []
         self.turning: list[float] = []
-
-    def run(self, seconds: float, each: Callable[[], None] | None = None) -> None:
-        end = self.now + seconds
-        while self.now < end - 1e-9:
-            self.step()
-            if each is not None:
-                each()
-
-    def run_until(self, condition: Callable[[], bool], limit: float = 20.0) -> float:
-        start = self.now
-        while not condition():
-            assert self.now - start < limit, "it did not happen"
-            self.step()
-        return self.now - start
 
     def step(self) -> None:
         self.now += STEP
