@@ -3,6 +3,7 @@
 import socket
 import subprocess
 import sys
+from zlib import crc32
 
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.image_format import ImageFormat
@@ -11,6 +12,8 @@ from p2os_emu.camera.news import Moment, send
 FAREWELL = 2.0
 """Seconds for a process to end by itself."""
 BACKLOG = 8
+PORTS = range(20000, 30000)
+"""Below those that the system gives to whoever asks for any."""
 
 
 class CameraProcess:
@@ -30,7 +33,7 @@ class CameraProcess:
             OSError: There is no port or no process to be had.
         """
         self.known: set[int] = set()
-        listener = socket.create_server(("127.0.0.1", 0), backlog=BACKLOG)
+        listener = _listener(name)
         self._channel, channel = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with listener, channel:
             self.url = f"http://127.0.0.1:{listener.getsockname()[1]}/video"
@@ -74,3 +77,12 @@ class CameraProcess:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
+
+
+def _listener(name: str) -> socket.socket:
+    """At the port that follows from the robot's name, so that whoever lost its camera finds it again; else at any."""
+    own = PORTS[crc32(name.encode()) % len(PORTS)]
+    try:
+        return socket.create_server(("127.0.0.1", own), backlog=BACKLOG)
+    except OSError:  # somebody has it: the camera of a robot of this name in another emulator, for example
+        return socket.create_server(("127.0.0.1", 0), backlog=BACKLOG)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -15,8 +16,12 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+import configs
 from p2os import Command, encode_command, encode_frame
 from p2os.accessories import vcc4
+from p2os_emu.camera.camera_model import CameraModel
+from p2os_emu.camera.camera_process import CameraProcess
+from p2os_emu.camera.image_format import read_format
 from p2os_emu.program import emulator
 
 WORLD = """
@@ -104,3 +109,15 @@ def test_camera_that_dies_is_said_once_and_the_robot_goes_on(world: str, until: 
         _, complaints = process.communicate(timeout=LIMIT)
     assert process.returncode == 0
     assert complaints == "p2os-emu: the camera of happy has ended; the robot goes on without it\n"
+
+
+def test_camera_has_the_port_that_follows_from_its_robots_name_and_another_where_that_is_taken() -> None:
+    name = f"eye-{os.getpid()}"
+    with closing(camera_of(name)) as first, closing(camera_of(name)) as second:
+        assert first.url != second.url
+    with closing(camera_of(name)) as again:
+        assert again.url == first.url
+
+
+def camera_of(name: str) -> CameraProcess:
+    return CameraProcess(name, read_format("64x48@5"), configs.load(CameraModel, "accessories", "camera"))
