@@ -26,7 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("what", metavar="COMMAND", help="such as stop, gripper, ptz; or lease, or description")
-    parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", type=argument, help="what goes with it")
+    parser.add_argument(
+        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="what goes with it"
+    )
     parser.add_argument("--timeout", type=seconds, default=3.0, metavar="S", help="wait so long for the answer (3)")
     add_bus(parser)
 
@@ -44,7 +46,8 @@ def argument(text: str) -> tuple[str, Any]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask once, print the answer."""
-    from bus import ZenohBus, keys
+    from acromovi.presence import Presence
+    from bus import NoAnswer, ZenohBus, keys
 
     known = {topic.suffix for topic in keys.TOPICS if topic.kind is keys.Kind.QUERY}
     suffix = next((each for each in (f"command/{arguments.what}", arguments.what) if each in known), None)
@@ -54,6 +57,11 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     key = f"{keys.robot_name(arguments.robot)}/{suffix}"
     with ZenohBus.open(arguments.bus) as bus:
-        (answer,) = bus.query(key, dict(arguments.arguments), arguments.timeout)
+        presence = Presence(bus)
+        try:
+            (answer,) = bus.query(key, dict(arguments.arguments), arguments.timeout)
+        except NoAnswer:
+            presence.expect(arguments.robot, 0.0)
+            raise
     print(json.dumps(answer.value))
     return 0

@@ -209,3 +209,10 @@ def test_teleop_of_an_unknown_robot_names_the_nearest(terminal: tuple[Screen, in
             until(lambda: screen.shows("") and process.poll() is not None)
     assert process.returncode == 1
     assert screen.shows(f"no robot '{robot}x' is seen; did you mean '{robot}'?")
+
+
+def test_command_to_a_robot_that_is_not_there_says_which_are(robot: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with ZenohBus.open() as bus:
+        bus.declare_alive(f"{robot}/alive")
+        assert main(["command", f"{robot}x", "stop", "--timeout", "1"]) == 1
+    assert f"no robot '{robot}x' is seen; did you mean '{robot}'?" in capsys.readouterr().err
