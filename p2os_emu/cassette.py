@@ -8,6 +8,7 @@ import json
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -84,7 +85,7 @@ def read(path: Path) -> Cassette:
                 header = entry
             else:
                 moments.append(_moment(entry))
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, OverflowError) as error:
             raise CassetteError(
                 f'{path}, line {number} is no line of a cassette as {{"t": s, "from": "host" or "robot", "hex": bytes}}'
             ) from error
@@ -112,22 +113,34 @@ class Recorder:
     """
 
     def __init__(self, path: Path, name: str, model: str) -> None:
+        self._path = path
         try:
             self._file = path.open("w", encoding="utf-8", buffering=1)
         except OSError as error:
-            raise CassetteError(f"{path} cannot be written: {error.strerror}; choose another path") from error
-        self._write({"cassette": VERSION, "name": name, "model": model})
+            raise self._complaint(error) from error
+        try:
+            self._write({"cassette": VERSION, "name": name, "model": model})
+        except CassetteError:
+            self.close()
+            raise
 
     def __call__(self, now: float, source: str, data: bytes) -> None:
-        """Record bytes; fits `Line.tap`. `now` in s."""
+        """Record bytes; fits `Line.tap`. `now` in s. Raises CassetteError where they cannot be written."""
         self._write({"t": round(now, 6), "from": source, "hex": data.hex()})
 
     def close(self) -> None:
         """End the file."""
-        self._file.close()
+        with suppress(OSError):  # what could not be written has been complained of
+            self._file.close()
 
     def _write(self, entry: dict[str, Any]) -> None:
-        self._file.write(json.dumps(entry) + "\n")
+        try:
+            self._file.write(json.dumps(entry) + "\n")
+        except OSError as error:
+            raise self._complaint(error) from error
+
+    def _complaint(self, error: OSError) -> CassetteError:
+        return CassetteError(f"{self._path} cannot be written: {error.strerror}; choose another path")
 
 
 @dataclass(slots=True)

@@ -10,10 +10,11 @@ import configs
 from configs import ConfigError
 from geometry import Pose2D
 from p2os import RobotModel
+from p2os_emu.cassette import CassetteError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fit import Fit, FitError, read_fit
 from p2os_emu.hints import nearest
-from p2os_emu.links.link import Link
+from p2os_emu.links.link import Link, PortError
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
@@ -88,7 +89,7 @@ class Team:
             link: Its cable; None opens a port for it.
             parts: Of this robot alone, as `--fit` writes them.
         Raises:
-            TeamError: The name will not do, or the world has no room there.
+            TeamError: The name will not do, the world has no room there, or it is to be recorded and cannot be.
             ConfigError: There is no such model, or a file has an error.
             PortError: Its port cannot be opened.
         """
@@ -108,8 +109,15 @@ class Team:
             except ValueError as error:
                 raise TeamError(str(error)) from error
             opened.pop_all()
-        for tell in self.whenever_added:
-            tell(robot)
+        try:
+            for tell in self.whenever_added:
+                tell(robot)
+        except CassetteError as error:
+            self.emulator.remove(name)
+            raise TeamError(str(error)) from error
+        except PortError:
+            self.emulator.remove(name)
+            raise
         return robot
 
     def entry(self, robot: EmulatedRobot) -> dict[str, str | None]:

@@ -196,3 +196,8 @@ def test_lines_are_plain_json(tmp_path: Path) -> None:
     header, line = map(json.loads, (tmp_path / "tape").read_text().splitlines())
     assert header == {"cassette": 1, "name": "happy", "model": "p3dx-sh"}
     assert line == {"t": 1.25, "from": "robot", "hex": "fafb"}
+
+
+def test_full_disk_is_said_with_the_path() -> None:
+    with pytest.raises(CassetteError, match="/dev/full cannot be written: .*; choose another path"):
+        Recorder(Path("/dev/full"), "happy", "p3dx")

@@ -7,7 +7,8 @@ import pytest
 
 import configs
 from configs import ConfigError
-from p2os_emu.emulator import Emulator
+from p2os_emu.cassette import CassetteError
+from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
@@ -103,3 +104,17 @@ def test_flash_parameters_reach_the_robot(poller: Poller) -> None:
     robot = Team(emulator, Ports(poller, tcp=0), "ideal", {"host_baud": 38400}, "my.toml").add("p3dx")
     assert robot.microcontroller.host_baud == 38400
     emulator.close()
+
+
+@pytest.mark.parametrize("error", [CassetteError("the disk is full"), PortError("there is no port for a camera")])
+def test_robot_that_cannot_be_completed_is_taken_away_again(poller: Poller, error: Exception) -> None:
+    emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
+    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "")
+
+    def complain(robot: EmulatedRobot) -> None:
+        raise error
+
+    team.whenever_added.append(complain)
+    with pytest.raises((TeamError, PortError), match=str(error)):
+        team.add("p3dx")
+    assert not emulator.robots
