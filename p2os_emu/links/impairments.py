@@ -162,8 +162,12 @@ class Silence:
         return b""
 
 
+MOST_HELD = 1 << 16
+"""Bytes that an adapter that hangs keeps: what buffers of drivers and adapters hold together (assumed)."""
+
+
 class Freeze:
-    """Nothing gets through while it lasts; what came meanwhile is kept.
+    """Nothing gets through while it lasts; what came meanwhile is kept, as far as there is room.
 
     held: the bytes kept.
     """
@@ -173,7 +177,7 @@ class Freeze:
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `Stage.carry`."""
-        self.held += data
+        self.held += data[: MOST_HELD - len(self.held)]
         return b""
 
 

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from p2os_emu.links.impairments import (
+    MOST_HELD,
     BitErrors,
     ByteDamage,
     Delay,
@@ -128,3 +129,10 @@ def test_each_number_brings_its_stage() -> None:
     everything = Impairments(0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1)
     kinds = [type(stage) for stage in everything.stages("seed")]
     assert kinds == [Duplication, Delay, Loss, BitErrors, ByteDamage]
+
+
+def test_frozen_line_keeps_what_buffers_hold_and_no_more() -> None:
+    freeze = Freeze()
+    for _ in range(3 * MOST_HELD // 1000):
+        assert freeze.carry(bytes(1000), 0.0, Rates(9600, 9600)) == b""
+    assert len(freeze.held) == MOST_HELD
