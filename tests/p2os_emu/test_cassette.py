@@ -199,5 +199,5 @@ def test_lines_are_plain_json(tmp_path: Path) -> None:
 
 
 def test_full_disk_is_said_with_the_path() -> None:
-    with pytest.raises(CassetteError, match="/dev/full cannot be written: .*; choose another path"):
+    with pytest.raises(CassetteError, match=r"/dev/full cannot be written: .*; choose another path"):
         Recorder(Path("/dev/full"), "happy", "p3dx")
