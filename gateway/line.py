@@ -18,7 +18,8 @@ class Line:
     after which the robot is lost; below its watchdog's 2 s, so that it is told STOP before it can resume anything.
     share: of the line's bytes to the robot that may be used. streams: the robot may be asked for more packets than
     SIPs in every cycle; else one at a time, every `poll_period`. baud: bit/s that it carries, whatever the port is set
-    to; 0 where the port's rate says it. dial: what to say to the line before the robot hears.
+    to; 0 where the port's rate says it. detour: by which the answer of what hangs on the robot may come later than on
+    a cable. dial: what to say to the line before the robot hears.
     """
 
     first_window: float
@@ -32,6 +33,7 @@ class Line:
     streams: bool = True
     poll_period: float = 2.0
     baud: int = 0
+    detour: float = 0.0
     dial: bytes = b""
 
 
@@ -47,7 +49,7 @@ CABLE = Line(
 )
 # Modems add their own delay both ways, which nothing public states: a quarter of a second is assumed at most. SIPs of a
 # robot with many sonar discs take 70 % of 9600 bit/s; a quarter of the line is left to commands, should the two ends
-# have to take turns.
+# have to take turns. A request of three frames takes half a second on that quarter, and its answer waits for SIPs.
 RADIO = Line(
     first_window=0.4,
     last_window=0.8,
@@ -59,5 +61,6 @@ RADIO = Line(
     share=0.25,
     streams=False,
     baud=RADIO_BAUD,
+    detour=1.5,
     dial=DIAL,
 )

@@ -2,8 +2,8 @@
 
 Bytes for the device go out with TTY2. GETAUX delivers once so many bytes are there, and not before: so as many are
 asked for as the answer hoped for has; after one that failed to come, as many as the shortest has, and then the rest. A
-flush (GETAUX 0) goes before each exchange, so that a byte
-too much or too few costs one answer. Source: fact sheet of accessories, section 3.
+flush (GETAUX 0) goes before each exchange, so that a byte too much or too few costs one answer.
+Source: fact sheet of accessories, section 3.
 """
 
 from collections.abc import Callable, Hashable
@@ -44,11 +44,13 @@ class AuxLine:
     current: the exchange whose answer is awaited.
     """
 
-    def __init__(self, outbox: Outbox, ask: Ask) -> None:
+    def __init__(self, outbox: Outbox, ask: Ask, detour: float = 0.0) -> None:
+        """Borrow the robot's cable; detour: as `Line` has it, s."""
         self.is_blind = False
         self.current: Exchange | None = None
         self._outbox = outbox
         self._ask = ask
+        self._detour = detour
         self._queue: dict[str, Exchange] = {}
         self._give_up_at = inf
         self._not_before = -inf
@@ -117,7 +119,7 @@ class AuxLine:
             return
         self._ask(Command.GETAUX, exchange.first if self._is_careful else exchange.whole, ("aux", "fetch"))
         self.current = exchange
-        self._give_up_at = now + exchange.patience
+        self._give_up_at = now + exchange.patience + self._detour
 
     def _drop_frames(self) -> None:
         self._outbox.drop(*(("aux", frame) for frame in ("flush", "request", "fetch")))

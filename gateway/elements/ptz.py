@@ -32,6 +32,8 @@ TELLING_PERIOD = 1.0
 """Seconds between two reports while it rests."""
 BUSY_PERIOD = 0.25
 """Seconds before a busy head is told again."""
+PROBES = 3
+"""Times that each kind of head is asked for, since robot or line may drop a frame."""
 MOST_MISSED = 3
 """Answers in a row that may fail to come before the head counts as silent."""
 
@@ -45,7 +47,7 @@ class Ptz(Element):
 
     def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
         super().__init__(outbox, announce, settings)
-        self._aux = AuxLine(outbox, self._ask)
+        self._aux = AuxLine(outbox, self._ask, settings.line.detour)
         self._candidates: list[HeadTalk] = []
         self._talk: HeadTalk | None = None  # whom one talks to, or asks whether it is there
         self._place: HeadPlace | None = None  # of a head that is found
@@ -69,7 +71,8 @@ class Ptz(Element):
         kinds: Sequence[HeadKind] = [kind for kind in HeadKind if choice in (PtzChoice.AUTO, kind.value)]
         if self.is_present and self._talk is not None:
             kinds = [self._talk.kind]
-        self._candidates = [_TALKS[kind](configs.load(HeadModel, "accessories", kind.value)) for kind in kinds]
+        talks = [_TALKS[kind](configs.load(HeadModel, "accessories", kind.value)) for kind in kinds]
+        self._candidates = talks * PROBES
         self._try_next(now)
         self.watch(now)
 
@@ -150,7 +153,10 @@ class Ptz(Element):
         return self._talk, self._place
 
     def _try_next(self, now: float) -> None:
-        """Ask the next kind of head; with none left, steer the one that the settings name, or rest."""
+        """Ask the next kind of head; with none left, steer the one that the settings name, or rest.
+
+        One that answered before is looked for all the time: its power may come back.
+        """
         if self._candidates:
             self._talk = self._candidates.pop(0)
             self._aux.put("probe", self._talk.probe)
@@ -158,6 +164,9 @@ class Ptz(Element):
             self._aux.is_blind = True
             self._meet(now).reckon(now)
             self._start(now)
+        elif self._talk is not None and self.is_present:
+            self._missed = MOST_MISSED
+            self._aux.put_back(self._talk.probe, now + RESTING_PERIOD)
 
     def _meet(self, now: float) -> HeadPlace:
         self.is_present = True

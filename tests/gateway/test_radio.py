@@ -11,10 +11,14 @@ import configs
 from gateway.dialler import FIRST_PATIENCE, LONGEST_PATIENCE, Dialler
 from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
+from gateway.elements.ptz import Ptz
 from gateway.events import Event, LinkLost, SipReceived
 from gateway.line import DIAL, RADIO, RADIO_BAUD
 from gateway.settings import Settings
 from p2os import Command, Frame, FrameDecoder, Identity, RobotModel, decode_command, encode_command
+from p2os.accessories.head_model import HeadModel
+from p2os_emu.accessories.evid30 import EviD30
+from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.microcontroller import Microcontroller
@@ -71,6 +75,21 @@ class Radio(VirtualTime):
         seconds = self.run_until(lambda: self.driver.is_connected)
         self.run_until(lambda: self.robot.motors_enabled)
         return seconds
+
+
+@pytest.mark.parametrize(("kind", "name"), [(Vcc4, "vcc4"), (EviD30, "evid30")])
+def test_camera_head_is_found_and_steered_through_the_modems(kind: type[Vcc4 | EviD30], name: str) -> None:
+    radio = Radio()
+    device = kind(configs.load(HeadModel, "accessories", name))
+    radio.robot.plug(1, lambda: device)
+    radio.connect()
+    radio.run_until(lambda: radio.driver.has(Ptz))
+    radio.run(15.0)
+    radio.driver.element(Ptz, radio.now).look(0.5, None, None, radio.now)
+    radio.run(5.0)
+    assert device.head.pan.position == pytest.approx(0.5, abs=0.01)
+    assert radio.rate_sent(radio.now - 5.0) < 0.25 * RADIO_BAUD / 10
+    assert radio.driver.faults == []
 
 
 def find_model(identity: Identity) -> RobotModel:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from configs import load
-from gateway.elements.ptz import Ptz
+from gateway.elements.ptz import PROBES, Ptz
 from gateway.errors import CommandRefused
 from gateway.events import HeadSeen
 from gateway.settings import Fitted, PtzChoice, Settings
@@ -132,11 +132,11 @@ def test_stop_ends_the_motion_where_it_is(make_stand: "MakeStand", make: MakeHea
     assert not bench.seen[-1].moving
 
 
-def test_robot_without_a_head_is_asked_twice_and_then_left_alone(make_stand: "MakeStand") -> None:
+def test_robot_without_a_head_is_asked_for_both_kinds_a_few_times_and_then_left_alone(make_stand: "MakeStand") -> None:
     bench = bench_with(make_stand, None)
     bench.run(60.0)
     assert not bench.stand.has_it()
-    assert len(bench.sent) == 2
+    assert len(bench.sent) == 2 * PROBES
     assert bench.seen == []
 
 
@@ -245,6 +245,26 @@ def test_what_is_beyond_the_limits_is_refused_with_the_limits(
         bench.ptz.look(*look, bench.stand.now)
     bench.run(0.1)
     assert len(bench.sent) - sent <= 2  # questions
+
+
+@pytest.mark.parametrize("make", [canon, sony])
+def test_known_head_that_is_gone_after_a_reconnect_is_a_fault_until_it_is_back(
+    make_stand: "MakeStand", make: MakeHead
+) -> None:
+    device = make()
+    bench = bench_with(make_stand, device)
+    bench.run(5.0)
+    bench.ptz.lose_link()
+    bench.device = None
+    bench.stand.connect()
+    bench.run(10.0)
+    assert list(bench.ptz.faults) == ["the camera head does not answer"]
+    bench.device = device
+    bench.run(10.0)
+    assert not list(bench.ptz.faults)
+    bench.ptz.look(0.1, None, None, bench.stand.now)
+    bench.run(2.0)
+    assert device.head.pan.position == pytest.approx(0.1, abs=0.01)
 
 
 def test_lost_link_begins_anew_and_the_head_stays_known(make_stand: "MakeStand") -> None:
