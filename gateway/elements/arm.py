@@ -55,6 +55,7 @@ class Arm(AskedElement):
     takes = (ArmInformation, ArmReport)
     question = Command.ARM_INFO, None
     stream = Command.ARM_STATUS, 2
+    single = Command.ARM_STATUS, 1
     version = ""
     _scales: tuple[Scale, ...] = ()
     _is_powered = False
@@ -78,7 +79,7 @@ class Arm(AskedElement):
                 return
             super().take(packet, now)
             if not self._settings.line.streams:
-                self._ask(Command.ARM_STATUS, 1)
+                self._ask(*self.single)
         elif isinstance(packet, ArmReport) and self.is_present:
             super().take(packet, now)
             self._see(packet)

@@ -16,6 +16,7 @@ class AskedElement(Element):
     """Asks after every handshake until a packet comes, a few times.
 
     question: a command with its argument. stream: what asks for more packets once one has come; None if one is enough.
+    single: what asks for one packet more where the line carries no stream; the question, unless it says otherwise.
     period: s to wait for an answer before asking again, since robot or line may have dropped a frame. times: to ask,
     before the robot is taken for one that has no answer.
     """
@@ -24,6 +25,7 @@ class AskedElement(Element):
     times: ClassVar[int] = 3
     question: ClassVar[Question]
     stream: ClassVar[Question | None] = None
+    single: ClassVar[Question | None] = None
     _asks_left = 0
     _streams = False
 
@@ -52,7 +54,7 @@ class AskedElement(Element):
     def watch(self, now: float) -> None:
         """Ask again; for one packet after another where the line carries no stream of them."""
         if self._streams and self.stream is not None:
-            self._ask(*(self.stream if self._settings.line.streams else self.question))
+            self._ask(*(self.stream if self._settings.line.streams else self.single or self.question))
             self.deadline = now + SILENCE
         else:
             self._ask(*self.question)

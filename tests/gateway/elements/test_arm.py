@@ -166,4 +166,4 @@ def test_line_that_carries_no_streams_is_asked_for_one_report_at_a_time(make_sta
     stand.take(ArmReport(0, POWERED, CENTRES))
     assert told(stand) == []
     stand.run(stand.element.deadline - stand.now)
-    assert told(stand) == [(Command.ARM_INFO, None)]
+    assert told(stand) == [(Command.ARM_STATUS, 1)]  # the information is longer, and does not change
