@@ -1,6 +1,7 @@
 """What a robot is told over the bus: velocities, commands, and who holds its lease.
 
-Handlers run on threads of the bus and reach the driver through a `Commander`; everything here happens under its lock.
+Handlers run on threads of the bus and reach the driver through a `Commander`; everything here happens under its lock,
+but for halting what hangs on cables of its own once the robot has been told to stop.
 """
 
 from collections import Counter

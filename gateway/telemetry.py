@@ -1,4 +1,6 @@
-"""From the driver's events to messages. Everything that does not change is built once.
+"""From what every robot reports to messages: odometry, sonar, bumpers, battery, ports, wheels; elements have faces.
+
+Everything that does not change is built once.
 
 Stamps are the wall clock of this computer when the last byte of the packet came.
 """

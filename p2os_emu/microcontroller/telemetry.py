@@ -1,4 +1,4 @@
-"""What the board tells a client: standard SIP, CONFIGpac, ENCODERpac and IOpac."""
+"""What the board tells a client: the standard SIP, the packets that it asks for, and what servers say by themselves."""
 
 from collections.abc import Callable, Mapping
 
