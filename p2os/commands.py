@@ -17,7 +17,8 @@ NEGATIVE = 0x1B
 TEXT = 0x2B
 """Argument types: an int's magnitude, the magnitude of a negative int, a counted string."""
 
-MAX_MAGNITUDE = 0xFFFF
+MAX_INT = 0x7FFF
+MAX_UNSIGNED = 0xFFFF
 MAX_STRING = 196
 """Bytes; the shortest limit of any firmware's manual."""
 MAX_DATA = MAX_PAYLOAD - 2
@@ -79,11 +80,11 @@ def _check_size(spec: CommandSpec, what: str, value: bytes, most: int) -> None:
 def _encode_int(spec: CommandSpec, value: float) -> bytes:
     scale = FIXED_SCALES[spec.quantity]
     count = round(value / scale) if math.isfinite(value) else None
-    lowest = -MAX_MAGNITUDE if spec.argument is Argument.INT else 0
-    if count is None or not lowest <= count <= MAX_MAGNITUDE:
+    lowest, highest = (-MAX_INT, MAX_INT) if spec.argument is Argument.INT else (0, MAX_UNSIGNED)
+    if count is None or not lowest <= count <= highest:
         what, unit = spec.quantity.label, spec.quantity.unit
         sign = "" if count is None or count > 0 or lowest else ", none below zero"
-        most = f"{MAX_MAGNITUDE * scale:.8g} {unit}".rstrip()
+        most = f"{highest * scale:.8g} {unit}".rstrip()
         raise EncodeError(
             f"{what} {value} {unit}".rstrip() + f" does not fit {spec.name}, which carries at most {most}{sign}"
         )
@@ -118,12 +119,13 @@ def _decode_argument(spec: CommandSpec, argument: bytes) -> CommandValue | None:
             return argument[1:]
         case Argument.TWO_BYTES:
             # A high byte of 0x80 and more may come as a negative int: two's complement brings the two bytes back.
-            high, low = divmod(_decode_int(argument) & 0xFFFF, 256)
+            high, low = divmod(_decode_int(argument, signed=False) & 0xFFFF, 256)
             return high, low
-    count = _decode_int(argument)
+    count = _decode_int(argument, signed=spec.argument is Argument.INT)
     return count if spec.quantity is Quantity.COUNT else count * FIXED_SCALES[spec.quantity]
 
 
-def _decode_int(argument: bytes) -> int:
-    magnitude = int.from_bytes(argument[1:3], "little")
+def _decode_int(argument: bytes, *, signed: bool) -> int:
+    """Beyond 32767 a signed one is two's complement: so clients that know one type only write negative numbers."""
+    magnitude = int.from_bytes(argument[1:3].ljust(2, b"\0"), "little", signed=signed)
     return -magnitude if argument[:1] == bytes([NEGATIVE]) else magnitude

@@ -113,10 +113,10 @@ def test_ticksmm_rescales_odometry_from_now_on(robot: Bench) -> None:
 
 
 def test_revcount_rescales_turns(robot: Bench) -> None:
-    robot.send(Command.REVCOUNT, 2 * 32550)
-    robot.send(Command.RVEL, 0.5)
+    robot.send(Command.REVCOUNT, 32550 // 2)
+    robot.send(Command.RVEL, 0.25)
     robot.run(4.0)
-    assert robot.sip().heading == pytest.approx(robot.turned / 2, abs=0.05)
+    assert robot.sip().heading == pytest.approx(robot.turned * 2, abs=0.05)
 
 
 def test_driftfactor_bends_what_the_robot_takes_for_straight(robot: Bench) -> None:
