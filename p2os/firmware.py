@@ -27,7 +27,7 @@ class FlashDefaults:
     Source: FLASH parameter table of the Pioneer 3/2 H8-series manual; `assumed` marks what it does not say.
     sonar_cycle: s between two firings of one array. stall_value: in PWM units; above `pwm_max` it would never stall.
     bump_stall: as the BUMPSTALL command counts: 0 none, 1 front, 2 rear, 3 both.
-    auto_baud: as CONFIGpac says: 1 the host may change the rate, 2 it should do so by itself.
+    auto_baud: as CONFIGpac says: 1 the host may change the rate, 2 it should do so by itself, for one connection.
     low_battery, shutdown_battery: fractions of the nominal voltage.
     """
 

@@ -31,6 +31,9 @@ from p2os_emu.microcontroller.watchdog import Watchdog
 
 STOPS_WHEN_DOCKED = 2
 """Argument of DOCK."""
+RATE_ENDS_WITH_CLIENT = 2
+"""AUTOBAUD in FLASH: the rate that HOSTBAUD set ends with the connection. A client library calls the byte so, starts
+at the old rate every time, and says CLOSE at every rate to a robot that keeps silent."""
 GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
 
 
@@ -119,6 +122,8 @@ class Board:
         """The client has gone: motors and sonar off, working parameters as in FLASH."""
         flash = self.flash
         self.has_client = False
+        if flash.auto_baud == RATE_ENDS_WITH_CLIENT:
+            self._next_baud = flash.host_baud
         self.answers.clear()
         self.joystick.restore()
         self.charger.release()

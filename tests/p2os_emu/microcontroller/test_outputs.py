@@ -241,7 +241,19 @@ class TestAutoBaud:
         robot.send(Command.PULSE)
         assert len(robot.sips(1.0)) == 10
 
-    def test_the_rate_survives_the_client_and_its_death(self, robot: Bench) -> None:
+    def test_the_rate_ends_with_the_connection(self, bench_of: BenchOf) -> None:
+        flash = Flash.of(bench_of("p3dx-sh").model, "happy").changed({"auto_baud": 2})
+        robot = bench_of("p3dx-sh", flash=flash).connect()
+        robot.controller.receive(bytes.fromhex("FA FB 06 32 3B 02 00 34 3B"))
+        robot.run(0.1)
+        robot.pulsing = False
+        robot.run(10.0)
+        assert robot.controller.host_baud == 38400, "a client that died says nothing"
+        robot.controller.receive(bytes.fromhex("FA FB 06 02 3B 01 00 03 3B"))  # ARIA's CLOSE, at 38400 among others
+        robot.run(0.1)
+        assert robot.controller.host_baud == 9600
+
+    def test_without_autobaud_the_rate_survives_the_client_and_its_death(self, robot: Bench) -> None:
         robot.send(Command.HOSTBAUD, 4)
         robot.run(0.1)
         robot.pulsing = False
