@@ -4,9 +4,12 @@ import argparse
 import signal
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 from configs import ConfigError
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
@@ -15,7 +18,7 @@ from gateway.cables.cable import ElementDriver, ElementThread
 from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
 from gateway.errors import GatewayError, NoSuchPort
-from gateway.gateway import Gateway, Options
+from gateway.gateway import Gateway, Options, tell
 from gateway.line import RADIO_BAUD
 from gateway.search import model_finder, rates_to_try
 from gateway.serial_port import Port, has_rate, open_port
@@ -61,7 +64,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         )
         ports = {name: port for name in CABLES if (port := getattr(arguments, name)) is not None}
         cameras = [] if arguments.camera is None else [_camera(arguments.camera)]
-        _serve(options, settings, arguments.baud, ports, cameras)
+        with _signals(_end):
+            _serve(options, settings, arguments.baud, ports, cameras)
+    except _Ended:
+        return EXIT_OK
     except ConfigError as error:
         return _fail(error, EXIT_USAGE)
     except GatewayError as error:
@@ -82,18 +88,35 @@ def _serve(
     driver = Driver(find_model, rates_to_try(port, RADIO_BAUD if settings.radio else baud), settings)
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
-    before = {number: signal.signal(number, lambda *_: bridge.stop()) for number in (signal.SIGINT, signal.SIGTERM)}
+    with _signals(lambda *_: bridge.stop()):
+        try:
+            for cable in cables:
+                cable.start()
+            bridge.run(gateway)
+        finally:
+            for cable in cables:
+                cable.halt()
+            bridge.close()  # first of all the robot stops
+            gateway.close()
+
+
+class _Ended(BaseException):
+    """A signal asked for the end before there was anything to stop; nobody on the way may take it for an error."""
+
+
+def _end(number: int, frame: FrameType | None) -> NoReturn:
+    raise _Ended
+
+
+@contextmanager
+def _signals(handler: Callable[[int, FrameType | None], object]) -> Iterator[None]:
+    """Let SIGINT and SIGTERM call this handler meanwhile."""
+    before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        for cable in cables:
-            cable.start()
-        bridge.run(gateway)
+        yield
     finally:
-        for cable in cables:
-            cable.halt()
-        bridge.close()  # first of all the robot stops
-        gateway.close()
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
 def _cable(name: str, port_name: str, settings: Settings, waits: bool) -> CableThread[ElementDriver]:
@@ -121,13 +144,17 @@ def _camera(where: str) -> ElementThread:
 
 def _open_first(options: Options) -> Port:
     """Open the port; wait for it only if asked to."""
+    is_told = False
     while True:
         try:
             return open_port(options.port)
         except NoSuchPort:
             if not options.waits:
                 raise
-            time.sleep(REOPEN_PERIOD)
+        if not is_told:
+            tell(options, f"waiting for {options.port}", {"event": "waiting"})
+            is_told = True
+        time.sleep(REOPEN_PERIOD)
 
 
 def _parser() -> argparse.ArgumentParser:

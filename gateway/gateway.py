@@ -43,6 +43,14 @@ class Options:
     is_json: bool = False
 
 
+def tell(options: Options, sentence: str, facts: dict[str, Any]) -> None:
+    """Say what happens, as a sentence or as JSON."""
+    if options.is_json:
+        print(json.dumps({**facts, "port": options.port}), flush=True)
+    elif not options.is_quiet:
+        print(sentence, flush=True)
+
+
 class Gateway:
     """Hears the bridge, and brings the robot to the bus as soon as both are there.
 
@@ -182,10 +190,7 @@ class Gateway:
                 self._complain(f"{'; '.join(reasons)}; looking for it")
 
     def _tell(self, sentence: str, facts: dict[str, Any]) -> None:
-        if self._options.is_json:
-            print(json.dumps({**facts, "port": self._options.port}), flush=True)
-        elif not self._options.is_quiet:
-            print(sentence, flush=True)
+        tell(self._options, sentence, facts)
 
     def _complain(self, sentence: str) -> None:
         """Say it once, however often it goes on being so."""

@@ -43,6 +43,7 @@ class CameraProcess:
                 pass_fds=(channel.fileno(), listener.fileno()),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C in the terminal is for the emulator, whose end is the camera's
             )
 
     @property

@@ -4,6 +4,9 @@ import fcntl
 import os
 import pty
 import select
+import signal
+import subprocess
+import sys
 import threading
 import tty
 from collections.abc import Callable, Iterator
@@ -163,3 +166,14 @@ def test_radio_modem_takes_no_other_rate(capsys: pytest.CaptureFixture[str]) -> 
         main(["/dev/null", "--radio", "--baud", "38400"])
     assert end.value.code == 2
     assert "9600 bit/s only" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signal_ends_the_wait_for_a_port_quietly(tmp_path: Path, number: int) -> None:
+    command = [sys.executable, "-m", "gateway", str(tmp_path / "ttyUSB0"), "--wait"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == f"waiting for {tmp_path / 'ttyUSB0'}\n"
+        process.send_signal(number)
+        said, complaints = process.communicate(timeout=10)
+    assert (process.returncode, said, complaints) == (0, "", "")

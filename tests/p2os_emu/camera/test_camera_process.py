@@ -121,3 +121,17 @@ def test_camera_has_the_port_that_follows_from_its_robots_name_and_another_where
 
 def camera_of(name: str) -> CameraProcess:
     return CameraProcess(name, read_format("64x48@5"), configs.load(CameraModel, "accessories", "camera"))
+
+
+def test_ctrl_c_in_the_terminal_ends_emulator_and_camera_without_a_word(world: str) -> None:
+    command = [sys.executable, "-m", "p2os_emu", *FIT, "--world", world, "--json"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        camera = camera_pid(process.pid)
+        os.killpg(process.pid, signal.SIGINT)
+        said, complaints = process.communicate(timeout=LIMIT)
+    assert (process.returncode, said, complaints) == (0, "", "")
+    assert not is_running(camera)
