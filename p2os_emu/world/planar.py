@@ -53,7 +53,7 @@ class PlanarScene:
         """Follow beams to the first surface.
 
         Args:
-            beams: Together they span less than a full turn.
+            beams: Together they span a full turn at most; one step or more between two, in either sense.
             pose: Of the robot that they are given in.
             own: Name of that robot; it does not see itself.
         """
