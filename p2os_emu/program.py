@@ -28,7 +28,7 @@ class ChildFailed(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class EmulatedRobots:
-    """A running `p2os-emu`: its process, its robots as it announced them, and its control socket."""
+    """A running `p2os-emu`: its process, its robots as it announced them, and its control socket, if it has one."""
 
     process: subprocess.Popen[str]
     robots: tuple[dict[str, Any], ...]
@@ -105,7 +105,7 @@ def _announced(process: subprocess.Popen[str], said: IO[str]) -> EmulatedRobots:
     line = process.stdout.readline()
     if line:
         announced = json.loads(line)
-        return EmulatedRobots(process, tuple(announced["robots"]), announced["control"])
+        return EmulatedRobots(process, tuple(announced["robots"]), announced["control"] or "")
     process.wait(ENDING_TIMEOUT_S)
     said.seek(0)
     complaint = said.read().strip().rpartition(_SPEAKER)[2]
