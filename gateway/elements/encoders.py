@@ -20,5 +20,6 @@ class WheelEncoders(PolledElement):
 
     def take(self, packet: object, now: float) -> None:
         """Pass them on."""
+        super().take(packet, now)
         assert isinstance(packet, Encoders)
         self._announce(EncodersReceived(packet, self._model))

@@ -6,6 +6,7 @@ it. Source: client libraries (rate of a count, period of the readings).
 
 from math import inf, radians
 
+from gateway.elements.asked import SILENCE
 from gateway.elements.element import Element
 from gateway.events import TurnRateSeen
 from gateway.journey import is_at_rest
@@ -51,11 +52,18 @@ class Gyro(Element):
         """The robot says what gyro it has; a slow line cannot carry what it would send."""
         self.is_present = configuration.has_gyro == SENT and self._settings.line.streams
         self.is_inside = configuration.has_gyro >= INSIDE
+        self.deadline = inf
         if self.is_present:
-            self._ask(Command.GYRO, 1)
+            self.watch(now)
+
+    def watch(self, now: float) -> None:
+        """Ask for readings; again when none come, since robot or line may have dropped the frame."""
+        self._ask(Command.GYRO, 1)
+        self.deadline = now + SILENCE
 
     def lose_link(self) -> None:
         """Nobody knows what the wheels do meanwhile."""
+        self.deadline = inf
         self._standing_since = inf
         self._turned, self._has_turned = 0.0, False
 
@@ -70,6 +78,8 @@ class Gyro(Element):
     def take(self, packet: object, now: float) -> None:
         """Turn readings into a turn rate; a gyro that has failed has none."""
         assert isinstance(packet, GyroReport)
+        if self.is_present:
+            self.deadline = now + SILENCE
         counts = [sample.rate for sample in packet.samples if sample.rate != DEAD]
         if self._has_failed or not counts or not self.is_present:
             return

@@ -3,24 +3,37 @@
 from math import inf
 from typing import ClassVar
 
+from gateway.elements.asked import SILENCE
 from gateway.elements.element import Element
 from p2os import Command
 
 ONE, CONTINUOUS = 1, 2
 """Arguments of these commands: send one, or send with every cycle."""
+TIMES = 3
+"""To tell a robot from which nothing comes, before it is taken for one that does not know the command."""
 
 
 class PolledElement(Element):
-    """Told once to send with every cycle; asked for one after another where the line does not carry that many.
+    """Told to send with every cycle, and again when nothing comes, since robot or line may have dropped the frame.
+
+    Asked for one packet after another where the line does not carry that many.
 
     command: what tells the robot to send.
     """
 
     command: ClassVar[Command]
+    _tries_left = 0
 
     def begin(self, now: float) -> None:
         """Let the packets come."""
+        self._tries_left = TIMES
         self.watch(now)
+
+    def take(self, packet: object, now: float) -> None:
+        """They come."""
+        if self.deadline < inf and self._settings.line.streams:
+            self._tries_left = TIMES
+            self.deadline = now + SILENCE
 
     def lose_link(self) -> None:
         """Ask no more."""
@@ -30,7 +43,8 @@ class PolledElement(Element):
         """Ask for the next, where they do not come by themselves."""
         if self._settings.line.streams:
             self._ask(self.command, CONTINUOUS)
-            self.deadline = inf
+            self._tries_left -= 1
+            self.deadline = now + SILENCE if self._tries_left else inf
         else:
             self._ask(self.command, ONE)
             self.deadline = now + self._settings.line.poll_period

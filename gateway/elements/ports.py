@@ -24,6 +24,7 @@ class UserPorts(PolledElement):
 
     def take(self, packet: object, now: float) -> None:
         """Pass them on."""
+        super().take(packet, now)
         assert isinstance(packet, InputsOutputs)
         self._announce(InputsOutputsReceived(packet))
 

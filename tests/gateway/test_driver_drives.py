@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from tests.gateway.conftest import Bench, MakeBench
 
 
+ASKED = 4.0
+"""Seconds after which a robot has been asked for everything that it may have."""
+
+
 def refusal(command: Callable[[], object]) -> str:
     with pytest.raises(CommandRefused) as caught:
         command()
@@ -50,7 +54,7 @@ def test_robot_stops_when_velocities_cease_for_half_a_second(bench: "Bench") -> 
 
 def test_unchanged_velocity_is_repeated_only_to_keep_the_robot_alive(bench: "Bench") -> None:
     bench.connect()
-    bench.run(2.0)  # until the robot has been asked everything
+    bench.run(ASKED)
     at = bench.now
 
     def drive() -> None:
@@ -72,12 +76,12 @@ def test_newer_velocity_replaces_the_one_that_still_waits(bench: "Bench") -> Non
 
 def test_idle_robot_is_kept_alive_by_pulses_and_one_that_was_stopped_by_stops(bench: "Bench") -> None:
     bench.connect()
-    bench.run(1.0)
+    bench.run(ASKED)
     at = bench.now
     bench.run(2.0)
     assert set(bench.commands(since=at)) == {Command.PULSE}
     bench.driver.set_velocity(0.2, 0.0, bench.now)
-    bench.run(3.0)
+    bench.run(1.0)
     at = bench.now
     bench.run(2.0)
     assert set(bench.commands(since=at)) == {Command.STOP}
@@ -165,7 +169,7 @@ def test_estop_under_a_stream_of_velocities_stays_a_stop_until_off_and_enable(be
         with suppress(CommandRefused):
             driver.set_velocity(0.5, 0.0, bench.now)
 
-    bench.run(1.0, stream)
+    bench.run(ASKED, stream)
     at = bench.now
     driver.emergency_stop(True, bench.now)
     bench.flush()

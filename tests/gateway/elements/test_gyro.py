@@ -1,8 +1,9 @@
-from math import radians
+from math import inf, radians
 from typing import TYPE_CHECKING
 
 import pytest
 
+from gateway.elements.asked import SILENCE
 from gateway.elements.gyro import RATE_PER_COUNT, SAMPLE_PERIOD, Gyro
 from gateway.events import TurnRateSeen
 from gateway.settings import Calibration, Settings
@@ -40,6 +41,19 @@ def cycle(stand: "Stand", *counts: int, sip: StandardSip | None = None) -> TurnR
 def test_robot_whose_gyro_sends_is_asked_for_packets(stand: "Stand") -> None:
     assert [(command.command, command.value) for command in stand.sent()] == [(Command.GYRO, 1)]
     assert stand.has_it()
+
+
+def test_gyro_is_asked_for_again_when_its_readings_fail_to_come(stand: "Stand") -> None:
+    stand.sent()
+    stand.run(SILENCE - 0.1)
+    assert stand.sent() == []
+    stand.take(GyroReport((GyroSample(512, 20),)))
+    stand.run(SILENCE - 0.1)
+    assert stand.sent() == []
+    stand.run(0.2)
+    assert [(command.command, command.value) for command in stand.sent()] == [(Command.GYRO, 1)]
+    stand.element.lose_link()
+    assert stand.element.deadline == inf
 
 
 @pytest.mark.parametrize("has_gyro", [0, 2, 3])
