@@ -1,6 +1,7 @@
 """From what every robot reports to messages: odometry, sonar, bumpers, battery, ports, wheels; elements have faces.
 
-Everything that does not change is built once. Stamps are the wall clock of this computer when the last byte of the packet came.
+Everything that does not change is built once. Stamps are the wall clock of this computer when the last byte of the
+packet came.
 """
 
 from collections.abc import Iterable

@@ -28,6 +28,7 @@ class Compass(AskedElement):
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
+        self._errors = 0
         if self._settings.fitted.compass:
             super().begin_link(model, now)
 
