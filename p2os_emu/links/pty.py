@@ -14,7 +14,9 @@ slave for a moment: the master then hangs up only if nobody else is there (5 us)
 
 import os
 import select
+import socket
 import termios
+from hashlib import sha256
 from pathlib import Path
 
 from p2os_emu.links.link import Link, Outlet, PortError
@@ -39,7 +41,8 @@ class PtyLink(Link):
         path: Where to put a symbolic link that always leads to the port, also after it vanished and returned; None
             for none.
     Raises:
-        PortError: Something that is not a leftover link to a terminal stands at `path`, or the link cannot be made.
+        PortError: Something that is not a leftover link to a terminal stands at `path`, another emulator has it, or the
+            link cannot be made.
     """
 
     def __init__(self, poller: Poller, path: Path | None = None) -> None:
@@ -49,7 +52,12 @@ class PtyLink(Link):
         self._outlet = Outlet()
         self._master: int | None = None
         self._held_slave: int | None = None
-        self.plug_in()
+        self._claim = None if path is None else _claim(path)
+        try:
+            self.plug_in()
+        except PortError:
+            self.close()
+            raise
 
     @property
     def attached(self) -> bool:
@@ -121,6 +129,8 @@ class PtyLink(Link):
     def close(self) -> None:
         """Close the pseudo-terminal and remove the symbolic link."""
         self.unplug()
+        if self._claim is not None:
+            self._claim.close()
 
     def _on_ready(self, events: int) -> None:
         if events & READABLE:
@@ -180,6 +190,18 @@ def _make_raw(descriptor: int, speed: int) -> None:
     attributes[6][termios.VMIN] = 1
     attributes[6][termios.VTIME] = 0
     termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
+
+
+def _claim(path: Path) -> socket.socket:
+    """Take a path for this link alone: a leftover link looks like one in use, a name of the system's goes with us."""
+    claim = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    place = path.parent.resolve() / path.name
+    try:
+        claim.bind("\0p2os-emu:" + sha256(bytes(place)).hexdigest())
+    except OSError as error:
+        claim.close()
+        raise PortError(f"--pty {path} is in use by another emulator; choose another path") from error
+    return claim
 
 
 def _refuse_unless_replaceable(path: Path) -> None:

@@ -371,14 +371,28 @@ class TestPty:
         assert path.readlink() != Path("/dev/pts/987654")
         cable.close()
 
-    def test_link_that_another_emulator_has_taken_over_is_left_alone(self, tmp_path: Path) -> None:
+    def test_path_that_another_emulator_has_is_refused_until_that_one_ends(self, tmp_path: Path) -> None:
         path = tmp_path / "robot"
         first = PtyCable(path)
-        second = PtyCable(path)
+        target = path.readlink()
+        for same in path, tmp_path / "." / "robot", tmp_path / ".." / tmp_path.name / "robot":
+            with pytest.raises(PortError, match=r"robot is in use by another emulator; choose another path"):
+                PtyCable(same)
+        assert path.readlink() == target
+        first.link.unplug()
+        with pytest.raises(PortError, match="in use"):
+            PtyCable(path)
+        first.close()
+        PtyCable(path).close()
+        assert not path.is_symlink()
+
+    def test_link_that_somebody_has_pointed_elsewhere_is_left_alone(self, tmp_path: Path) -> None:
+        path = tmp_path / "robot"
+        first = PtyCable(path)
+        path.unlink()
+        path.symlink_to("/dev/pts/987654")
         first.close()
         assert path.is_symlink()
-        second.close()
-        assert not path.is_symlink()
 
     def test_anything_else_at_the_path_is_refused_and_kept(self, tmp_path: Path) -> None:
         poller = Poller()
