@@ -59,9 +59,16 @@ def run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus:
         presence = Presence(bus)
         try:
-            (answer,) = bus.query(key, dict(arguments.arguments), arguments.timeout)
+            answers = bus.query(key, dict(arguments.arguments), arguments.timeout)
         except NoAnswer:
             presence.expect(arguments.robot, 0.0)
             raise
-    print(json.dumps(answer.value))
+    for answer in answers:
+        print(json.dumps(answer.value))
+    if len(answers) > 1:
+        what = (
+            f"{len(answers)} robots are called {arguments.robot} and all were told; give their gateways another --name"
+        )
+        print(f"acromovi command: {what}", file=sys.stderr)
+        return 1
     return 0

@@ -216,3 +216,15 @@ def test_command_to_a_robot_that_is_not_there_says_which_are(robot: str, capsys:
         bus.declare_alive(f"{robot}/alive")
         assert main(["command", f"{robot}x", "stop", "--timeout", "1"]) == 1
     assert f"no robot '{robot}x' is seen; did you mean '{robot}'?" in capsys.readouterr().err
+
+
+def test_command_to_two_robots_of_one_name_tells_both_and_says_so(
+    robot: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with ZenohBus.open() as one, ZenohBus.open() as other:
+        for bus in one, other:
+            bus.serve(f"{robot}/command/stop", lambda arguments: {"accepted": True})
+        assert main(["command", robot, "stop"]) == 1
+    heard = capsys.readouterr()
+    assert heard.out == '{"accepted": true}\n' * 2
+    assert f"2 robots are called {robot} and all were told" in heard.err
