@@ -45,6 +45,7 @@ class EmulatedRobots:
         Raises:
             ChildFailed: The emulator refused, or is gone.
         """
+        __tracebackhide__ = True  # pytest shows the test's line, and not this one
         try:
             with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as control, control.makefile("rw") as stream:
                 control.settimeout(ENDING_TIMEOUT_S)

@@ -92,6 +92,7 @@ class RobotForTests:
         Raises:
             ChildFailed: The emulator refuses, and says what this robot can suffer.
         """
+        __tracebackhide__ = True
         name, colon, rest = spec.partition(":")
         if not colon:
             name, at, rest = spec.partition("@")
