@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import sys
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -29,7 +28,7 @@ from p2os_emu.links.poller import HUNG_UP, Poller
 from p2os_emu.lists import listing
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, Options, parse
 from p2os_emu.ports import Ports
-from p2os_emu.program import PRIVATE
+from p2os_emu.private_folder import CONTROL, private_folder
 from p2os_emu.requests import Desk
 from p2os_emu.runner import Runner
 from p2os_emu.tapes import Recording, check, serve
@@ -191,7 +190,7 @@ def _end_with_stdin(poller: Poller, runner: Runner) -> None:
 def _control_path(options: Options, stack: ExitStack) -> Path:
     if options.control is not None:
         return options.control
-    return Path(stack.enter_context(tempfile.TemporaryDirectory(prefix=PRIVATE))) / "control"
+    return stack.enter_context(private_folder()) / CONTROL
 
 
 def _announce(options: Options, robots: list[dict[str, Any]], factory: Factory | None, control: Path) -> None:

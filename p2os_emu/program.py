@@ -5,7 +5,6 @@ by itself when the program that started it is gone, however that ended.
 """
 
 import json
-import shutil
 import socket
 import subprocess
 import sys
@@ -16,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from p2os_emu.private_folder import sweep
+
 ENDING_TIMEOUT_S = 5.0
-PRIVATE = "p2os-emu-"
-"""How the names of an emulator's own folders begin."""
 _SPEAKER = "p2os-emu: "
 
 
@@ -80,7 +79,7 @@ def emulator(*arguments: str) -> Iterator[EmulatedRobots]:
         finally:
             end(process)
             if robots is not None:
-                _sweep(Path(robots.control).parent)
+                sweep(Path(robots.control).parent)
             said.seek(0)
             print(said.read(), end="", file=sys.stderr)
 
@@ -93,12 +92,6 @@ def end(process: subprocess.Popen[str]) -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()
-
-
-def _sweep(folder: Path) -> None:
-    """Remove the private folder of the control socket, which an emulator that was killed leaves behind."""
-    if folder.name.startswith(PRIVATE):
-        shutil.rmtree(folder, ignore_errors=True)  # one that ended by itself has taken it along
 
 
 def _announced(process: subprocess.Popen[str], said: IO[str]) -> EmulatedRobots:
