@@ -4,6 +4,7 @@ One emulator per model serves a whole session (of one xdist worker); each test g
 """
 
 import json
+import os
 import select
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pytest
+import serial
 
 from pty_tests.client import CLOSE, ENABLE, SETA, SETO, SETRA, SETRV, SETV, STOP, Client
 from pty_tests.models import MODELS, Model
@@ -36,10 +38,24 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("--report") and hasattr(config, "workerinput"):
         raise pytest.UsageError("--report writes one file: run without -n")
+    for option in "--port", "--laser":
+        if port := config.getoption(option):
+            _check_port(option, port)
     config.addinivalue_line("markers", "moves: the robot drives or turns; on --port only with --may-move")
     config.addinivalue_line(
         "markers", "emulate(*models): which emulated models suffice for this test, to keep the suite short"
     )
+
+
+def _check_port(option: str, port: str) -> None:
+    """Complain once of a port that is none, and not in every test."""
+    try:
+        serial.serial_for_url(port).close()
+    except (OSError, ValueError) as error:
+        why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else error
+        raise pytest.UsageError(
+            f"{option} {port} cannot be opened: {why}; give a device or socket://host:port"
+        ) from None
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
