@@ -5,7 +5,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import FrameType
@@ -88,16 +88,15 @@ def _serve(
     driver = Driver(find_model, rates_to_try(port, RADIO_BAUD if settings.radio else baud), settings)
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
-    with _signals(lambda *_: bridge.stop()):
-        try:
-            for cable in cables:
-                cable.start()
-            bridge.run(gateway)
-        finally:
-            for cable in cables:
-                cable.halt()
-            bridge.close()  # first of all the robot stops
-            gateway.close()
+    with _signals(lambda *_: bridge.stop()), ExitStack() as leaving:
+        # In the end, each whatever becomes of the others: everything stands still, the robot stops, the bus is left.
+        leaving.callback(gateway.close)
+        leaving.callback(bridge.close)
+        for cable in cables:
+            leaving.callback(cable.halt)
+        for cable in cables:
+            cable.start()
+        bridge.run(gateway)
 
 
 class _Ended(BaseException):
