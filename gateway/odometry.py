@@ -34,11 +34,6 @@ class Odometry:
         """Of x, y and heading, row by row, 3 by 3; m², m·rad, rad²."""
         return tuple(self._variances)
 
-    @property
-    def robot_heading(self) -> float:
-        """The robot's own heading counter, rad; what HEAD refers to."""
-        return self._last[2] if self._last else 0.0
-
     def forget_counters(self) -> None:
         """The robot's counters no longer go on from the last SIP; the pose does."""
         self._last = None

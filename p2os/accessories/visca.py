@@ -25,9 +25,8 @@ ACK_LENGTH = 3
 ERROR_LENGTH = 4
 DIRECTION_LENGTH = 11
 ZOOM_LENGTH = 7
-STATE_LENGTH = 4
 ADDRESS_LENGTH = 4
-"""Bytes of a reply: to a command, to one refused, with pan and tilt, with a zoom, with a switch, to the address set."""
+"""Bytes of a reply: to a command, to one refused, with pan and tilt, with a zoom, to the address set."""
 
 CLEAR = bytes.fromhex("01 00 01")
 ADDRESS_SET = bytes.fromhex("30")

@@ -90,11 +90,6 @@ class Servo:
         """Where it goes to or stands; None while only a speed is asked for."""
         return self._anchor if self.target is None else self.target
 
-    @property
-    def is_stopping(self) -> bool:
-        """Nothing but standing still is asked for."""
-        return self.target is None and self._goal == 0.0
-
     def rest(self, speed: float) -> None:
         """Forget every command.
 
