@@ -19,7 +19,7 @@ from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
 SIMULATOR_SERIAL = "SIM"
-_NAME = re.compile(r"[A-Za-z0-9_.+-]{1,19}")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,18}")
 
 
 class TeamError(ValueError):
