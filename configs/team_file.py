@@ -13,6 +13,7 @@ class TeamRobot:
     name: on the bus. model: one of `configs/robots`, or a file. port: a device or a URL, or `EMULATED`.
     fit: its accessories, as `--fit` writes them; of a real robot, what is bolted onto it.
     laser, arm, camera: where those of a real robot are plugged in.
+    link: of an emulated one, where it differs from the team's.
     at_m, heading_deg: where it begins in an emulated world; left to the world without them.
     """
 
@@ -23,6 +24,7 @@ class TeamRobot:
     laser: str | None = None
     arm: str | None = None
     camera: str | None = None
+    link: str | None = None
     at_m: tuple[float, float] | None = None
     heading_deg: float = 0.0
 

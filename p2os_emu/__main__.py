@@ -89,7 +89,16 @@ def _emulate(options: Options) -> None:
         )
         stack.callback(emulator.close)
         ports = Ports(poller, pty=options.pty, tcp=_first_tcp_port(options), robots=len(options.robots))
-        team = Team(emulator, ports, options.link, flash, str(options.flash), options.fits, options.as_simulator)
+        team = Team(
+            emulator,
+            ports,
+            options.link,
+            flash,
+            str(options.flash),
+            options.fits,
+            as_simulator=options.as_simulator,
+            links=options.links,
+        )
         if options.record is not None:
             recording = stack.enter_context(contextlib.closing(Recording(options.record, len(options.robots))))
             team.whenever_added.append(recording.add)

@@ -209,6 +209,7 @@ class Emulator:
         flash: Flash | None = None,
         fit: Fit = BARE,
         cables: Mapping[str, Link] | None = None,
+        profile: LinkProfile | None = None,
     ) -> EmulatedRobot:
         """Put a robot into the world and its line on a link.
 
@@ -220,6 +221,7 @@ class Emulator:
             flash: What its controller remembers; None for the factory's values.
             fit: Its accessories.
             cables: A port for each of `fit.cables`; closed with the robot.
+            profile: Of its lines, where it is not the emulator's.
         Raises:
             ValueError: The name does not fit, or there is no room.
         """
@@ -227,19 +229,20 @@ class Emulator:
             raise ValueError(f"there is a robot {name!r} already; choose another name")
         controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
         body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
-        line = Line(link, self._profile, self._chance(name, "line"))
+        profile = profile or self._profile
+        line = Line(link, profile, self._chance(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         controller.simulate(Simulator(model, Hand(self, robot), body, poses=self._poses))
-        self._fit_out(robot, cables or {})
+        self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot
 
-    def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link]) -> None:
+    def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link], profile: LinkProfile) -> None:
         for part in robot.fit.parts:
             chance = Random(self._chance(robot.name, part))
             bench = Bench(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
             if part in robot.fit.cables:
-                line = Line(cables[part], self._profile.of_accessories, self._chance(robot.name, f"{part} line"))
+                line = Line(cables[part], profile.of_accessories, self._chance(robot.name, f"{part} line"))
                 robot.cables[part] = Cable(partial(cabled, part, bench), line)
             else:
                 plug_in(part, bench)

@@ -26,7 +26,7 @@ examples:
   p2os-emu --robot p3dx:happy --pty /tmp/happy       always at the same path
   p2os-emu --robot p3dx --robot p2dx --tcp 8101      two robots, on TCP ports 8101 and 8102
   p2os-emu --robot p3dx --fit gripper,laser,ptz:vcc4 with accessories; the laser has a port of its own
-  p2os-emu --team pioneers                           one PowerBot and six Pioneers, each with something else
+  p2os-emu --team acromovi                           one PowerBot and six Pioneers, each as its file says
   p2os-emu --robot p3dx --world lab.map --link rs232 in a world of an ARIA map, on a cable of 9600 baud
   p2os-emu -m lab.map -r p3dx:happy -p 8101          as with MobileSim; -R p3dx makes a robot for every client
   p2os-emu --robot p3dx --fault line-cut:robot=p3dx@5+10
@@ -47,7 +47,11 @@ exit codes:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What was asked for on the command line. speed: emulated s per s. duration: s of emulated time."""
+    """What was asked for on the command line.
+
+    places: where robots of a team begin. link: the line of every robot that `links` does not name.
+    speed: emulated s per s. duration: s of emulated time.
+    """
 
     robots: tuple[str, ...]
     places: Mapping[str, Pose2D]
@@ -57,6 +61,7 @@ class Options:
     pty: Path | None
     tcp: int | None
     link: str
+    links: Mapping[str, str]
     seed: int
     speed: float
     faults: tuple[FaultSpec, ...]
@@ -95,6 +100,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         given.tcp = MOBILESIM_PORT
     if given.pty is not None and given.tcp is not None:
         parser.error("a robot has one port: give --pty or --tcp, not both")
+    links = {name: profile for name, _, profile in (text.rpartition("=") for text in given.link)}
     return Options(
         robots=(*given.robot, *given.tcp_robot),
         places=places,
@@ -103,7 +109,8 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         world=given.world or ("office" if given.check is None else "empty"),
         pty=given.pty,
         tcp=given.tcp,
-        link=given.link or "ideal",
+        link=links.pop("", "ideal"),
+        links=links,
         seed=given.seed,
         speed=given.speed,
         faults=tuple(given.fault),
@@ -131,7 +138,8 @@ def _add_emulated(given: argparse.Namespace, team: TeamFile) -> dict[str, Pose2D
     given.robot += [f"{robot.model}:{robot.name}" for robot in robots]
     given.fit += [f"{robot.name}={','.join(robot.fit)}" for robot in robots if robot.fit]
     given.world = given.world or team.world
-    given.link = given.link or team.link
+    own = [f"{robot.name}={robot.link}" for robot in robots if robot.link]
+    given.link = [team.link, *own, *given.link]  # what stands later wins
     return {robot.name: Pose2D(*robot.at_m, math.radians(robot.heading_deg)) for robot in robots if robot.at_m}
 
 
@@ -223,7 +231,13 @@ def _add_ports(parser: argparse.ArgumentParser) -> None:
         metavar="PORT",
         help="listen on TCP instead, on this machine only; the next robots get the next ports; 0: any free ones",
     )
-    group.add_argument("--link", metavar="PROFILE", help="what the cable does to bytes (ideal)")
+    group.add_argument(
+        "--link",
+        action="append",
+        default=[],
+        metavar="[NAME=]PROFILE",
+        help="what the cable does to bytes, of every robot or of the one named (ideal)",
+    )
     group.add_argument(
         "--hangup-stops", action="store_true", help="stop a robot whose client closed the port; no real one could"
     )

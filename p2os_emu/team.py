@@ -15,6 +15,7 @@ from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fit import Fit, FitError, read_fit
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import Link, PortError
+from p2os_emu.links.profile import LinkProfile
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
@@ -37,6 +38,7 @@ class Team:
         flash_source: File that they came from, for messages.
         fits: Parts of `--fit`, as they are written; those without a robot's name go onto every robot.
         as_simulator: Robots have the serial number by which clients know a simulator.
+        links: Name of a robot to that of its own line profile, where that is another.
     """
 
     def __init__(
@@ -48,26 +50,30 @@ class Team:
         flash_source: str,
         fits: Sequence[str] = (),
         as_simulator: bool = False,
+        links: Mapping[str, str] | None = None,
     ) -> None:
         self.emulator = emulator
         self.whenever_added: list[Callable[[EmulatedRobot], None]] = []
         self.camera_url: Callable[[str], str | None] = lambda name: None
         self._ports = ports
         self._profile = profile
+        self._links = links or {}
         self._flash = flash
         self._flash_source = flash_source
         self._as_simulator = as_simulator
         self._fits = [_read_fit_option(text) for text in fits]
 
     def check_fits(self) -> None:
-        """See that every robot that a part was meant for is there.
+        """See that every robot is there that a part or a line was meant for.
 
         Raises:
             TeamError: One is not.
         """
-        for name, _ in self._fits:
-            if name and name not in self.emulator.robots:
-                raise TeamError(f"--fit {name}=...: there is no robot {name!r}; {nearest(name, self.emulator.robots)}")
+        for option, names in (("--fit", [name for name, _ in self._fits if name]), ("--link", self._links)):
+            for name in names:
+                if name not in self.emulator.robots:
+                    hint = nearest(name, self.emulator.robots)
+                    raise TeamError(f"{option} {name}=...: there is no robot {name!r}; {hint}")
 
     def check_model(self, text: str) -> None:
         """See that robots can be made of a model.
@@ -105,7 +111,9 @@ class Team:
                 cables[part] = self._ports.open_cable(name, part)
                 opened.callback(cables[part].close)
             try:
-                robot = self.emulator.add(name, model, link, pose=pose, flash=flash, fit=fit, cables=cables)
+                robot = self.emulator.add(
+                    name, model, link, pose=pose, flash=flash, fit=fit, cables=cables, profile=self._own_profile(name)
+                )
             except ValueError as error:
                 raise TeamError(str(error)) from error
             opened.pop_all()
@@ -126,7 +134,7 @@ class Team:
             "name": robot.name,
             "model": robot.model.name,
             "port": robot.line.link.port,
-            "link": self._profile,
+            "link": self._links.get(robot.name, self._profile),
             "laser_port": _cable_port(robot, "laser"),
             "arm_port": _cable_port(robot, "arm"),
             "camera_url": self.camera_url(robot.name),
@@ -138,6 +146,9 @@ class Team:
             return read_fit([*meant, *own], model)
         except FitError as error:
             raise TeamError(f"robot {name}: {error}") from error
+
+    def _own_profile(self, name: str) -> LinkProfile | None:
+        return configs.load(LinkProfile, "links", self._links[name]) if name in self._links else None
 
     def _flash_of(self, model: RobotModel, name: str) -> Flash:
         try:

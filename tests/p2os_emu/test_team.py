@@ -118,3 +118,14 @@ def test_robot_that_cannot_be_completed_is_taken_away_again(poller: Poller, erro
     with pytest.raises((TeamError, PortError), match=str(error)):
         team.add("p3dx")
     assert not emulator.robots
+
+
+def test_robot_named_has_a_line_of_its_own(poller: Poller) -> None:
+    emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
+    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"doc": "rs232"})
+    happy, doc = team.add("p3dx:happy"), team.add("p3dx:doc")
+    assert (team.entry(happy)["link"], team.entry(doc)["link"]) == ("ideal", "rs232")
+    team.check_fits()
+    with pytest.raises(TeamError, match="--link dock=.*there is no robot 'dock'"):
+        Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"dock": "rs232"}).check_fits()
+    emulator.close()

@@ -27,6 +27,7 @@ port = "/dev/ttyUSB0"
 [[robots]]
 name = "doc"
 model = "p2dx"
+link = "radio-modem"
 """
 
 
@@ -42,7 +43,7 @@ def test_emulated_robots_of_a_team_come_with_their_parts_and_places(team: str) -
     assert options.robots == ("p3dx:happy", "p2dx:doc")
     assert options.fits == ("happy=gripper,no-rear-sonar",)
     assert options.places == {"happy": Pose2D(1.0, 2.0, 0.0)}
-    assert (options.world, options.link) == ("empty", "rs232")
+    assert (options.world, options.link, options.links) == ("empty", "rs232", {"doc": "radio-modem"})
 
 
 def test_command_line_wins_over_the_team_file(team: str) -> None:
