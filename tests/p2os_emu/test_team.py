@@ -126,6 +126,6 @@ def test_robot_named_has_a_line_of_its_own(poller: Poller) -> None:
     happy, doc = team.add("p3dx:happy"), team.add("p3dx:doc")
     assert (team.entry(happy)["link"], team.entry(doc)["link"]) == ("ideal", "rs232")
     team.check_fits()
-    with pytest.raises(TeamError, match="--link dock=.*there is no robot 'dock'"):
+    with pytest.raises(TeamError, match=r"--link dock=.*there is no robot 'dock'"):
         Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"dock": "rs232"}).check_fits()
     emulator.close()
