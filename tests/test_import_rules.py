@@ -15,8 +15,9 @@ BELOW: dict[str, set[str]] = {
     "bus": {"geometry", "configs"},
     "p2os_emu": {"p2os", "geometry", "configs"},
     "gateway": {"p2os", "bus", "geometry", "configs"},
-    "apps": {"bus", "geometry", "configs"},
-    "acromovi": {"p2os", "geometry", "configs", "bus", "p2os_emu", "gateway", "apps"},
+    "agents": {"bus", "geometry", "configs"},
+    "apps": {"agents", "bus", "geometry", "configs"},
+    "acromovi": {"p2os", "geometry", "configs", "bus", "p2os_emu", "gateway", "agents", "apps"},
     "pty_tests": set(),  # it must not share a mistake with what it judges
 }
 

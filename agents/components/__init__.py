@@ -1,0 +1,1 @@
+"""The lower layer: an agent for each element of a robot."""

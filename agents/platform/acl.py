@@ -1,0 +1,276 @@
+"""What agents say to each other: messages of FIPA's agent communication language, in JSON.
+
+The performatives are those of FIPA SC00037J (Communicative Act Library), the fields those of FIPA SC00061G (ACL
+Message Structure), with a low line where FIPA writes a hyphen. On the wire a message is one JSON object; a field that
+says nothing is left out, names are written `base@happy`.
+"""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from typing import Any, Self
+
+from agents.platform.errors import AclError, NameNotValid
+from agents.platform.names import AgentName
+
+MAX_SIZE = 256 * 1024  # bytes of one message; pictures and streams do not travel by ACL
+MAX_DEPTH = 32  # levels of lists and objects in one message
+
+
+class Performative(StrEnum):
+    """What a message does: FIPA's communicative acts."""
+
+    ACCEPT_PROPOSAL = "accept-proposal"
+    AGREE = "agree"
+    CANCEL = "cancel"
+    CFP = "cfp"
+    CONFIRM = "confirm"
+    DISCONFIRM = "disconfirm"
+    FAILURE = "failure"
+    INFORM = "inform"
+    INFORM_IF = "inform-if"
+    INFORM_REF = "inform-ref"
+    NOT_UNDERSTOOD = "not-understood"
+    PROPAGATE = "propagate"
+    PROPOSE = "propose"
+    PROXY = "proxy"
+    QUERY_IF = "query-if"
+    QUERY_REF = "query-ref"
+    REFUSE = "refuse"
+    REJECT_PROPOSAL = "reject-proposal"
+    REQUEST = "request"
+    REQUEST_WHEN = "request-when"
+    REQUEST_WHENEVER = "request-whenever"
+    SUBSCRIBE = "subscribe"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AclMessage:
+    """One message.
+
+    performative: what it does.
+    sender, receivers: who says it to whom. FIPA lets a sender be anonymous; here nobody is.
+    reply_to: who is to get the answers, when it is not the sender.
+    content: any JSON value; a tuple arrives as a list.
+    language, encoding, ontology: how to read the content.
+    protocol, conversation_id: the conversation it belongs to, `fipa-request` for example.
+    reply_with, in_reply_to: the label that an answer must carry, and the label it carries.
+    reply_by: until when an answer helps, s since 1970 on the sender's wall clock. Clocks of machines differ and step,
+        so an initiator measures its patience on its own steady clock and sends this for people and records.
+    """
+
+    performative: Performative
+    sender: AgentName
+    receivers: tuple[AgentName, ...] = ()
+    reply_to: tuple[AgentName, ...] = ()
+    content: Any = None
+    language: str = ""
+    encoding: str = ""
+    ontology: str = ""
+    protocol: str = ""
+    conversation_id: str = ""
+    reply_with: str = ""
+    in_reply_to: str = ""
+    reply_by: float | None = None
+
+    def reply(self, performative: Performative, content: Any = None, sender: AgentName | None = None) -> Self:
+        """An answer to this message, with the fields that FIPA says an answer carries.
+
+        It goes to `reply_to` if that is given, else to the sender, in the same conversation, protocol, ontology,
+        language and encoding, and is labelled with what the message wants to be answered with.
+
+        Args:
+            performative: What the answer does.
+            content: Any JSON value.
+            sender: Who answers; by default the receiver, if there is just one.
+        Raises:
+            AclError: The message went to several and `sender` does not say who answers.
+        """
+        if sender is None and len(self.receivers) != 1:
+            raise AclError(f"a message to {len(self.receivers)} receivers does not say who answers it; name the sender")
+        return type(self)(
+            performative=performative,
+            sender=sender or self.receivers[0],
+            receivers=self.reply_to or (self.sender,),
+            content=content,
+            language=self.language,
+            encoding=self.encoding,
+            ontology=self.ontology,
+            protocol=self.protocol,
+            conversation_id=self.conversation_id,
+            in_reply_to=self.reply_with,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The message as a JSON object.
+
+        Raises:
+            AclError: A field is of the wrong type, or the message is too large or too deep.
+        """
+        return json_object(self.encode())
+
+    def encode(self) -> bytes:
+        """The message as JSON.
+
+        Raises:
+            AclError: A field is of the wrong type, or the message is too large or too deep.
+        """
+        written = {name: _WRITERS[name](name, getattr(self, name)) for name in _WRITERS}
+        said = {name: value for name, value in written.items() if value not in (None, "", [])}
+        if self.content is not None:
+            _check_depth(self.content, MAX_DEPTH - 1)
+            said["content"] = self.content
+        try:
+            payload = json.dumps(said, allow_nan=False, separators=(",", ":")).encode()
+        except (TypeError, ValueError) as err:
+            raise AclError(f"the content cannot be written as JSON: {err}") from err
+        if len(payload) > MAX_SIZE:
+            raise AclError(f"a message of {len(payload)} bytes is too large; at most {MAX_SIZE} are carried")
+        return payload
+
+    @classmethod
+    def decode(cls, payload: bytes) -> Self:
+        """Read a message.
+
+        Raises:
+            AclError: It is too large, too deep, no JSON object, or no message: a field is unknown, missing or wrong.
+        """
+        return cls.from_dict(json_object(payload))
+
+    @classmethod
+    def from_dict(cls, value: Mapping[str, Any]) -> Self:
+        """Read a message that is a JSON object already.
+
+        Raises:
+            AclError: It is too deep, or a field is unknown, missing or wrong.
+        """
+        _check_depth(value, MAX_DEPTH)
+        for name in value:
+            if name not in _READERS:
+                raise AclError(f"{name!r} is no field of a message; the fields are {', '.join(_READERS)}")
+        for name in ("performative", "sender"):
+            if name not in value:
+                raise AclError(f"a message needs the field {name!r}")
+        return cls(**{name: _READERS[name](name, given) for name, given in value.items()})
+
+
+def json_object(payload: bytes) -> dict[str, Any]:
+    """Read a JSON object that may come from anyone.
+
+    Raises:
+        AclError: It is too large, too deep, no JSON, no object, or holds a number that JSON has not.
+    """
+    if len(payload) > MAX_SIZE:
+        raise AclError(f"a message of {len(payload)} bytes is too large; at most {MAX_SIZE} are carried")
+    try:
+        value = json.loads(payload, parse_constant=_no_number, parse_float=_finite)
+    except RecursionError as err:
+        raise AclError(f"a message is at most {MAX_DEPTH} levels deep") from err
+    except ValueError as err:
+        raise AclError(f"{len(payload)} bytes are not JSON: {err}") from err
+    if not isinstance(value, dict):
+        raise AclError(f"a message is a JSON object, not {_kind(value)}")
+    _check_depth(value, MAX_DEPTH)
+    return value
+
+
+def _check_depth(value: Any, limit: int) -> None:
+    """Refuse what is nested deeper than the limit; level by level, so that no depth can exhaust the stack."""
+    level = [value]
+    for _ in range(limit + 1):
+        level = [outer for outer in level if isinstance(outer, Mapping | list | tuple)]
+        if not level:
+            return
+        level = [inner for outer in level for inner in (outer.values() if isinstance(outer, Mapping) else outer)]
+    raise AclError(f"a message is at most {MAX_DEPTH} levels deep")
+
+
+def _no_number(text: str) -> float:
+    raise ValueError(f"{text} is no number of JSON")
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    return number if math.isfinite(number) else _no_number(text)
+
+
+def _kind(value: Any) -> str:
+    return "nothing" if value is None else f"a {type(value).__name__}"
+
+
+def _wrong(name: str, expected: str, value: Any) -> AclError:
+    return AclError(f"the field {name!r} is {expected}, not {_kind(value)}")
+
+
+def _read_performative(name: str, value: Any) -> Performative:
+    if not isinstance(value, str):
+        raise _wrong(name, "a performative", value)
+    try:
+        return Performative(value)
+    except ValueError as err:
+        raise AclError(f"{value[:40]!r} is no performative of FIPA") from err
+
+
+def _read_agent(name: str, value: Any) -> AgentName:
+    if not isinstance(value, str):
+        raise _wrong(name, "an agent's name", value)
+    try:
+        return AgentName.parse(value)
+    except NameNotValid as err:
+        raise AclError(f"the field {name!r} is not an agent's name: {err}") from err
+
+
+def _read_agents(name: str, value: Any) -> tuple[AgentName, ...]:
+    if not isinstance(value, list):
+        raise _wrong(name, "a list of agents' names", value)
+    return tuple(_read_agent(name, item) for item in value)
+
+
+def _read_text(name: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise _wrong(name, "a text", value)
+    return value
+
+
+def _read_time(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise _wrong(name, "a time in s", value)
+    try:
+        return float(value)
+    except OverflowError as err:
+        raise AclError(f"the field {name!r} is no time: it is too large") from err
+
+
+def _read_anything(name: str, value: Any) -> Any:
+    return value
+
+
+def _write_agent(name: str, value: Any) -> str:
+    if not isinstance(value, AgentName):
+        raise _wrong(name, "an AgentName", value)
+    return str(value)
+
+
+def _write_agents(name: str, value: Any) -> list[str]:
+    if not isinstance(value, tuple):
+        raise _wrong(name, "a tuple of AgentNames", value)
+    return [_write_agent(name, item) for item in value]
+
+
+def _write_time(name: str, value: Any) -> float | None:
+    return None if value is None else _read_time(name, value)
+
+
+_SPECIAL: dict[str, tuple[Callable[[str, Any], Any], Callable[[str, Any], Any]]] = {
+    "performative": (_read_performative, _read_performative),
+    "sender": (_read_agent, _write_agent),
+    "receivers": (_read_agents, _write_agents),
+    "reply_to": (_read_agents, _write_agents),
+    "content": (_read_anything, _read_anything),
+    "reply_by": (_read_time, _write_time),
+}
+_TEXT = (_read_text, _read_text)
+_READERS = {field.name: _SPECIAL.get(field.name, _TEXT)[0] for field in fields(AclMessage)}
+_WRITERS = {field.name: _SPECIAL.get(field.name, _TEXT)[1] for field in fields(AclMessage) if field.name != "content"}

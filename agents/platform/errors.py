@@ -1,0 +1,33 @@
+"""What can go wrong among agents.
+
+AgentError
+ +-- NameNotValid (ValueError)      a text names no agent
+ +-- AclError (ValueError)          a message breaks the rules of ACL
+ +-- IllegalTransition              an agent's life knows no such step from its present state
+ +-- UnknownAgent (LookupError)     no such agent lives here
+ +-- AlreadyThere                   an agent of this name lives here already
+"""
+
+
+class AgentError(Exception):
+    """The root: whatever can go wrong among agents."""
+
+
+class NameNotValid(AgentError, ValueError):
+    """A text names no agent."""
+
+
+class AclError(AgentError, ValueError):
+    """A message breaks the rules of ACL."""
+
+
+class IllegalTransition(AgentError):
+    """An agent's life knows no such step from its present state."""
+
+
+class UnknownAgent(AgentError, LookupError):
+    """No such agent lives here."""
+
+
+class AlreadyThere(AgentError):
+    """An agent of this name lives here already."""

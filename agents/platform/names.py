@@ -1,0 +1,77 @@
+"""Names of agents, and the keys on the bus where each is found."""
+
+from dataclasses import dataclass
+from typing import Self
+
+from agents.platform.errors import NameNotValid
+from bus import KeyNotValid
+from bus.keys import robot_name
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class AgentName:
+    """Who an agent is: `base@happy`, the local part and the robot (or platform) where it lives.
+
+    Raises:
+        NameNotValid: A part is not one chunk of a key, or holds another `@`.
+    """
+
+    local: str
+    platform: str
+
+    def __post_init__(self) -> None:
+        for part in (self.local, self.platform):
+            if not isinstance(part, str):
+                raise NameNotValid(f"an agent's name is made of two texts, not of {type(part).__name__}")
+            if "@" in part:
+                raise NameNotValid(f"{part!r} cannot be a part of an agent's name because it holds '@'")
+            try:
+                robot_name(part)
+            except KeyNotValid as err:
+                why = str(err).replace("name a robot", "be a part of an agent's name")
+                raise NameNotValid(why) from err
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read `base@happy`.
+
+        Raises:
+            NameNotValid: It is not two parts around one `@`, or a part does not serve.
+        """
+        local, at, platform = text.partition("@")
+        if not at:
+            raise NameNotValid(f"{text!r} names no agent; a name is written like base@happy")
+        return cls(local, platform)
+
+    def __str__(self) -> str:
+        return f"{self.local}@{self.platform}"
+
+    @property
+    def acl_key(self) -> str:
+        """Where the agent takes messages: one-way ones as a put, conversations as a query."""
+        return self._key("acl")
+
+    @property
+    def alive_key(self) -> str:
+        """The token that is there while the agent lives."""
+        return self._key("alive")
+
+    @property
+    def description_key(self) -> str:
+        """Where the agent says what it is and does."""
+        return self._key("description")
+
+    @classmethod
+    def of_key(cls, key: str) -> Self:
+        """The agent to which one of these keys belongs.
+
+        Raises:
+            NameNotValid: It is the key of something else.
+        """
+        match key.split("/"):
+            case [platform, "agents", local, "acl" | "alive" | "description"]:
+                return cls(local, platform)
+        raise NameNotValid(f"{key!r} is no key of an agent")
+
+    def _key(self, suffix: str) -> str:
+        return f"{self.platform}/agents/{self.local}/{suffix}"

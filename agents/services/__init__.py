@@ -1,0 +1,1 @@
+"""The upper layer: agents that watch over others and work for applications."""

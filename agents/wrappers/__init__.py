@@ -1,0 +1,1 @@
+"""Native programs and libraries as agents."""
