@@ -22,6 +22,7 @@ class BodyState(NamedTuple):
     front_bumpers, rear_bumpers: bit i is set while segment i + 1 is pressed; segments count from right to left in front
         and behind, seen from above with the robot facing up the page.
     heading: true heading in the world, rad, as a compass needle has it; not wrapped.
+    magnetic: what stands nearby adds to the earth's field, T along the world's x and y.
     turn_rate: true turning speed of the hull, rad/s counter-clockwise, as a gyro feels it.
     infrared: bit i is clear while infrared sensor i sees something (they are active low).
     far_ledge, near_ledge: a ledge sensor looks over an edge of the floor.
@@ -36,6 +37,7 @@ class BodyState(NamedTuple):
     front_bumpers: int = 0
     rear_bumpers: int = 0
     heading: float = 0.0
+    magnetic: tuple[float, float] = (0.0, 0.0)
     turn_rate: float = 0.0
     infrared: int = 0xFF
     far_ledge: bool = False

@@ -110,13 +110,14 @@ class Tcm2:
         if self._scores[0] == FULL_SCORE:
             self._correction = seen.centre
 
-    def measure(self, heading: float) -> CompassReport:
+    def measure(self, heading: float, nearby: tuple[float, float] = (0.0, 0.0)) -> CompassReport:
         """Take one reading.
 
         Args:
             heading: True, rad in the world, counter-clockwise.
+            nearby: What stands around adds to the earth's field, T along the world's x and y.
         """
-        field = self._field(heading)
+        field = self._field(heading, nearby)
         if self._calibrating:
             self._seen = (self._seen or Extent.of(field)).including(field)
         forward, right = field.forward - self._correction[0], field.right - self._correction[1]
@@ -136,12 +137,14 @@ class Tcm2:
             m_score=self._scores[2],
         )
 
-    def _field(self, heading: float) -> Field:
+    def _field(self, heading: float, nearby: tuple[float, float]) -> Field:
         """What the magnetometer sees, with the iron of the robot and noise."""
         spec, iron, chance = self.spec, self._hard_iron, self._chance
-        north = radians(spec.north_deg) - heading  # counter-clockwise from the robot's nose
+        north = radians(spec.north_deg)
+        x, y = spec.horizontal_t * cos(north) + nearby[0], spec.horizontal_t * sin(north) + nearby[1]
+        forward, left = x * cos(heading) + y * sin(heading), y * cos(heading) - x * sin(heading)
         return Field(
-            spec.horizontal_t * cos(north) + iron.forward + chance.gauss(0.0, spec.field_noise_t),
-            -spec.horizontal_t * sin(north) + iron.right + chance.gauss(0.0, spec.field_noise_t),
+            forward + iron.forward + chance.gauss(0.0, spec.field_noise_t),
+            -left + iron.right + chance.gauss(0.0, spec.field_noise_t),
             spec.down_t + iron.down + chance.gauss(0.0, spec.field_noise_t),
         )

@@ -241,6 +241,6 @@ class Board:
             self.motion.stop()
         self.battery.advance(dt, (state.left_load + state.right_load) / 2, charger.power_good)
         if self.compass is not None:
-            report = self.compass.advance(state.heading, dt)
+            report = self.compass.advance(state, dt)
             if report is not None:
                 self.answers.append(report)

@@ -9,6 +9,7 @@ from math import degrees
 
 from p2os.accessory_packets import CompassReport
 from p2os_emu.accessories.tcm2 import Tcm2
+from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.cadence import Cadence
 
 
@@ -78,16 +79,11 @@ class CompassServer:
         else:
             self._module.end_calibration()
 
-    def advance(self, heading: float, dt: float) -> CompassReport | None:
-        """Let time pass, s; give the packet that is due, if a client has asked for it.
-
-        Args:
-            heading: True, rad in the world.
-            dt: s.
-        """
+    def advance(self, state: BodyState, dt: float) -> CompassReport | None:
+        """Let time pass, s; give the packet that is due, if a client has asked for it."""
         if not self._cadence.advance(dt) or not self._reads:
             return None
-        report = self._module.measure(heading)
+        report = self._module.measure(state.heading, state.magnetic)
         self.byte = round(degrees(report.heading) / 2) % 180 or 180
         if not self._packets:
             return None

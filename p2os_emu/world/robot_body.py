@@ -22,6 +22,7 @@ from p2os_emu.world.gripper import RobotGripper, gripper_links
 from p2os_emu.world.infrared import Infrared, sensors_of
 from p2os_emu.world.ledges import LedgeModel, Ledges
 from p2os_emu.world.links import FIRST, joined
+from p2os_emu.world.magnets import Magnet, field_at
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import cast
@@ -45,6 +46,7 @@ class RobotBody:
         fit: Fit,
         objects: Objects,
         drops: Sequence[Block],
+        magnets: Sequence[Magnet],
         name: str,
         scene: PlanarScene,
         chance: np.random.Generator | None,
@@ -68,6 +70,7 @@ class RobotBody:
         self._infrared = Infrared(client, self.body_id, model, chassis) if sensors_of(model) else None
         ledge = load(LedgeModel, "accessories", "ledge") if fit.has("ledge") else None
         self._ledges = Ledges(client, self.body_id, drops, chassis.front, ledge) if drops else None
+        self._magnets = magnets if fit.has("compass") else ()
         self._turns_are_felt = fit.has("gyro") or fit.has("compass")
         self._client = client
         self._floor_id = floor_id
@@ -180,6 +183,8 @@ class RobotBody:
         if self._turns_are_felt:
             _, (_, _, turn_rate) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
             self._state = self._state._replace(heading=pose.heading, turn_rate=turn_rate)
+        if self._magnets:
+            self._state = self._state._replace(magnetic=field_at(self._magnets, pose.x, pose.y))
         if self._infrared is not None:
             self._state = self._state._replace(infrared=self._infrared.levels(pose))
         if self._ledges is not None:

@@ -11,6 +11,7 @@ from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.colours import check_colour
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor import Floor
+from p2os_emu.world.magnets import Magnet, MagnetEntry
 from p2os_emu.world.movable import Movable, ObjectEntry
 
 WALL_THICKNESS = 0.1
@@ -66,6 +67,7 @@ class WorldSpec:
     routes: Mapping[str, tuple[Point, ...]] = field(default_factory=dict)
     objects: tuple[Movable, ...] = ()
     drops: tuple[Block, ...] = ()
+    magnets: tuple[Magnet, ...] = ()
     floor: Floor = field(default_factory=Floor)
 
     @property
@@ -178,6 +180,7 @@ class WorldFile:
     furniture: tuple[FurnitureEntry, ...] = ()
     objects: tuple[ObjectEntry, ...] = ()
     drops: tuple[DropEntry, ...] = ()
+    magnets: tuple[MagnetEntry, ...] = ()
     floor: Floor = field(default_factory=Floor)
     starts: tuple[StartEntry, ...] = (StartEntry((0.0, 0.0)),)
     routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
@@ -224,5 +227,6 @@ class WorldFile:
             self.routes_m,
             objects=tuple(objects),
             drops=tuple(drops),
+            magnets=tuple(magnet.magnet() for magnet in self.magnets),
             floor=self.floor,
         )

@@ -152,6 +152,7 @@ class World:
             fit,
             self.objects,
             self.spec.drops,
+            self.spec.magnets,
             name,
             self._scene,
             None if random is None else np.random.default_rng(Random(f"{self._seed} {name} scan").getrandbits(64)),
