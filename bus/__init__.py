@@ -1,9 +1,10 @@
 """The bus: Zenoh between processes and an in-memory twin inside one, with ROS 2 messages on it."""
 
 from bus import keys, messages
-from bus.bus import CDR, JSON, Answer, Bus, Publisher, Sample, Subscription
-from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused
-from bus.memory import MemoryBus, MemoryNetwork
+from bus.bus import CDR, JSON, Answer, Bus, Conversation, Publisher, Sample, Subscription
+from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused, TimedOut
+from bus.memory import MemoryBus
+from bus.memory_network import MemoryNetwork
 from bus.session import ZenohBus
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "Bus",
     "BusError",
     "BusUnavailable",
+    "Conversation",
     "KeyNotValid",
     "MemoryBus",
     "MemoryNetwork",
@@ -22,6 +24,7 @@ __all__ = [
     "Refused",
     "Sample",
     "Subscription",
+    "TimedOut",
     "ZenohBus",
     "keys",
     "messages",

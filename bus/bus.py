@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
 
+from bus.errors import BusError
 from bus.errors import Refused as Refused  # a handler raises it, so it belongs to this interface
 
 CDR = "application/cdr"
@@ -62,6 +63,31 @@ class Closeable(ABC):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+class Conversation(Closeable):
+    """The answerer's end of a query that wants several replies; closing it ends the conversation.
+
+    Any thread may use it, whenever it likes. What is said after the asker has lost patience or died, or after this bus
+    was closed, is lost, and nobody notices here.
+    """
+
+    @abstractmethod
+    def reply(self, value: dict[str, Any]) -> None:
+        """Send one JSON object.
+
+        Raises:
+            MessageError: It has no JSON form.
+            BusUnavailable: The conversation has been ended.
+        """
+
+    @abstractmethod
+    def refuse(self, why: str) -> None:
+        """Say no, in one sentence, and end the conversation.
+
+        Raises:
+            BusUnavailable: The conversation has been ended already.
+        """
 
 
 class Subscription(Closeable):
@@ -147,6 +173,50 @@ class Bus(Closeable):
         Raises:
             NoAnswer: Nobody serves the key, or someone who does has not answered in time.
             Refused: An answerer said no; the answers of the others are in its `answers`.
+        """
+
+    @abstractmethod
+    def converse(
+        self, key: str, handler: Callable[[dict[str, Any], Conversation], None], *, urgent: bool = False
+    ) -> Subscription:
+        """Answer queries on a key with any number of replies, now or later.
+
+        The handler must end each conversation: until then, or until this process dies, the asker waits. What it raises
+        becomes an error reply and ends the conversation, as with `serve`.
+
+        Args:
+            key: The key, without wildcards.
+            handler: Called with the JSON object that was asked, and the conversation to reply in.
+            urgent: Call it on the thread that receives, as `subscribe` does.
+        """
+
+    @abstractmethod
+    def ask(
+        self,
+        key_expr: str,
+        arguments: Mapping[str, Any] | None,
+        on_reply: Callable[[Answer], None],
+        on_end: Callable[[BusError | None], None],
+        timeout: float = QUERY_TIMEOUT,
+        *,
+        urgent: bool = False,
+    ) -> Subscription:
+        """Ask everyone who serves a matching key, and hear every reply as it comes, without waiting.
+
+        `on_end` is called once, after the last reply, with None when every answerer has ended the conversation or is
+        gone after at least one reply. That all was said is for the replies themselves to tell: who is killed ends the
+        conversation as well. Otherwise it gets `NoAnswer` when there was no reply at all (nobody serves the key, or who
+        does was killed), `TimedOut` when someone has not ended it in time, `Refused` when there was an error reply.
+
+        Args:
+            key_expr: A key, or an expression to ask several at once.
+            arguments: The JSON object to carry; none is the empty object.
+            on_reply: Called with each answer.
+            on_end: Called with what went wrong, or None.
+            timeout: s until the whole conversation must have ended.
+            urgent: Call both on the thread that receives, as `subscribe` does.
+        Returns:
+            What to close when the rest is of no interest: neither handler is called any more.
         """
 
     @abstractmethod

@@ -5,6 +5,7 @@ BusError
  +-- KeyNotValid (ValueError)           not a key, or not a robot's name
  +-- MessageError (ValueError)          a payload is not the message it claims to be, or a message does not fit its type
  +-- NoAnswer (TimeoutError)            nobody answered a query in time
+ |    +-- TimedOut                      someone is there and has not answered, or not ended its answers, in time
  +-- Refused                            the answerer said no, and why
 """
 
@@ -29,6 +30,10 @@ class MessageError(BusError, ValueError):
 
 class NoAnswer(BusError, TimeoutError):
     """Nobody answered a query in time; a killed answerer is seen as this too."""
+
+
+class TimedOut(NoAnswer):
+    """Someone is there and has not answered in time, or not ended its answers."""
 
 
 class Refused(BusError):

@@ -1,5 +1,6 @@
 """What the two kinds of bus do alike: check keys, encode, answer queries, sort replies, guard handlers."""
 
+import contextlib
 import logging
 import re
 from collections.abc import Callable, Iterable
@@ -7,13 +8,14 @@ from typing import Any, NamedTuple, ParamSpec
 
 import zenoh
 
-from bus.bus import CDR, JSON, Answer
-from bus.errors import KeyNotValid, MessageError, NoAnswer, Refused
+from bus.bus import CDR, JSON, Answer, Conversation
+from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused
 from bus.messages import decode_json, encode, encode_json, type_of
 
 log = logging.getLogger("bus")
 
 Answerer = Callable[[dict[str, Any]], dict[str, Any]]
+Talker = Callable[[dict[str, Any], Conversation], None]
 P = ParamSpec("P")
 
 
@@ -85,16 +87,88 @@ def encode_as(message: object, type_name: str) -> bytes:
     return encode(message)
 
 
+def reply_of(value: Any) -> bytes:
+    """The payload of a reply in a conversation.
+
+    Raises:
+        MessageError: It is no JSON object.
+    """
+    if not isinstance(value, dict):
+        raise MessageError(f"a reply is a JSON object, not {type(value).__name__}")
+    return encode_json(value)
+
+
+def refusal(why: str) -> bytes:
+    """The payload of an error reply."""
+    return encode_json({"error": why})
+
+
 def answered(key: str, answer: Answerer, payload: bytes) -> Reply:
     """Let a handler answer one query; whatever happens, there is a reply."""
     try:
         return Reply(False, key, encode_json(answer(decode_json(payload))))
-    except (Refused, MessageError) as err:
-        why = str(err)
     except Exception as err:
-        log.exception("the handler of %s failed", key)
-        why = f"the handler of {key} failed with {type(err).__name__}: {err}"
-    return Reply(True, key, encode_json({"error": why}))
+        return Reply(True, key, refusal(_why_not(key, err)))
+
+
+def talked(key: str, handler: Talker, payload: bytes, conversation: Conversation) -> None:
+    """Let a handler begin one conversation; when it raises, the conversation has ended."""
+    try:
+        handler(decode_json(payload), conversation)
+    except Exception as err:
+        with contextlib.suppress(BusUnavailable):  # it had ended the conversation before it raised
+            conversation.refuse(_why_not(key, err))
+
+
+def _why_not(key: str, error: Exception) -> str:
+    """The sentence of an error reply for what a handler raised; what is no refusal is logged."""
+    if isinstance(error, Refused | MessageError):
+        return str(error)
+    log.error("the handler of %s failed", key, exc_info=error)
+    return f"the handler of {key} failed with {type(error).__name__}: {error}"
+
+
+class Replies:
+    """What has been heard of one `ask`: passes the answers on, and knows in the end how it went.
+
+    error: set by who finds out that someone has not answered in time.
+    """
+
+    def __init__(
+        self, key_expr: str, on_reply: Callable[[Answer], None], on_end: Callable[[BusError | None], None]
+    ) -> None:
+        self.key_expr = key_expr
+        self.error: BusError | None = None
+        self._on_reply = guarded(key_expr, on_reply)
+        self._on_end = guarded(key_expr, on_end)
+        self._answers: dict[str, dict[str, Any]] = {}
+        self._refusals: list[str] = []
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether nothing at all has been heard."""
+        return not self._answers and not self._refusals and self.error is None
+
+    def hear(self, reply: Reply) -> None:
+        """Pass one reply on, or keep why it is none."""
+        if reply.is_error:
+            self._refusals.append(_why(reply.payload))
+            return
+        try:
+            answer = Answer(reply.key, decode_json(reply.payload))
+        except MessageError as err:
+            self._refusals.append(f"{reply.key} answers nonsense: {err}")
+            return
+        self._answers[reply.key] = answer.value
+        self._on_reply(answer)
+
+    def end(self) -> None:
+        """Say that nothing more will come, and how it went."""
+        if self.error is None and self._refusals:
+            self.error = Refused("; ".join(self._refusals), self._answers)
+        elif self.is_silent:
+            self.error = NoAnswer(f"nobody answered on {self.key_expr}")
+        self._on_end(self.error)
 
 
 def sorted_out(key_expr: str, replies: Iterable[Reply]) -> list[Answer]:

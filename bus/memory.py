@@ -2,21 +2,21 @@
 
 It carries the same encoded bytes as Zenoh and matches keys by the same rules, drops nothing, and delivers before `put`
 returns: in the order of the puts, to subscribers in the order in which they came. What a handler puts meanwhile is
-delivered after what was put before it. It has no clock: an answer is there at once or never.
+delivered after what was put before it. It has no clock: the answer to `query` is there at once or never, and the
+patience of who asks with `ask` ends when `MemoryNetwork.let_pass` says so.
 """
 
-from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from threading import RLock
+from functools import partial
 from typing import Any
 
-import zenoh
-
-from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
-from bus.errors import BusUnavailable
+from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Closeable, Publisher, Sample, Subscription
+from bus.errors import BusError, BusUnavailable, TimedOut
 from bus.exchange import (
     Answerer,
+    Replies,
+    Reply,
+    Talker,
     answered,
     encode_any,
     encode_as,
@@ -25,93 +25,11 @@ from bus.exchange import (
     key_expression,
     plain_key,
     sorted_out,
+    talked,
 )
+from bus.memory_conversation import MemoryAsking, MemoryConversation
+from bus.memory_network import Listener, MemoryNetwork
 from bus.messages import encode_json, prepare
-
-
-@dataclass(eq=False)
-class _Listener:
-    """A subscriber, a queryable, a token or a watcher of tokens: a key (expression) and what to call."""
-
-    key: zenoh.KeyExpr
-    call: Callable[..., Any]
-    is_open: bool = True
-
-    def matches(self, key: zenoh.KeyExpr) -> bool:
-        return self.key.intersects(key)
-
-    def hear(self, *args: object) -> None:
-        """Call, unless this was closed while the call waited."""
-        if self.is_open:
-            self.call(*args)
-
-
-class MemoryNetwork:
-    """What the buses of one process have in common. Threads may share it; they take turns."""
-
-    def __init__(self) -> None:
-        self.lock = RLock()
-        self.subscribers: list[_Listener] = []
-        self.queryables: list[_Listener] = []
-        self.tokens: list[_Listener] = []
-        self.watchers: list[_Listener] = []
-        self._routes: dict[str, list[_Listener]] = {}
-        self._due: deque[Callable[[], None]] = deque()
-        self._is_delivering = False
-
-    def add(self, listeners: list[_Listener], listener: _Listener) -> None:
-        """Enter a listener into one of the lists."""
-        with self.lock:
-            listeners.append(listener)
-            self._routes.clear()
-
-    def remove(self, listeners: list[_Listener], listener: _Listener) -> None:
-        """Take a listener out; one that has gone already does no harm."""
-        with self.lock:
-            if listener.is_open:
-                listener.is_open = False
-                listeners.remove(listener)
-                self._routes.clear()
-                if listeners is self.tokens:
-                    self.announce(listener.key, False)
-
-    def deliver(self, sample: Sample) -> None:
-        """Hand a sample to whoever subscribes to its key."""
-        with self.lock:
-            self._do(lambda: self._hand_out(sample))
-
-    def announce(self, token: zenoh.KeyExpr, is_alive: bool) -> None:
-        """Tell the watchers that a token came or went, but not while another participant shows the same one."""
-        with self.lock:
-            if sum(other.key == token for other in self.tokens) != int(is_alive):
-                return
-            for watcher in [watcher for watcher in self.watchers if watcher.matches(token)]:
-                self.tell(watcher, token, is_alive)
-
-    def tell(self, watcher: _Listener, token: zenoh.KeyExpr, is_alive: bool) -> None:
-        """Tell one watcher of one token."""
-        with self.lock:
-            self._do(lambda: watcher.hear(str(token), is_alive))
-
-    def _do(self, work: Callable[[], None]) -> None:
-        """Work in the order of arrival: what a handler brings about waits until the work at hand is done."""
-        self._due.append(work)
-        if self._is_delivering:
-            return
-        self._is_delivering = True
-        try:
-            while self._due:
-                self._due.popleft()()
-        finally:
-            self._is_delivering = False
-
-    def _hand_out(self, sample: Sample) -> None:
-        route = self._routes.get(sample.key)
-        if route is None:
-            key = key_expression(sample.key)
-            route = self._routes[sample.key] = [entry for entry in self.subscribers if entry.matches(key)]
-        for subscriber in route:
-            subscriber.hear(sample)
 
 
 class MemoryBus(Bus):
@@ -119,7 +37,7 @@ class MemoryBus(Bus):
 
     def __init__(self, network: MemoryNetwork | None = None) -> None:
         self.network = network or MemoryNetwork()
-        self._open: dict[_Entered, None] = {}  # in the order of opening
+        self._open: dict[Closeable, None] = {}  # in the order of opening
         self._is_closed = False
 
     def publisher(self, key: str, type_name: str) -> Publisher:
@@ -144,7 +62,12 @@ class MemoryBus(Bus):
 
     def serve(self, key: str, answer: Answerer) -> Subscription:
         """Answer queries on a key."""
-        return self._enter(self.network.queryables, plain_key(key), answer)
+
+        def call(payload: bytes, conversation: MemoryConversation) -> None:
+            conversation.send(answered(key, answer, payload))
+            conversation.close()
+
+        return self._enter(self.network.queryables, plain_key(key), partial(self._join, key, call))
 
     def query(
         self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
@@ -155,8 +78,47 @@ class MemoryBus(Bus):
         payload = encode_json(arguments or {})
         with self.network.lock:
             serving = [entry for entry in self.network.queryables if entry.matches(key)]
-            replies = [answered(str(entry.key), entry.call, payload) for entry in serving]
+            replies: list[Reply] = []
+            ended: list[None] = []
+            for entry in serving:
+                entry.call(payload, replies.append, lambda: ended.append(None))
+        if len(ended) < len(serving):
+            raise TimedOut(f"someone who serves {key_expr} has not answered at once")
         return sorted_out(key_expr, replies)
+
+    def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
+        """Answer queries on a key with any number of replies."""
+        call = partial(self._join, key, partial(talked, key, handler))
+        return self._enter(self.network.queryables, plain_key(key), call)
+
+    def ask(
+        self,
+        key_expr: str,
+        arguments: Mapping[str, Any] | None,
+        on_reply: Callable[[Answer], None],
+        on_end: Callable[[BusError | None], None],
+        timeout: float = QUERY_TIMEOUT,
+        *,
+        urgent: bool = False,
+    ) -> Subscription:
+        """Ask everyone who serves a matching key, and hear every reply in its turn."""
+        self._check_open()
+        key = key_expression(key_expr)
+        payload = encode_json(arguments or {})
+        asking = MemoryAsking(self._open, self.network, Replies(key_expr, on_reply, on_end), timeout)
+        self.network.queue(partial(asking.begin, key, payload))
+        return asking
+
+    def _join(
+        self,
+        key: str,
+        talk: "Callable[[bytes, MemoryConversation], None]",
+        payload: bytes,
+        on_reply: Callable[[Reply], None],
+        on_end: Callable[[], None],
+    ) -> None:
+        """Let one of this bus's handlers begin a conversation."""
+        talk(payload, MemoryConversation(self._open, self.network, key, on_reply, on_end))
 
     def declare_alive(self, key: str) -> Subscription:
         """Show a token."""
@@ -185,9 +147,9 @@ class MemoryBus(Bus):
         for entered in list(self._open):
             entered.close()
 
-    def _enter(self, listeners: list[_Listener], key_expr: str, call: Callable[..., Any]) -> "_Entered":
+    def _enter(self, listeners: list[Listener], key_expr: str, call: Callable[..., Any]) -> "_Entered":
         self._check_open()
-        entered = _Entered(self._open, self.network, listeners, _Listener(key_expression(key_expr), call))
+        entered = _Entered(self._open, self.network, listeners, Listener(key_expression(key_expr), call))
         self._open[entered] = None
         return entered
 
@@ -201,10 +163,10 @@ class _Entered(Subscription):
 
     def __init__(
         self,
-        among: "dict[_Entered, None]",
+        among: dict[Closeable, None],
         network: MemoryNetwork,
-        listeners: list[_Listener],
-        listener: _Listener,
+        listeners: list[Listener],
+        listener: Listener,
     ) -> None:
         self.listener = listener
         self._among = among

@@ -14,12 +14,15 @@ from typing import Any, Self
 
 import zenoh
 
+from bus.asking import ASK_AGAIN_AFTER, ZenohAsking, ZenohConversation, read_reply
 from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
 from bus.declared import Declared, HandlerThread, Listening, Undeclarable
-from bus.errors import BusUnavailable, NoAnswer
+from bus.errors import BusError, BusUnavailable, TimedOut
 from bus.exchange import (
     Answerer,
+    Replies,
     Reply,
+    Talker,
     answered,
     encode_any,
     encode_as,
@@ -29,6 +32,7 @@ from bus.exchange import (
     plain_key,
     reason,
     sorted_out,
+    talked,
 )
 from bus.messages import encode_json, prepare
 from configs.loader import ConfigError, find, read
@@ -36,9 +40,6 @@ from configs.loader import ConfigError, find, read
 # Sessions on one machine meet within some ms of opening. A query that finds nobody in a session younger than this is
 # asked again.
 MEETING_TIME = 0.5  # s
-ASK_AGAIN_AFTER = 0.02  # s
-
-ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
 
 
 def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zenoh.Config:
@@ -157,6 +158,41 @@ class ZenohBus(Bus):
                 replies = self._ask(key, payload, timeout)
         return sorted_out(key_expr, replies)
 
+    def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
+        """Answer queries on a key with any number of replies."""
+
+        def respond(query: zenoh.Query) -> None:
+            payload = query.payload
+            talked(key, handler, payload.to_bytes() if payload else b"", ZenohConversation(key, query))
+
+        declare = partial(self._session.declare_queryable, plain_key(key))
+        return self._listen(key, respond, declare, urgent)
+
+    def ask(
+        self,
+        key_expr: str,
+        arguments: Mapping[str, Any] | None,
+        on_reply: Callable[[Answer], None],
+        on_end: Callable[[BusError | None], None],
+        timeout: float = QUERY_TIMEOUT,
+        *,
+        urgent: bool = False,
+    ) -> Subscription:
+        """Ask everyone who serves a matching key, and hear every reply as it comes."""
+        get = partial(
+            self._session.get,
+            key_expression(key_expr),
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            payload=encode_json(arguments or {}),
+            encoding=JSON,
+        )
+        with self._usable():
+            replies = Replies(key_expr, on_reply, on_end)
+            asking = ZenohAsking(self._declared, get, self._handlers, replies, timeout, self._met_at, urgent)
+            asking.begin()
+        return asking
+
     def declare_alive(self, key: str) -> Subscription:
         """Show a token while this session lives."""
         plain_key(key)
@@ -204,13 +240,9 @@ class ZenohBus(Bus):
             payload=payload,
             encoding=JSON,
         ):
-            if reply.ok is not None:
-                replies.append(Reply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes()))
-            elif reply.err is not None:
-                payload = reply.err.payload.to_bytes()
-                if payload == ZENOH_TIMEOUT and str(reply.err.encoding) != JSON:
-                    raise NoAnswer(f"someone who serves {key} has not answered within {timeout:g} s")
-                replies.append(Reply(True, "", payload))
+            if (heard := read_reply(reply)) is None:
+                raise TimedOut(f"someone who serves {key} has not answered within {timeout:g} s")
+            replies.append(heard)
         return replies
 
     def _listen(

@@ -1,0 +1,131 @@
+"""Conversations on a Zenoh session: one query, and several replies until the answerer ends it or is gone."""
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import zenoh
+
+from bus.bus import JSON, Conversation
+from bus.declared import Declared, HandlerThread, Listening
+from bus.errors import BusUnavailable, TimedOut
+from bus.exchange import Replies, Reply, reason, refusal, reply_of
+
+ASK_AGAIN_AFTER = 0.02  # s
+ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
+
+
+def read_reply(reply: zenoh.Reply) -> Reply | None:
+    """A reply as it travels, or None for Zenoh's word that someone has not answered in time."""
+    if reply.ok is not None:
+        return Reply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes())
+    if reply.err is None:  # neither: Zenoh makes no such reply, and a strange one is no answer
+        return Reply(True, "", b"an empty reply")
+    payload = reply.err.payload.to_bytes()
+    if payload == ZENOH_TIMEOUT and str(reply.err.encoding) != JSON:
+        return None
+    return Reply(True, "", payload)
+
+
+class ZenohConversation(Conversation):
+    """The answerer's end. Zenoh ends the query when this is closed, forgotten, or its process dies."""
+
+    def __init__(self, key: str, query: zenoh.Query) -> None:
+        self._key = key
+        self._query: zenoh.Query | None = query
+        self._lock = threading.Lock()  # a reply and the end may come from different threads
+
+    def reply(self, value: dict[str, Any]) -> None:
+        """Send one JSON object."""
+        self._send(lambda query, payload: query.reply(self._key, payload, encoding=JSON), reply_of(value))
+
+    def refuse(self, why: str) -> None:
+        """Say no, and end it."""
+        self._send(lambda query, payload: query.reply_err(payload, encoding=JSON), refusal(why))
+        self.close()
+
+    def close(self) -> None:
+        """End it; closing twice does no harm."""
+        with self._lock:
+            query, self._query = self._query, None
+            if query is not None:
+                query.drop()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
+
+    def _send(self, send: Callable[[zenoh.Query, bytes], object], payload: bytes) -> None:
+        with self._lock:
+            if self._query is None:
+                raise BusUnavailable("this conversation has ended")
+            try:
+                send(self._query, payload)
+            except zenoh.ZError as err:
+                raise BusUnavailable(f"this reply cannot be sent: {reason(err)}") from err
+
+
+class ZenohAsking(Listening):
+    """The asker's end: open until the replies have ended.
+
+    A session that has just been opened may not have met who serves the key, so it asks again until `met_at`.
+    """
+
+    def __init__(
+        self,
+        declared: set[Declared],
+        get: Callable[..., object],
+        handlers: HandlerThread,
+        replies: Replies,
+        timeout: float,
+        met_at: float,
+        urgent: bool,
+    ) -> None:
+        super().__init__(declared, self._take)
+        self._get = get
+        self._handlers = handlers
+        self._replies = replies
+        self._deadline = time.monotonic() + timeout
+        self._timeout = timeout
+        self._met_at = met_at
+        self._hand_on: Callable[[object], None] = self.hear if urgent else partial(handlers.post, self)
+        self._cancellation = zenoh.CancellationToken()
+
+    def begin(self) -> None:
+        """Ask. Zenoh's own thread brings the replies and then, in every case, drops the callback."""
+        self._get(
+            zenoh.handlers.Callback(
+                lambda reply: self._hand_on(read_reply(reply) or self._late()),
+                lambda: self._hand_on(None),
+                indirect=False,
+            ),
+            timeout=max(self._deadline - time.monotonic(), 0.001),
+            cancellation_token=self._cancellation,
+        )
+
+    def close(self) -> None:
+        """Hear no more."""
+        was_open = self._is_open
+        super().close()
+        if was_open:  # cancelling waits for a callback that runs, so it must not happen inside one
+            self._handlers.post(Listening(set(), lambda token: token.cancel()), self._cancellation)
+
+    def _late(self) -> TimedOut:
+        return TimedOut(f"someone who serves {self._replies.key_expr} has not answered within {self._timeout:g} s")
+
+    def _take(self, item: Reply | TimedOut | None) -> None:
+        match item:
+            case Reply():
+                self._replies.hear(item)
+            case TimedOut():
+                self._replies.error = item
+            case None if self._replies.is_silent and time.monotonic() < min(self._met_at, self._deadline):
+                again = threading.Timer(ASK_AGAIN_AFTER, self._begin_again)
+                again.daemon = True
+                again.start()
+            case None:
+                super().close()
+                self._replies.end()
+
+    def _begin_again(self) -> None:
+        with contextlib.suppress(zenoh.ZError):  # the session has been closed meanwhile
+            self.begin()

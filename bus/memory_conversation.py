@@ -1,0 +1,107 @@
+"""Conversations inside one process: both ends, as `Bus.converse` and `Bus.ask` know them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import zenoh
+
+from bus.bus import Closeable, Conversation, Subscription
+from bus.errors import BusUnavailable, TimedOut
+from bus.exchange import Replies, Reply, refusal, reply_of
+from bus.memory_network import MemoryNetwork
+
+
+class MemoryConversation(Conversation):
+    """The answerer's end; it ends with its bus."""
+
+    def __init__(
+        self,
+        among: dict[Closeable, None],
+        network: MemoryNetwork,
+        key: str,
+        on_reply: Callable[[Reply], None],
+        on_end: Callable[[], None],
+    ) -> None:
+        self._among = among
+        self._key = key
+        self._on_reply = on_reply
+        self._on_end = on_end
+        self._lock = network.lock
+        among[self] = None
+
+    def reply(self, value: dict[str, Any]) -> None:
+        """Send one JSON object."""
+        self.send(Reply(False, self._key, reply_of(value)))
+
+    def refuse(self, why: str) -> None:
+        """Say no, and end it."""
+        self.send(Reply(True, self._key, refusal(why)))
+        self.close()
+
+    def send(self, reply: Reply) -> None:
+        """Send a reply of either kind."""
+        with self._lock:
+            if self not in self._among:
+                raise BusUnavailable("this conversation has ended")
+            self._on_reply(reply)
+
+    def close(self) -> None:
+        """End it; closing twice does no harm."""
+        with self._lock:
+            if self in self._among:
+                del self._among[self]
+                self._on_end()
+
+
+class MemoryAsking(Subscription):
+    """The asker's end, until all answerers have ended the conversation or patience has."""
+
+    def __init__(self, among: dict[Closeable, None], network: MemoryNetwork, replies: Replies, timeout: float) -> None:
+        self.deadline = network.now + timeout
+        self._among = among
+        self._network = network
+        self._replies = replies
+        self._timeout = timeout
+        self._talking = 0
+        with network.lock:
+            among[self] = None
+            network.asking.append(self)
+
+    def begin(self, key: zenoh.KeyExpr, payload: bytes) -> None:
+        """Hand the question to whoever serves the key."""
+        serving = [entry for entry in self._network.queryables if entry.matches(key)]
+        self._talking = len(serving) or 1
+        for entry in serving:
+            entry.call(payload, self._heard, self._ended)
+        if not serving:
+            self._ended()
+
+    def lose_patience(self) -> None:
+        """End it because nobody has."""
+        if self in self._among:
+            self._replies.error = TimedOut(
+                f"someone who serves {self._replies.key_expr} has not answered within {self._timeout:g} s"
+            )
+            self._finish()
+
+    def close(self) -> None:
+        """Hear no more."""
+        with self._network.lock:
+            if self in self._among:
+                del self._among[self]
+                self._network.asking.remove(self)
+
+    def _heard(self, reply: Reply) -> None:
+        self._network.queue(lambda: self._replies.hear(reply) if self in self._among else None)
+
+    def _ended(self) -> None:
+        self._network.queue(self._one_less)
+
+    def _one_less(self) -> None:
+        self._talking -= 1
+        if self._talking == 0 and self in self._among:
+            self._finish()
+
+    def _finish(self) -> None:
+        self.close()
+        self._replies.end()

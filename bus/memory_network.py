@@ -1,0 +1,123 @@
+"""What the buses of one process have in common: who listens where, what is due, and what time it is."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from threading import RLock
+from typing import Any, Protocol
+
+import zenoh
+
+from bus.bus import Sample
+from bus.exchange import key_expression
+
+
+@dataclass(eq=False)
+class Listener:
+    """A subscriber, a queryable, a token or a watcher of tokens: a key (expression) and what to call."""
+
+    key: zenoh.KeyExpr
+    call: Callable[..., Any]
+    is_open: bool = True
+
+    def matches(self, key: zenoh.KeyExpr) -> bool:
+        """Whether it concerns this key (expression)."""
+        return self.key.intersects(key)
+
+    def hear(self, *args: object) -> None:
+        """Call, unless this was closed while the call waited."""
+        if self.is_open:
+            self.call(*args)
+
+
+class Impatient(Protocol):
+    """Someone who waits for the end of a conversation, until the deadline."""
+
+    deadline: float
+
+    def lose_patience(self) -> None:
+        """End it, since the deadline has come."""
+        ...
+
+
+class MemoryNetwork:
+    """What the buses of one process have in common. Threads may share it; they take turns."""
+
+    def __init__(self) -> None:
+        self.lock = RLock()
+        self.subscribers: list[Listener] = []
+        self.queryables: list[Listener] = []
+        self.tokens: list[Listener] = []
+        self.watchers: list[Listener] = []
+        self.now = 0.0  # s since the network was made; moved by `let_pass` alone
+        self.asking: list[Impatient] = []
+        self._routes: dict[str, list[Listener]] = {}
+        self._due: deque[Callable[[], None]] = deque()
+        self._is_delivering = False
+
+    def add(self, listeners: list[Listener], listener: Listener) -> None:
+        """Enter a listener into one of the lists."""
+        with self.lock:
+            listeners.append(listener)
+            self._routes.clear()
+
+    def remove(self, listeners: list[Listener], listener: Listener) -> None:
+        """Take a listener out; one that has gone already does no harm."""
+        with self.lock:
+            if listener.is_open:
+                listener.is_open = False
+                listeners.remove(listener)
+                self._routes.clear()
+                if listeners is self.tokens:
+                    self.announce(listener.key, False)
+
+    def let_pass(self, seconds: float) -> None:
+        """Let time pass: who asked and has waited long enough is told, the most impatient first."""
+        with self.lock:
+            self.now += seconds
+            late = [asking for asking in self.asking if asking.deadline <= self.now]
+            for asking in sorted(late, key=lambda asking: asking.deadline):
+                self.queue(asking.lose_patience)
+
+    def queue(self, work: Callable[[], None]) -> None:
+        """Do it when it is its turn: after all that was put before."""
+        with self.lock:
+            self._do(work)
+
+    def deliver(self, sample: Sample) -> None:
+        """Hand a sample to whoever subscribes to its key."""
+        with self.lock:
+            self._do(lambda: self._hand_out(sample))
+
+    def announce(self, token: zenoh.KeyExpr, is_alive: bool) -> None:
+        """Tell the watchers that a token came or went, but not while another participant shows the same one."""
+        with self.lock:
+            if sum(other.key == token for other in self.tokens) != int(is_alive):
+                return
+            for watcher in [watcher for watcher in self.watchers if watcher.matches(token)]:
+                self.tell(watcher, token, is_alive)
+
+    def tell(self, watcher: Listener, token: zenoh.KeyExpr, is_alive: bool) -> None:
+        """Tell one watcher of one token."""
+        with self.lock:
+            self._do(lambda: watcher.hear(str(token), is_alive))
+
+    def _do(self, work: Callable[[], None]) -> None:
+        """Work in the order of arrival: what a handler brings about waits until the work at hand is done."""
+        self._due.append(work)
+        if self._is_delivering:
+            return
+        self._is_delivering = True
+        try:
+            while self._due:
+                self._due.popleft()()
+        finally:
+            self._is_delivering = False
+
+    def _hand_out(self, sample: Sample) -> None:
+        route = self._routes.get(sample.key)
+        if route is None:
+            key = key_expression(sample.key)
+            route = self._routes[sample.key] = [entry for entry in self.subscribers if entry.matches(key)]
+        for subscriber in route:
+            subscriber.hear(sample)
