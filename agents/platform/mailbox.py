@@ -1,0 +1,169 @@
+"""An agent's private queue, and templates that say which messages one wants."""
+
+import asyncio
+import threading
+from collections import Counter, deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.names import AgentName
+
+CAPACITY = 1000  # messages
+SHARE = 200  # messages of one sender
+
+
+class Template:
+    """Which messages one wants; templates combine with `&`, `|` and `~`."""
+
+    def __init__(self, wants: Callable[[AclMessage], bool], description: str) -> None:
+        self._wants = wants
+        self._description = description
+
+    @classmethod
+    def of(
+        cls,
+        *performatives: Performative,
+        sender: AgentName | None = None,
+        conversation: str | None = None,
+        protocol: str | None = None,
+        ontology: str | None = None,
+        in_reply_to: str | None = None,
+    ) -> Self:
+        """Messages of one of these performatives (of any if none is named) whose fields are all as given."""
+        fields = {
+            "sender": sender,
+            "conversation_id": conversation,
+            "protocol": protocol,
+            "ontology": ontology,
+            "in_reply_to": in_reply_to,
+        }
+        given = {name: value for name, value in fields.items() if value is not None}
+
+        def wants(message: AclMessage) -> bool:
+            return (not performatives or message.performative in performatives) and all(
+                getattr(message, name) == value for name, value in given.items()
+            )
+
+        parts = ["|".join(performatives)] * bool(performatives) + [f"{name}={value}" for name, value in given.items()]
+        return cls(wants, " ".join(parts) or "any")
+
+    def matches(self, message: AclMessage) -> bool:
+        """Whether one wants it."""
+        return self._wants(message)
+
+    def __and__(self, other: "Template") -> "Template":
+        return Template(lambda message: self.matches(message) and other.matches(message), f"({self} and {other})")
+
+    def __or__(self, other: "Template") -> "Template":
+        return Template(lambda message: self.matches(message) or other.matches(message), f"({self} or {other})")
+
+    def __invert__(self) -> "Template":
+        return Template(lambda message: not self.matches(message), f"not {self}")
+
+    def __str__(self) -> str:
+        return self._description
+
+
+ANY = Template.of()
+
+
+@dataclass(frozen=True, slots=True)
+class MailboxState:
+    """What a mailbox holds and has seen.
+
+    waiting: messages in it. delivered: all that were put into it. dropped: those it had no room for, not counted in
+    `delivered`.
+    """
+
+    waiting: int
+    delivered: int
+    dropped: int
+
+
+class _Waiter(NamedTuple):
+    template: Template
+    loop: asyncio.AbstractEventLoop
+    called: asyncio.Event
+
+
+class Mailbox:
+    """Messages that wait until the agent takes them, first come, first served.
+
+    Any thread may deliver; one event loop receives. What arrives when the box, or the sender's share of it, is full is
+    dropped and counted, so that a flood costs neither memory nor the messages of others.
+    """
+
+    def __init__(self, capacity: int = CAPACITY, share: int = SHARE) -> None:
+        """Make an empty one.
+
+        Args:
+            capacity: How many messages it holds.
+            share: How many of them may be of one sender.
+        """
+        self._capacity = capacity
+        self._share = share
+        self._lock = threading.Lock()
+        self._queue: deque[AclMessage] = deque()
+        self._held: Counter[AgentName] = Counter()
+        self._waiters: list[_Waiter] = []
+        self._delivered = 0
+        self._dropped = 0
+
+    def deliver(self, message: AclMessage) -> bool:
+        """Put a message in; False when there is no room for it."""
+        with self._lock:
+            if len(self._queue) >= self._capacity or self._held[message.sender] >= self._share:
+                self._dropped += 1
+                return False
+            self._queue.append(message)
+            self._held[message.sender] += 1
+            self._delivered += 1
+            called = [waiter for waiter in self._waiters if waiter.template.matches(message)]
+            for waiter in called:
+                self._waiters.remove(waiter)  # called once, however many messages come before it runs
+                waiter.loop.call_soon_threadsafe(waiter.called.set)
+            return True
+
+    def take(self, template: Template = ANY) -> AclMessage | None:
+        """The oldest message that the template wants, or None."""
+        with self._lock:
+            return self._take(template)
+
+    async def receive(self, template: Template = ANY) -> AclMessage:
+        """The oldest message that the template wants; waits for one. Whoever is cancelled has taken nothing."""
+        loop = asyncio.get_running_loop()
+        while True:
+            with self._lock:
+                if (message := self._take(template)) is not None:
+                    return message
+                waiter = _Waiter(template, loop, asyncio.Event())
+                self._waiters.append(waiter)
+            try:
+                await waiter.called.wait()
+            finally:
+                with self._lock:
+                    if waiter in self._waiters:
+                        self._waiters.remove(waiter)
+
+    @property
+    def state(self) -> MailboxState:
+        """What it holds and has seen."""
+        with self._lock:
+            return MailboxState(len(self._queue), self._delivered, self._dropped)
+
+    def messages(self) -> list[AclMessage]:
+        """What waits, oldest first, without taking it."""
+        with self._lock:
+            return list(self._queue)
+
+    def _take(self, template: Template) -> AclMessage | None:
+        for place, message in enumerate(self._queue):
+            if template.matches(message):
+                del self._queue[place]
+                self._held[message.sender] -= 1
+                if not self._held[message.sender]:
+                    del self._held[message.sender]
+                return message
+        return None

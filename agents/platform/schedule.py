@@ -1,0 +1,149 @@
+"""Runs an agent's behaviours, and decides what becomes of one that raises."""
+
+import asyncio
+import random
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from agents.platform.behaviours import Behaviour, Gate
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """A behaviour that raises has ended; the others go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class FailAgent:
+    """A behaviour that raises ends its agent, since that is nothing without it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """A behaviour that raises begins again after a pause, which doubles with each failure.
+
+    first, longest: s. A pause is up to a tenth longer, at random, so that many do not begin again at once.
+    healthy_after: s without a failure after which the next pause is the first again.
+    attempts: how many failures in a row are borne, after which the behaviour is dropped; None bears any number.
+    """
+
+    first: float = 0.1
+    longest: float = 10.0
+    healthy_after: float = 30.0
+    attempts: int | None = None
+
+    def pause(self, failures: int) -> float:
+        """The pause after so many failures in a row, s, without its random part."""
+        return float(min(self.longest, self.first * 2.0 ** min(failures - 1, 60)))
+
+
+Policy = Drop | FailAgent | Restart
+DROP, FAIL_AGENT = Drop(), FailAgent()
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A behaviour has raised.
+
+    outcome: what becomes of it, in words: `dropped`, `begins again in 0.2 s`, `its agent ends`.
+    """
+
+    behaviour: str
+    error: Exception
+    outcome: str
+
+
+class Running:
+    """One behaviour in a schedule.
+
+    failures: how often it has raised.
+    """
+
+    def __init__(self, behaviour: Behaviour, policy: Policy) -> None:
+        self.behaviour = behaviour
+        self.policy = policy
+        self.failures = 0
+        self.task: asyncio.Task[Any] | None = None
+
+    async def result(self) -> Any:
+        """Wait for its end: its result, or None when it was dropped.
+
+        Raises:
+            asyncio.CancelledError: It was stopped.
+        """
+        assert self.task is not None
+        return await asyncio.shield(self.task)
+
+    def stop(self) -> None:
+        """Cancel it."""
+        if self.task is not None:
+            self.task.cancel()
+
+
+class Schedule:
+    """The behaviours of one agent. It never raises what they raise: it reports it and follows the policy."""
+
+    def __init__(self, report: Callable[[Failure], None], fail_agent: Callable[[Failure], None]) -> None:
+        """Make an empty one.
+
+        Args:
+            report: Told of every failure.
+            fail_agent: Told, after `report`, of one whose policy is `FailAgent`.
+        """
+        self.gate = Gate()
+        self._report = report
+        self._fail_agent = fail_agent
+        self._running: dict[Running, None] = {}
+
+    def add(self, behaviour: Behaviour, policy: Policy = DROP) -> Running:
+        """Begin a behaviour; needs a running event loop."""
+        running = Running(behaviour, policy)
+        running.task = asyncio.get_running_loop().create_task(self._live(running), name=behaviour.name)
+        self._running[running] = None
+        running.task.add_done_callback(lambda task: self._running.pop(running, None))
+        return running
+
+    @property
+    def running(self) -> list[Running]:
+        """The behaviours that have not ended, oldest first."""
+        return list(self._running)
+
+    async def stop(self) -> None:
+        """Cancel all and wait until they have ended; the one that calls this is left to end by itself."""
+        tasks = [one.task for one in self._running if one.task is not None and one.task is not asyncio.current_task()]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _live(self, running: Running) -> Any:
+        in_a_row = 0
+        loop = asyncio.get_running_loop()
+        while True:
+            began = loop.time()
+            try:
+                return await running.behaviour.run(self.gate)
+            except Exception as error:
+                running.failures += 1
+                healthy = isinstance(running.policy, Restart) and loop.time() - began >= running.policy.healthy_after
+                in_a_row = 1 if healthy else in_a_row + 1
+                pause = self._judge(running, error, in_a_row)
+            if pause is None:
+                return None
+            await asyncio.sleep(pause)
+
+    def _judge(self, running: Running, error: Exception, in_a_row: int) -> float | None:
+        """Report a failure; the pause before another beginning, s, or None when there is none."""
+        name = running.behaviour.name
+        match running.policy:
+            case Restart(attempts=attempts) as policy if attempts is None or in_a_row < attempts:
+                pause = policy.pause(in_a_row) * random.uniform(1.0, 1.1)
+                self._report(Failure(name, error, f"begins again in {pause:.2g} s"))
+                return pause
+            case FailAgent():
+                failure = Failure(name, error, "its agent ends")
+                self._report(failure)
+                self._fail_agent(failure)
+            case _:
+                self._report(Failure(name, error, "dropped"))
+        return None

@@ -1,0 +1,68 @@
+"""An event loop whose time is not the wall's: it jumps to the next moment at which something is due.
+
+For tests and lockstep runs. Nothing in the loop may wait for a thread or a port, since to this loop that takes no time.
+"""
+
+import asyncio
+import selectors
+from collections.abc import Mapping
+from typing import Any
+
+
+class NothingDue(RuntimeError):
+    """Everything waits for something else, so that virtual time would stand still for ever."""
+
+
+class VirtualTimeLoop(asyncio.SelectorEventLoop):
+    """An event loop that never sleeps; its time starts at zero.
+
+    `asyncio.Runner(loop_factory=VirtualTimeLoop)` runs a coroutine in it; `run_for` lets a stretch of time pass.
+    """
+
+    def __init__(self) -> None:
+        self._now = 0.0
+        super().__init__(_Impatient(self))
+
+    def time(self) -> float:
+        """Virtual time, s."""
+        return self._now
+
+    def pass_time(self, seconds: float) -> None:
+        """Move the clock on, as the selector does instead of waiting."""
+        self._now += seconds
+
+    def run_for(self, seconds: float) -> None:
+        """Run all that is due within the next `seconds` of virtual time."""
+        self.run_until_complete(asyncio.sleep(seconds))
+
+
+class _Impatient(selectors.BaseSelector):
+    """A selector that looks whether something is ready, and lets virtual time pass instead of waiting for it."""
+
+    def __init__(self, loop: VirtualTimeLoop) -> None:
+        self._loop = loop
+        self._selector = selectors.DefaultSelector()
+
+    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        ready = self._selector.select(0)
+        if ready or timeout == 0:
+            return ready
+        if timeout is None:
+            raise NothingDue("nothing is due in this loop, and yet it has not finished")
+        self._loop.pass_time(timeout)
+        return ready
+
+    def register(self, fileobj: Any, events: int, data: Any = None) -> selectors.SelectorKey:
+        return self._selector.register(fileobj, events, data)
+
+    def unregister(self, fileobj: Any) -> selectors.SelectorKey:
+        return self._selector.unregister(fileobj)
+
+    def modify(self, fileobj: Any, events: int, data: Any = None) -> selectors.SelectorKey:
+        return self._selector.modify(fileobj, events, data)
+
+    def close(self) -> None:
+        self._selector.close()
+
+    def get_map(self) -> Mapping[Any, selectors.SelectorKey]:
+        return self._selector.get_map()
