@@ -19,6 +19,7 @@ COMMANDS = {
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),
+    "keys": ("acromovi.keys", "Make the keys of a secure bus: who may look, who may drive"),
     "router": ("acromovi.router", "Run a Zenoh router, to join robots of several sites"),
 }
 DESCRIPTION = "Robots on the bus: look, drive, find out what is wrong."

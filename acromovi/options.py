@@ -9,7 +9,8 @@ def add_bus(parser: argparse.ArgumentParser) -> None:
         "--bus",
         metavar="PROFILE",
         default="local",
-        help="how to reach the bus: local (this machine only), lan, router, or a file (default: %(default)s)",
+        help="how to reach the bus: local (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
+        "(default: %(default)s)",
     )
 
 

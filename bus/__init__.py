@@ -2,7 +2,7 @@
 
 from bus import keys, messages
 from bus.bus import CDR, JSON, Answer, Bus, Conversation, Publisher, Sample, Subscription
-from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused, TimedOut
+from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, NotAllowed, Refused, TimedOut
 from bus.memory import MemoryBus
 from bus.memory_network import MemoryNetwork
 from bus.session import ZenohBus
@@ -20,6 +20,7 @@ __all__ = [
     "MemoryNetwork",
     "MessageError",
     "NoAnswer",
+    "NotAllowed",
     "Publisher",
     "Refused",
     "Sample",

@@ -4,6 +4,7 @@ BusError
  +-- BusUnavailable (ConnectionError)   no session can be opened, or it is closed
  +-- KeyNotValid (ValueError)           not a key, or not a robot's name
  +-- MessageError (ValueError)          a payload is not the message it claims to be, or a message does not fit its type
+ +-- NotAllowed (PermissionError)       the certificate's role does not allow it
  +-- NoAnswer (TimeoutError)            nobody answered a query in time
  |    +-- TimedOut                      someone is there and has not answered, or not ended its answers, in time
  +-- Refused                            the answerer said no, and why
@@ -26,6 +27,10 @@ class KeyNotValid(BusError, ValueError):
 
 class MessageError(BusError, ValueError):
     """A payload is not the message it claims to be, or a message does not fit its type."""
+
+
+class NotAllowed(BusError, PermissionError):
+    """The role of this program's certificate does not allow it; the message says what the role allows."""
 
 
 class NoAnswer(BusError, TimeoutError):

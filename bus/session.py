@@ -35,7 +35,8 @@ from bus.exchange import (
     talked,
 )
 from bus.messages import encode_json, prepare
-from configs.loader import ConfigError, find, read
+from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
+from configs.loader import ConfigError
 
 # Sessions on one machine meet within some ms of opening. A query that finds nobody in a session younger than this is
 # asked again.
@@ -47,17 +48,23 @@ def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zen
 
     Args:
         profile: A name in `configs/bus`, or a file: TOML, or Zenoh's own JSON5 when it ends in `.json5` or `.json`.
+            Where it speaks of keys, `:FOLDER` behind it says where they are.
         changes: What the command line sets beyond it: `{"listen/endpoints": ["tcp/127.0.0.1:7447"]}`.
     Raises:
-        ConfigError: There is no such profile, or Zenoh does not take it.
+        ConfigError: There is no such profile, its keys are missing, or Zenoh does not take it.
     """
-    path = find("bus", profile)
+    return _configured(Profile.find(profile), changes or {})
+
+
+def _configured(profile: Profile, changes: Mapping[str, Any]) -> zenoh.Config:
+    """Zenoh's configuration from a profile that has been found."""
+    path = profile.path
     try:
         if path.suffix in (".json5", ".json"):
             config = zenoh.Config.from_file(path)
         else:
-            config = zenoh.Config.from_json5(json.dumps(read(path)))
-        for key, value in (changes or {}).items():
+            config = zenoh.Config.from_json5(json.dumps(profile.for_zenoh()))
+        for key, value in changes.items():
             config.insert_json5(key, json.dumps(value))
         return config
     except zenoh.ZError as err:
@@ -70,9 +77,12 @@ class ZenohBus(Bus):
     Since a handler holds up the others it must be quick, and must not query what the same bus serves.
     """
 
-    def __init__(self, config: zenoh.Config) -> None:
+    def __init__(self, config: zenoh.Config, permit: Permit | None = None) -> None:
         """Open a session.
 
+        Args:
+            config: Zenoh's configuration.
+            permit: What the router allows this program; what it does not is refused here, since the router is silent.
         Raises:
             BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
         """
@@ -81,6 +91,7 @@ class ZenohBus(Bus):
         except zenoh.ZError as err:
             raise BusUnavailable(f"the bus cannot be opened: {reason(err)}") from err
         self._is_closed = False
+        self._permit = permit
         self._declared: set[Declared] = set()  # Zenoh withdraws what nobody refers to
         self._met_at = time.monotonic() + MEETING_TIME
         self._handlers = HandlerThread()
@@ -88,19 +99,36 @@ class ZenohBus(Bus):
 
     @classmethod
     def open(cls, profile: str = "local") -> Self:
-        """Open a session with a profile: a name in `configs/bus`, or a file.
+        """Open a session with a profile: a name in `configs/bus`, or a file, and `:FOLDER` where it speaks of keys.
 
         Raises:
-            ConfigError: There is no such profile, or Zenoh does not take it.
-            BusUnavailable: Zenoh cannot open a session.
+            ConfigError: There is no such profile, its keys are missing, or Zenoh does not take it.
+            BusUnavailable: Zenoh cannot open a session, or the router does not let this certificate in.
         """
-        return cls(configuration(profile))
+        found = Profile.find(profile)
+        config = _configured(found, {})
+        permit = Permit.of(found)
+        try:
+            bus = cls(config, permit)
+        except BusUnavailable as err:
+            if permit is None:
+                raise
+            why = why_not_let_in(found, json.loads(config.get_json("connect/endpoints")))
+            raise BusUnavailable(f"the bus cannot be opened: {why}") from err
+        if permit is not None and not bus._is_admitted():
+            bus.close()
+            raise BusUnavailable(
+                f"the router does not know {permit.common_name}, and so would give it nothing; add this name to the "
+                f"file {ADMITTED} in the router's folder of keys, and start the router again"
+            )
+        return bus
 
     def publisher(self, key: str, type_name: str) -> Publisher:
         """Declare a stream."""
         plain_key(key)
         if type_name != JSON:
             prepare(type_name)
+        self._require("put", key)
         with self._usable():
             handle = self._session.declare_publisher(
                 key, encoding=encoding_of(type_name), congestion_control=zenoh.CongestionControl.DROP
@@ -130,7 +158,9 @@ class ZenohBus(Bus):
                     )
                 )
 
-        return self._listen(key_expr, hear, partial(self._session.declare_subscriber, key_expression(key_expr)), urgent)
+        declare = partial(self._session.declare_subscriber, key_expression(key_expr))
+        self._require("declare_subscriber", key_expr)
+        return self._listen(key_expr, hear, declare, urgent)
 
     def serve(self, key: str, answer: Answerer) -> Subscription:
         """Answer queries on a key."""
@@ -143,7 +173,9 @@ class ZenohBus(Bus):
                 else:
                     query.reply(key, reply.payload, encoding=JSON)
 
-        return self._listen(key, respond, partial(self._session.declare_queryable, plain_key(key)))
+        declare = partial(self._session.declare_queryable, plain_key(key))
+        self._require("declare_queryable", key)
+        return self._listen(key, respond, declare)
 
     def query(
         self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
@@ -151,6 +183,7 @@ class ZenohBus(Bus):
         """Ask everyone who serves a matching key, and wait until all have answered."""
         key = key_expression(key_expr)
         payload = encode_json(arguments or {})
+        self._require("query", key_expr)
         with self._usable():
             replies = self._ask(key, payload, timeout)
             while not replies and time.monotonic() < self._met_at:
@@ -166,6 +199,7 @@ class ZenohBus(Bus):
             talked(key, handler, payload.to_bytes() if payload else b"", ZenohConversation(key, query))
 
         declare = partial(self._session.declare_queryable, plain_key(key))
+        self._require("declare_queryable", key)
         return self._listen(key, respond, declare, urgent)
 
     def ask(
@@ -187,6 +221,7 @@ class ZenohBus(Bus):
             payload=encode_json(arguments or {}),
             encoding=JSON,
         )
+        self._require("query", key_expr)
         with self._usable():
             replies = Replies(key_expr, on_reply, on_end)
             asking = ZenohAsking(self._declared, get, self._handlers, replies, timeout, self._met_at, urgent)
@@ -196,6 +231,7 @@ class ZenohBus(Bus):
     def declare_alive(self, key: str) -> Subscription:
         """Show a token while this session lives."""
         plain_key(key)
+        self._require("liveliness_token", key)
         with self._usable():
             return Declared(self._declared, self._session.liveliness().declare_token(key))
 
@@ -206,6 +242,7 @@ class ZenohBus(Bus):
             on_change(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
         key = key_expression(key_expr)
+        self._require("declare_liveliness_subscriber", key_expr)
         with self._usable():
             declare = self._session.liveliness().declare_subscriber
         return self._listen(key_expr, hear, partial(declare, key, history=True))
@@ -221,6 +258,7 @@ class ZenohBus(Bus):
     def _put(self, key: str, message: object, attachment: bytes, congestion: zenoh.CongestionControl) -> None:
         payload, encoding = encode_any(message)
         plain_key(key)
+        self._require("put", key)
         with self._usable():
             self._session.put(
                 key, payload, encoding=encoding, congestion_control=congestion, attachment=attachment or None
@@ -259,6 +297,17 @@ class ZenohBus(Bus):
             # Called on Zenoh's own thread; by default there would be a thread for every declaration.
             listening.handle = declare(zenoh.handlers.Callback(call, indirect=False))
         return listening
+
+    def _is_admitted(self) -> bool:
+        """Whether a router answers, as it does to those whom it knows."""
+        routers = self._session.info.routers_zid()
+        asked = [self._session.get(f"@/{router}/router", timeout=QUERY_TIMEOUT) for router in routers]
+        return any(reply.ok for replies in asked for reply in replies)
+
+    def _require(self, message: str, key: str) -> None:
+        """Refuse what the router would drop without a word."""
+        if self._permit is not None:
+            self._permit.require(message, key)
 
     @contextlib.contextmanager
     def _usable(self) -> Iterator[None]:

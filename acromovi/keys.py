@@ -1,0 +1,117 @@
+"""`acromovi keys`: the certificates with which robots, people and routers come to a secure bus."""
+
+import argparse
+import json
+import sys
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from acromovi.options import count
+
+ROLES = {
+    "viewer": "reads everything, moves nothing",
+    "operator": "moves robots",
+    "robot": "speaks and obeys under its own name",
+    "admin": "may do all",
+    "router": "lets the others in; --host gives the names and addresses by which they reach it",
+}
+DAYS = 365
+EPILOG = """\
+examples:
+  acromovi keys make --role router --name lab --host lab.example.org
+      a router's key, and with the first key the authority that signs them all
+  acromovi router --config secure-router:keys/router.lab
+      run the router; it reads keys and the list of names, keys/router.lab/admitted, when it starts
+  acromovi keys make --role operator --name anna
+      the folder keys/operator.anna; Anna copies it to ~/.config/acromovi/keys and adds --bus secure to any command
+  acromovi keys make --role robot --name happy
+      for the gateway of the robot happy: p2os-gateway PORT --name happy --bus secure:keys/robot.happy
+  acromovi keys list
+  acromovi keys renew operator.anna
+
+roles:
+{roles}
+
+Whoever has the folder `authority` can make keys: keep it where nobody else reads. To shut someone out, strike the name
+from the router's list and start the router again.
+
+Exit codes: 0 done, 1 not done (the reason is on stderr), 2 wrong usage.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG.format(roles="\n".join(f"  {role:<10}{meaning}" for role, meaning in ROLES.items()))
+    actions = parser.add_subparsers(dest="action", metavar="make|renew|list", required=True)
+    make = actions.add_parser("make", help="make a key; with the first, the authority too", allow_abbrev=False)
+    make.add_argument("--role", choices=ROLES, required=True, help="what its owner may do")
+    make.add_argument("--name", required=True, help="its owner; a robot's is its name on the bus")
+    make.add_argument(
+        "--host", action="append", default=[], help="a router's name or address besides localhost; repeatable"
+    )
+    renew = actions.add_parser("renew", help="make a key valid for another while", allow_abbrev=False)
+    renew.add_argument("owner", metavar="ROLE.NAME", help="as the list shows it")
+    listing = actions.add_parser("list", help="list the keys, and until when they are valid", allow_abbrev=False)
+    listing.add_argument("--json", action="store_true", help="one JSON object")
+    for action in (make, renew):
+        action.add_argument("--days", type=count, default=DAYS, metavar="N", help="how long (default: %(default)d)")
+    for action in (make, renew, listing):
+        action.add_argument(
+            "--out", type=Path, default=Path("keys"), metavar="DIR", help="where all keys are (default: %(default)s)"
+        )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Make, renew or list keys."""
+    try:
+        from acromovi.authority import AUTHORITY, Authority, KeysError
+    except ModuleNotFoundError as err:
+        if err.name != "cryptography":
+            raise
+        print("acromovi keys: this needs the package cryptography: pip install 'acromovi[security]'", file=sys.stderr)
+        return 1
+    now = datetime.now(UTC)
+    try:
+        if arguments.action == "list":
+            show(arguments.out, now, arguments.json)
+            return 0
+        life = timedelta(days=arguments.days)
+        if arguments.action == "renew":
+            folder = Authority(arguments.out, now).renew(arguments.owner, now, life)
+            print(f"renewed {folder} for {arguments.days} days; copy it to its owner again")
+            return 0
+        if arguments.host and arguments.role != "router":
+            print("acromovi keys: --host is for a router; nobody dials the others", file=sys.stderr)
+            return 2
+        if not (arguments.out / AUTHORITY).exists():
+            Authority.begin(arguments.out, now)
+            print(f"made {arguments.out / AUTHORITY}, which signs all keys; let nobody else read it")
+        folder = Authority(arguments.out, now).make(arguments.role, arguments.name, now, life, arguments.host)
+    except OSError as err:
+        raise KeysError(f"{err.filename or arguments.out}: {err.strerror}") from err
+    print(f"made {folder}, valid for {arguments.days} days; {_advice(arguments.role, folder)}")
+    return 0
+
+
+def show(folder: Path, now: datetime, as_json: bool) -> None:
+    """Print the keys in a folder."""
+    from acromovi.authority import issued
+
+    found = issued(folder)
+    if as_json:
+        rows = [{"name": each.owner, "expires": each.expires.isoformat(), "hosts": each.hosts} for each in found]
+        print(json.dumps({"keys": rows}))
+        return
+    width = max((len(each.owner) for each in found), default=0)
+    for each in found:
+        left = "expired" if now >= each.expires else f"{(each.expires - now).days} days left"
+        print(f"{each.owner:<{width}}  {each.expires:%Y-%m-%d}  {left}  {' '.join(each.hosts)}".rstrip())
+    if not found:
+        print("none yet, only the authority")
+
+
+def _advice(role: str, folder: Path) -> str:
+    """What to do with a new key."""
+    if role == "router":
+        return f"run it with: acromovi router --config secure-router:{folder}"
+    return f"use it with: --bus secure:{folder}; start the router again, that it admits {folder.name}"

@@ -1,0 +1,251 @@
+"""Profiles with certificates: where the keys are, what they allow, and why a router would not let one in.
+
+A profile that has a table `acromovi` speaks of keys. Its `{keys}` is a folder with `ca.pem`, `cert.pem` and `key.pem`,
+as `acromovi keys` makes them; a router's has a list `admitted` besides. A certificate's common name is ROLE.NAME.
+"""
+
+import datetime
+import errno
+import json
+import socket
+import ssl
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import zenoh
+
+from bus.errors import BusUnavailable, NotAllowed
+from configs.loader import ConfigError, find, read
+
+OURS = "acromovi"  # the table of a profile that is not Zenoh's
+ADMITTED = "admitted"
+CA, CERTIFICATE, PRIVATE_KEY = "ca.pem", "cert.pem", "key.pem"
+PROBE_TIMEOUT = 2.0  # s for a router to say no
+
+# What a router's alert means, by the names that OpenSSL gives them.
+ALERTS = {
+    "TLSV1_ALERT_UNKNOWN_CA": "it has another authority than this certificate; ask for a key of its authority",
+    "TLSV1_ALERT_DECRYPT_ERROR": "it has another authority than this certificate; ask for a key of its authority",
+    "SSLV3_ALERT_CERTIFICATE_EXPIRED": "by its clock this certificate is not valid; compare the clocks, or renew it",
+    "TLSV13_ALERT_CERTIFICATE_REQUIRED": "it asks for a certificate and got none",
+    "SSLV3_ALERT_BAD_CERTIFICATE": "it does not take this certificate",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """A profile and the folder of its keys.
+
+    path: the file.
+    table: what the file says.
+    folder: where the keys are; None for a profile without.
+    """
+
+    path: Path
+    table: Mapping[str, Any]
+    folder: Path | None
+
+    @classmethod
+    def find(cls, name: str) -> "Profile":
+        """Find a profile by a name or a file, with `:FOLDER` behind it where the keys are elsewhere.
+
+        Raises:
+            ConfigError: There is no such profile, or it has no keys and a folder is given.
+        """
+        given, _, folder = (name, "", "") if Path(name).is_file() else name.partition(":")
+        path = find("bus", given)
+        table = {} if path.suffix in (".json5", ".json") else read(path)
+        if OURS not in table:
+            if folder:
+                raise ConfigError(f"{path} speaks of no keys; the profiles that do are secure and secure-router")
+            return cls(path, table, None)
+        return cls(path, table, Path(folder) if folder else path.parent / Path(_setting(table, "keys")).expanduser())
+
+    def for_zenoh(self) -> dict[str, Any]:
+        """The table as Zenoh takes it: with paths in place of `{keys}`, and a subject for each name that is admitted.
+
+        Raises:
+            ConfigError: Keys are missing, or a router's list of names.
+        """
+        table = {key: value for key, value in self.table.items() if key != OURS}
+        if self.folder is None:
+            return table
+        for name in (CA, CERTIFICATE, PRIVATE_KEY):
+            _present(self.folder / name)
+        if "access_control" in table:
+            table["access_control"] = admitting(table["access_control"], _admitted(self.folder / ADMITTED))
+        return dict(_filled(table, keys=str(self.folder.absolute())))
+
+
+def admitting(access: Mapping[str, Any], common_names: Iterable[str]) -> dict[str, Any]:
+    """Access control for these common names: each is a subject of its own, under the policies that its role has.
+
+    Zenoh compares common names whole, so `viewer.*` has to be written out; and `{name}` in a rule is a member's own.
+    """
+    patterns = {subject["id"]: subject["cert_common_names"] for subject in access["subjects"]}
+    rules: dict[str, Any] = {}
+    subjects, policies = [], []
+    for common_name in common_names:
+        own = []
+        for policy in access["policies"]:
+            wanted = [pattern for subject in policy["subjects"] for pattern in patterns[subject]]
+            if any(fnmatchcase(common_name, pattern) for pattern in wanted):
+                own += [_own(rule, common_name) for rule in access["rules"] if rule["id"] in policy["rules"]]
+        if own:
+            rules |= {rule["id"]: rule for rule in own}
+            subjects.append({"id": common_name, "cert_common_names": [common_name]})
+            policies.append({"rules": [rule["id"] for rule in own], "subjects": [common_name]})
+    return {**access, "rules": list(rules.values()), "subjects": subjects, "policies": policies}
+
+
+class Permit:
+    """What one certificate allows, by the router's own rules."""
+
+    def __init__(self, common_name: str, rules: Sequence[Mapping[str, Any]], sentence: str) -> None:
+        self.common_name = common_name
+        self._sentence = sentence
+        self._rules = [
+            (set(rule["messages"]), [zenoh.KeyExpr(key) for key in rule["key_exprs"]])
+            for rule in rules
+            if "ingress" in rule["flows"]
+        ]
+
+    @classmethod
+    def of(cls, profile: Profile) -> "Permit | None":
+        """What the certificate of a profile allows; None where nobody is asked for one, or no rules are named.
+
+        Raises:
+            ConfigError: Keys or rules are missing or cannot be read.
+            BusUnavailable: The certificate is not valid now.
+        """
+        if profile.folder is None or "rules" not in profile.table[OURS]:
+            return None
+        common_name = valid_name(profile.folder / CERTIFICATE)
+        path = find("bus", _setting(profile.table, "rules"))
+        table = read(path)
+        role, _, name = common_name.partition(".")
+        sentence = table[OURS].get("roles", {}).get(role, f"the rules of {path.stem} do not allow it to {common_name}")
+        rules = admitting(table["access_control"], [common_name])["rules"]
+        return cls(common_name, rules, sentence.replace("{name}", name))
+
+    def require(self, message: str, key: str) -> None:
+        """Refuse what the router would drop without a word.
+
+        Raises:
+            NotAllowed: The rules do not allow this message, in Zenoh's words (`put`, `query`), on this key.
+        """
+        wanted = zenoh.KeyExpr(key)
+        if not any(message in messages and any(k.includes(wanted) for k in keys) for messages, keys in self._rules):
+            raise NotAllowed(f"{self._sentence} ({message.replace('_', ' ')} on {key})")
+
+
+def valid_name(certificate: Path) -> str:
+    """The common name of a certificate that is valid now.
+
+    Raises:
+        ConfigError: It cannot be read.
+        BusUnavailable: It is not valid yet, or not any more.
+    """
+    try:
+        from cryptography import x509
+    except ImportError as err:
+        raise ConfigError("keys need the package cryptography: pip install 'acromovi[security]'") from err
+    try:
+        found = x509.load_pem_x509_certificate(_present(certificate).read_bytes())
+        (attribute,) = found.subject.get_attributes_for_oid(x509.NameOID.COMMON_NAME)
+    except OSError as err:
+        raise ConfigError(f"{certificate} cannot be read: {err.strerror}") from err
+    except ValueError as err:
+        raise ConfigError(f"{certificate} is no certificate with a name") from err
+    name, now = str(attribute.value), datetime.datetime.now(datetime.UTC)
+    if now >= found.not_valid_after_utc:
+        ended = f"the certificate of {name} has expired on {found.not_valid_after_utc:%Y-%m-%d}"
+        raise BusUnavailable(f"{ended}; whoever made it renews it with: acromovi keys renew {name}")
+    if now < found.not_valid_before_utc:
+        start = f"the certificate of {name} is valid from {found.not_valid_before_utc:%Y-%m-%d %H:%M} UTC on"
+        raise BusUnavailable(f"{start}, which has not come yet; is this machine's clock right?")
+    return name
+
+
+def why_not_let_in(profile: Profile, endpoints: Iterable[str]) -> str:
+    """Knock where Zenoh failed, since Zenoh does not say why; one sentence for each endpoint with TLS.
+
+    Args:
+        profile: One with keys.
+        endpoints: Zenoh's, such as `tls/127.0.0.1:7447`.
+    """
+    folder = profile.folder or Path()
+    return "; ".join(f"{endpoint}: {_knock(folder, endpoint)}" for endpoint in endpoints if endpoint.startswith("tls/"))
+
+
+def _knock(folder: Path, endpoint: str) -> str:
+    """Shake hands as Zenoh would, and put what goes wrong in words."""
+    address = urlsplit(f"//{endpoint.removeprefix('tls/')}")
+    host, port = address.hostname or "", address.port or 0
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    try:
+        context.load_verify_locations(folder / CA)
+        context.load_cert_chain(folder / CERTIFICATE, folder / PRIVATE_KEY)
+    except ssl.SSLError as err:
+        return f"the files in {folder} do not belong together ({err.reason or err})"
+    try:
+        with (
+            socket.create_connection((host, port), PROBE_TIMEOUT) as plain,
+            context.wrap_socket(plain, server_hostname=host) as link,
+        ):
+            link.recv(1)  # a router that is content waits for Zenoh's first word
+    except ssl.SSLCertVerificationError as err:
+        return f"the router's certificate does not pass: {err.verify_message}; is {folder / CA} of its authority?"
+    except ssl.SSLError as err:
+        return f"the router lets this key not in: {ALERTS.get(err.reason, err.reason)}"
+    except TimeoutError:
+        return "the router takes this certificate, and says no more"
+    except OSError as err:
+        nobody = err.errno == errno.ECONNREFUSED
+        return "no router listens there; start it, or correct the address" if nobody else str(err.strerror or err)
+    return "whoever listens there hangs up; is it a router with the profile secure-router?"
+
+
+def _setting(table: Mapping[str, Any], name: str) -> str:
+    """One of our own settings, a text."""
+    value = table[OURS].get(name)
+    if not isinstance(value, str):
+        raise ConfigError(f"{OURS}.{name} of a bus profile must be a text, not {json.dumps(value)}")
+    return value
+
+
+def _present(path: Path) -> Path:
+    """The path of a file that is there."""
+    if not path.is_file():
+        how = "make keys with `acromovi keys make`, and give their folder: --bus secure:FOLDER"
+        raise ConfigError(f"there is no {path.name} in {path.parent}; {how}")
+    return path
+
+
+def _admitted(path: Path) -> list[str]:
+    """The names in a router's list: one a line, and what follows a # is a remark."""
+    lines = [line.partition("#")[0].strip() for line in _present(path).read_text(encoding="utf-8").splitlines()]
+    return [line for line in lines if line]
+
+
+def _own(rule: Mapping[str, Any], common_name: str) -> dict[str, Any]:
+    """A rule as it holds for one member: one that speaks of `{name}` is the member's alone."""
+    filled = _filled(rule, name=common_name.partition(".")[2])
+    return dict(filled) if filled == rule else {**filled, "id": f"{rule['id']} {common_name}"}
+
+
+def _filled(value: Any, **places: str) -> Any:
+    """A table with texts in place of `{keys}` or `{name}`."""
+    if isinstance(value, str):
+        for place, text in places.items():
+            value = value.replace(f"{{{place}}}", text)
+        return value
+    if isinstance(value, Mapping):
+        return {key: _filled(each, **places) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_filled(each, **places) for each in value]
+    return value
