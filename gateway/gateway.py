@@ -147,6 +147,7 @@ class Gateway:
 
     def _join_robot(self, bus: "Bus") -> "RobotOnBus":
         """Bring the robot to the bus, and the elements on cables of their own with it."""
+        from bus import NotAllowed
         from gateway.faces.all_faces import CABLE_FACES
         from gateway.robot_on_bus import RobotOnBus
 
@@ -156,7 +157,10 @@ class Gateway:
             CABLE_FACES[cable.name](self._name, model, self._settings, cable.driver, cable.bridge)
             for cable in self._cables
         ]
-        robot = RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces)
+        try:
+            robot = RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces)
+        except NotAllowed as error:
+            raise NameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
         for cable, face in zip(self._cables, faces, strict=True):
             cable.join(robot, face)
         return robot

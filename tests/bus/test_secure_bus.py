@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from datetime import timedelta
 from pathlib import Path
@@ -10,13 +12,15 @@ from typing import Any
 import pytest
 import zenoh
 
+from acromovi.__main__ import main
+from acromovi.children import emulator, gateway
 from bus import BusUnavailable, NoAnswer, NotAllowed, Sample, ZenohBus, keys
-from bus.messages import twist
+from bus.messages import decode, twist
 from bus.secure import Permit, Profile, admitting
 from bus.session import configuration
 from configs import ConfigError
 from configs.loader import find, read
-from tests.bus.secure_site import MEMBERS, Site
+from tests.bus.secure_site import MEMBERS, ROOT, Site
 
 Until = Callable[..., None]
 Join = Callable[[str], ZenohBus]
@@ -161,6 +165,38 @@ def test_agents_of_robots_and_operators_talk_to_each_other(happy: Robot, join: J
     assert grumpy.query("*/agents/tour/acl")[0].value == {"act": "propose"}
     with pytest.raises(NotAllowed, match="a viewer"):
         viewer.query("happy/agents/base/acl")
+
+
+def test_a_gateway_with_a_robots_key_serves_viewer_and_operator(
+    site: Site, join: Join, until: Until, capsys: pytest.CaptureFixture[str]
+) -> None:
+    viewer = join("viewer.vera")
+    travelled: list[float] = []
+
+    def hear(sample: Sample) -> None:
+        travelled.append(decode(sample.type_name, sample.payload).pose.pose.position.x)
+
+    viewer.subscribe("happy/odom", hear)
+    with (
+        emulator("--robot", "p3dx-sh:happy", "--quiet") as robots,
+        gateway(robots.port, "--quiet", "--name", "happy", "--bus", site.profile("robot.happy")),
+    ):
+        until(lambda: travelled)
+        assert main(["command", "happy", "move", "distance=0.2", "--bus", site.profile("viewer.vera")]) == 1
+        assert capsys.readouterr().err.startswith(f"acromovi command: {VIEWERS_REFUSAL}")
+        assert main(["command", "happy", "move", "distance=0.2", "--bus", site.profile("operator.anna")]) == 0
+        until(lambda: travelled[-1] > 0.1)
+
+
+def test_a_gateway_with_another_robots_key_ends_and_says_so(site: Site) -> None:
+    with emulator("--robot", "p3dx-sh:happy", "--quiet") as robots:
+        given = [robots.port, "--quiet", "--name", "happy", "--bus", site.profile("robot.grumpy")]
+        done = subprocess.run(
+            [sys.executable, "-m", "gateway", *given], cwd=ROOT, capture_output=True, text=True, timeout=60
+        )
+    assert done.returncode == 2
+    assert "cannot be happy on this bus: a robot may" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize(
