@@ -12,6 +12,8 @@ examples:
       the same for other machines; whoever reaches the port can drive the robots
   acromovi router --connect tcp/lab.example.org:7447
       join this site with another whose router listens there
+  acromovi router --config secure-router:keys/router.lab --listen tls/[::]:7447
+      let in only those who have a key, and each as far as its role goes (see acromovi keys --help)
 
 It runs until stopped. Exit codes: 1 the address is taken or not understood, 130 stopped by Ctrl-C.
 """
@@ -33,7 +35,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="another router to dial, now or when it comes; repeatable",
     )
     parser.add_argument(
-        "--config", metavar="FILE", default="site", help="Zenoh's configuration of the router, TOML or JSON5"
+        "--config",
+        metavar="PROFILE",
+        default="site",
+        help="site, secure-router[:FOLDER OF KEYS], or a file, TOML or Zenoh's JSON5 (default: %(default)s)",
     )
 
 

@@ -37,7 +37,7 @@ class Site:
     def profile(self, owner: str, template: str = "secure") -> str:
         """A copy of a profile with this site's address, and whose keys to use."""
         text = find("bus", template).read_text(encoding="utf-8").replace("tls/127.0.0.1:7447", self.endpoint)
-        path = self.folder / f"{template}-here.toml"
+        path = self.folder / f"{template}-{self.endpoint.rpartition(':')[2]}.toml"
         path.write_text(text, encoding="utf-8")
         return f"{path}:{self.folder / owner}"
 

@@ -70,14 +70,14 @@ class Robot:
 
     def __init__(self, bus: ZenohBus) -> None:
         self.bus = bus
-        self.driven: list[float] = []
+        self.driven: list[str] = []  # by whom, as the attachments say
         bus.serve("happy/description", lambda arguments: {"model": "p3dx-sh"})
         bus.serve("happy/command/stop", lambda arguments: {"accepted": True})
         bus.subscribe("happy/cmd_vel", self._drive)
         bus.declare_alive("happy/alive")
 
     def _drive(self, sample: Sample) -> None:
-        self.driven.append(len(sample.attachment))
+        self.driven.append(sample.attachment.decode())
 
 
 def test_a_viewer_reads_everything(happy: Robot, join: Join, until: Until) -> None:
@@ -105,6 +105,8 @@ def test_a_viewer_moves_nothing_and_is_told_so(happy: Robot, join: Join) -> None
         lambda: viewer.publisher("happy/cmd_vel", "geometry_msgs/msg/Twist"),
         lambda: viewer.query("happy/command/stop"),
         lambda: viewer.query("happy/lease"),
+        lambda: viewer.ask("happy/agents/base/acl", {}, lambda answer: None, lambda error: None),
+        lambda: viewer.converse("happy/agents/base/acl", lambda arguments, conversation: None),
         lambda: viewer.serve("happy/description", lambda arguments: {}),
         lambda: viewer.declare_alive("happy/alive"),
     ]
@@ -127,11 +129,11 @@ def test_the_router_stops_a_program_that_does_not_stop_itself(
     def has_driven() -> bool:
         rogue.put("happy/odom", twist(0.0, 0.0))
         rogue.put("happy/cmd_vel", twist(0.1, 0.0), b"rogue")
-        operator.put("happy/cmd_vel", twist(0.1, 0.0))
+        operator.put("happy/cmd_vel", twist(0.1, 0.0), b"operator")
         return len(happy.driven) >= 5
 
     until(has_driven)
-    assert set(happy.driven) == {0}, "only the operator's carried no attachment"
+    assert set(happy.driven) == {"operator"}
     assert forged == []
     with pytest.raises(NoAnswer):
         rogue.query("happy/command/stop", timeout=5.0)
@@ -258,6 +260,31 @@ def test_a_router_under_another_address_than_its_certificate_says_is_told(tmp_pa
     site.make("viewer.vera")
     with site.routed(), pytest.raises(BusUnavailable, match="IP address mismatch"):
         site.open("viewer.vera")
+
+
+def test_routers_of_two_sites_join_and_each_checks_its_own(quiet_site: Site, until: Until) -> None:
+    far = Site(quiet_site.folder)
+    for owner in ("router.lab", "router.hall", *MEMBERS):
+        quiet_site.make(owner)
+    driven: list[str] = []
+    with (
+        quiet_site.routed(),
+        ZenohBus(
+            configuration(far.profile("router.hall", "secure-router"), {"connect/endpoints": [quiet_site.endpoint]})
+        ),
+        ZenohBus(configuration(far.profile("viewer.vera"))) as rogue,
+        far.open("operator.anna") as operator,
+        quiet_site.open("robot.happy") as robot,
+    ):
+        robot.subscribe("happy/cmd_vel", lambda sample: driven.append(sample.attachment.decode()))
+
+        def has_driven() -> bool:
+            rogue.put("happy/cmd_vel", twist(0.1, 0.0), b"rogue")
+            operator.put("happy/cmd_vel", twist(0.1, 0.0), b"operator")
+            return len(driven) >= 5
+
+        until(has_driven)
+    assert set(driven) == {"operator"}
 
 
 def test_a_router_whose_certificate_has_expired_is_told(quiet_site: Site) -> None:
