@@ -1,6 +1,7 @@
 """Scenes of robots that something has befallen, and of how their gateway tells."""
 
 import math
+from typing import Any
 
 from acromovi.scenes.stage import Scene, Stage
 from bus import keys
@@ -16,8 +17,8 @@ def _stalled(stage: Stage) -> None:
 def _dead_disc(stage: Stage) -> None:
     disc = f"{stage.robot}/sonar_3"
 
-    def hears(message: object) -> bool:
-        readings = message.ranges  # type: ignore[attr-defined] # a message
+    def hears(message: Any) -> bool:
+        readings = message.ranges
         return any(one.header.frame_id == disc and math.isinf(one.range) == is_dead for one in readings)
 
     is_dead = False

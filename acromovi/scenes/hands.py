@@ -1,6 +1,7 @@
 """Scenes of what a robot does with its hands and its voice: gripper, arms, sounds, display, charger."""
 
 import math
+from typing import Any
 
 from acromovi.scenes.stage import Scene, SceneFailed, Stage
 from bus import keys
@@ -56,8 +57,8 @@ def _arm(stage: Stage) -> None:
 def _see_joints(stage: Stage, wanted: dict[str, float]) -> None:
     names = {f"{stage.robot}/{joint}": angle for joint, angle in wanted.items()}
 
-    def is_there(joints: object) -> bool:
-        angles = dict(zip(joints.name, joints.position, strict=True))  # type: ignore[attr-defined] # a message
+    def is_there(joints: Any) -> bool:
+        angles = dict(zip(joints.name, joints.position, strict=True))
         return all(name in angles and abs(angles[name] - angle) < 0.05 for name, angle in names.items())
 
     joints = stage.see(keys.JOINT_STATES, is_there, f"joints at {wanted}", 20.0)

@@ -1,6 +1,7 @@
 """Scenes of cables and of what goes wrong with them."""
 
 import time
+from typing import Any
 
 from acromovi.scenes.stage import Scene, SceneFailed, Stage
 from bus import keys
@@ -36,8 +37,8 @@ def _cut(stage: Stage) -> None:
 def _noise(stage: Stage) -> None:
     stage.ask("fault", fault="line-noisy@0+5")
 
-    def is_damaged(message: object) -> bool:
-        values = message.status[1].values  # type: ignore[attr-defined] # a message
+    def is_damaged(message: Any) -> bool:
+        values = message.status[1].values
         return any(value.key.startswith("damaged") for value in values)
 
     cable = stage.see(keys.DIAGNOSTICS, is_damaged, "a damaged frame in the diagnostics").status[1]
