@@ -2,6 +2,7 @@
 
 import json
 import stat
+import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -162,6 +163,18 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, capsys: pytest.
     (tmp_path / "file").write_text("")
     assert make(tmp_path / "file" / "keys", "viewer", "vera") == 1
     assert "Not a directory" in capsys.readouterr().err
+
+
+def test_a_machine_without_cryptography_is_told_what_to_install(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert make(tmp_path, "viewer", "vera") == 0
+    monkeypatch.setitem(sys.modules, "cryptography", None)
+    monkeypatch.delitem(sys.modules, "acromovi.authority")
+    assert make(tmp_path, "viewer", "otto") == 1
+    assert "pip install 'acromovi[security]'" in capsys.readouterr().err
+    assert main(["topics", "--bus", f"secure:{tmp_path / 'viewer.vera'}"]) == 1
+    assert "pip install 'acromovi[security]'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arguments", [[], ["make"], ["make", "--role", "king", "--name", "a"], ["lst"]])
