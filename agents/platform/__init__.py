@@ -1,6 +1,7 @@
 """The platform of the agents: names, messages, mailboxes, behaviours, agents and the containers where they live."""
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.agent import Agent, every, on, request
 from agents.platform.behaviours import (
     Behaviour,
     Cyclic,
@@ -14,7 +15,18 @@ from agents.platform.behaviours import (
     Until,
     Waker,
 )
-from agents.platform.errors import AclError, AgentError, AlreadyThere, IllegalTransition, NameNotValid, UnknownAgent
+from agents.platform.container import Container, Report
+from agents.platform.errors import (
+    AclError,
+    AgentError,
+    AlreadyThere,
+    IllegalTransition,
+    NameNotValid,
+    RequestNotDone,
+    UnknownAgent,
+)
+from agents.platform.fipa_request import Ending, Outcome, agree
+from agents.platform.life import State, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
 from agents.platform.names import AgentName
 from agents.platform.schedule import DROP, FAIL_AGENT, Failure, Restart, Schedule
@@ -24,12 +36,15 @@ __all__ = [
     "FAIL_AGENT",
     "AclError",
     "AclMessage",
+    "Agent",
     "AgentError",
     "AgentName",
     "AlreadyThere",
     "Behaviour",
+    "Container",
     "Cyclic",
     "Done",
+    "Ending",
     "Failure",
     "FiniteStateMachine",
     "IllegalTransition",
@@ -38,14 +53,23 @@ __all__ = [
     "NameNotValid",
     "NoTransition",
     "OneShot",
+    "Outcome",
     "Parallel",
     "Performative",
+    "Report",
+    "RequestNotDone",
     "Restart",
     "Schedule",
     "Sequential",
+    "State",
+    "Step",
     "Template",
     "Ticker",
     "UnknownAgent",
     "Until",
     "Waker",
+    "agree",
+    "every",
+    "on",
+    "request",
 ]

@@ -6,6 +6,7 @@ AgentError
  +-- IllegalTransition              an agent's life knows no such step from its present state
  +-- UnknownAgent (LookupError)     no such agent lives here
  +-- AlreadyThere                   an agent of this name lives here already
+ +-- RequestNotDone                 what another agent was asked for was not done
 """
 
 
@@ -31,3 +32,7 @@ class UnknownAgent(AgentError, LookupError):
 
 class AlreadyThere(AgentError):
     """An agent of this name lives here already."""
+
+
+class RequestNotDone(AgentError):
+    """What another agent was asked for was not done; the message says how it ended and why."""

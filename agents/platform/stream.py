@@ -1,0 +1,74 @@
+"""A stream of the bus as a behaviour: each message is heard in its turn, and none waits longer than it is worth."""
+
+import asyncio
+import threading
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from agents.platform.behaviours import Behaviour, Gate
+from agents.platform.talk import hand_over
+from bus import JSON, MessageError, Sample
+from bus.messages import decode, decode_json
+
+
+class Stream(Behaviour):
+    """Hears the messages of one key expression.
+
+    skipped: messages that were left out because newer ones came while the last was being heard.
+    """
+
+    def __init__(
+        self,
+        key_expr: str,
+        hear: Callable[[Any], Awaitable[Any]],
+        keep: int,
+        malformed: Callable[[Exception], None],
+    ) -> None:
+        """Make one in a running event loop.
+
+        Args:
+            key_expr: What it listens to, for its name.
+            hear: Called with each message, decoded.
+            keep: How many messages wait while one is being heard.
+            malformed: Told of a sample that is not the message that it claims to be.
+        """
+        self.name = f"on {key_expr}"
+        self.skipped = 0
+        self._hear = hear
+        self._malformed = malformed
+        self._lock = threading.Lock()
+        self._waiting: deque[Sample] = deque(maxlen=keep)
+        self._called = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+
+    def take(self, sample: Sample) -> None:
+        """A sample has come; called on the bus's thread."""
+        with self._lock:
+            was_empty = not self._waiting
+            self.skipped += len(self._waiting) == self._waiting.maxlen
+            self._waiting.append(sample)
+        if was_empty:  # else it has been called already
+            hand_over(self._loop, self._called.set)
+
+    async def run(self, gate: Gate) -> None:
+        """Hear one message after the other."""
+        while True:
+            await self._called.wait()
+            await gate.passed()
+            with self._lock:
+                sample = self._waiting.popleft() if self._waiting else None
+                if not self._waiting:
+                    self._called.clear()
+            if sample is not None:
+                await self._hear_one(sample)
+
+    async def _hear_one(self, sample: Sample) -> None:
+        try:
+            message = (
+                decode_json(sample.payload) if sample.encoding == JSON else decode(sample.type_name, sample.payload)
+            )
+        except MessageError as error:
+            self._malformed(error)
+            return
+        await self._hear(message)
