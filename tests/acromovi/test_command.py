@@ -219,12 +219,18 @@ def test_command_to_a_robot_that_is_not_there_says_which_are(robot: str, capsys:
 
 
 def test_command_to_two_robots_of_one_name_tells_both_and_says_so(
-    robot: str, capsys: pytest.CaptureFixture[str]
+    robot: str, capsys: pytest.CaptureFixture[str], until: Callable[[Callable[[], bool]], None]
 ) -> None:
+    """A command is not kept waiting for whom it has not met yet, least of all a stop: so it is given until both are."""
+
+    def tells_both() -> bool:
+        capsys.readouterr()
+        return main(["command", robot, "stop"]) == 1
+
     with ZenohBus.open() as one, ZenohBus.open() as other:
         for bus in one, other:
             bus.serve(f"{robot}/command/stop", lambda arguments: {"accepted": True})
-        assert main(["command", robot, "stop"]) == 1
+        until(tells_both)
     heard = capsys.readouterr()
     assert heard.out == '{"accepted": true}\n' * 2
     assert f"2 robots are called {robot} and all were told" in heard.err
