@@ -16,10 +16,12 @@ from agents.platform.behaviours import (
     Waker,
 )
 from agents.platform.container import Container, Report
+from agents.platform.directory import Description, Directory
 from agents.platform.errors import (
     AclError,
     AgentError,
     AlreadyThere,
+    DescriptionNotValid,
     IllegalTransition,
     NameNotValid,
     RequestNotDone,
@@ -43,6 +45,9 @@ __all__ = [
     "Behaviour",
     "Container",
     "Cyclic",
+    "Description",
+    "DescriptionNotValid",
+    "Directory",
     "Done",
     "Ending",
     "Failure",

@@ -3,6 +3,7 @@
 AgentError
  +-- NameNotValid (ValueError)      a text names no agent
  +-- AclError (ValueError)          a message breaks the rules of ACL
+ +-- DescriptionNotValid (ValueError)   what an agent says of itself cannot be read
  +-- IllegalTransition              an agent's life knows no such step from its present state
  +-- UnknownAgent (LookupError)     no such agent lives here
  +-- AlreadyThere                   an agent of this name lives here already
@@ -20,6 +21,10 @@ class NameNotValid(AgentError, ValueError):
 
 class AclError(AgentError, ValueError):
     """A message breaks the rules of ACL."""
+
+
+class DescriptionNotValid(AgentError, ValueError):
+    """What an agent says of itself cannot be read, or is about another one."""
 
 
 class IllegalTransition(AgentError):
