@@ -143,7 +143,7 @@ class Agent:
         """Prepare; runs before anything else of the agent does. Requests are refused meanwhile."""
 
     async def take_down(self) -> None:
-        """Clean up; runs when all behaviours have ended."""
+        """Clean up; runs when all behaviours have ended, and after a setup that failed."""
 
     @property
     def state(self) -> State:
@@ -226,6 +226,9 @@ class Agent:
             name: What to do.
             reply_within: s to wait.
             arguments: JSON values by name.
+        Raises:
+            AclError: The arguments have no JSON form, or are too large.
+            BusUnavailable: The bus is closed.
         """
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
         reply_by = self.home.wall_time() + reply_within
@@ -319,7 +322,7 @@ class Agent:
         except AclError:
             self.malformed += 1
             return
-        if self.mailbox.deliver(message):
+        if self.mailbox.deliver(message, len(sample.payload)):
             self._rouse()
 
     def _converse(self, arguments: dict[str, Any], conversation: Conversation) -> None:
@@ -327,14 +330,15 @@ class Agent:
         message = None
         try:
             message = AclMessage.from_dict(arguments)
+            if self._state not in (State.ACTIVE, State.WAITING):
+                turn_away(self.name, message, Performative.REFUSE, f"{self.name} is {self._state}", conversation)
+                return
             handler, given = read_request(message, self._handlers)
         except (AclError, NotUnderstood) as err:
             self.malformed += 1
             turn_away(self.name, message, Performative.NOT_UNDERSTOOD, str(err), conversation)
             return
-        if self._state not in (State.ACTIVE, State.WAITING):
-            turn_away(self.name, message, Performative.REFUSE, f"{self.name} is {self._state}", conversation)
-        elif not self._admit():
+        if not self._admit():
             why = f"{self.name} is busy with {MOST_REQUESTS} requests already"
             turn_away(self.name, message, Performative.REFUSE, why, conversation)
         else:

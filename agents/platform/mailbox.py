@@ -10,8 +10,9 @@ from typing import NamedTuple, Self
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.names import AgentName
 
-CAPACITY = 1000  # messages
-SHARE = 200  # messages of one sender
+CAPACITY = 10_000  # messages
+ROOM = 16 * 1024 * 1024  # bytes
+SHARE = 0.25  # of capacity and room, for the messages of one sender
 
 
 class Template:
@@ -95,30 +96,36 @@ class Mailbox:
     dropped and counted, so that a flood costs neither memory nor the messages of others.
     """
 
-    def __init__(self, capacity: int = CAPACITY, share: int = SHARE) -> None:
+    def __init__(self, capacity: int = CAPACITY, room: int = ROOM, share: float = SHARE) -> None:
         """Make an empty one.
 
         Args:
             capacity: How many messages it holds.
-            share: How many of them may be of one sender.
+            room: How many bytes of messages it holds.
+            share: The part of both that the messages of one sender may take up, 0 to 1.
         """
         self._capacity = capacity
+        self._room = room
         self._share = share
         self._lock = threading.Lock()
-        self._queue: deque[AclMessage] = deque()
-        self._held: Counter[AgentName] = Counter()
+        self._queue: deque[tuple[AclMessage, int]] = deque()
+        self._filled = 0  # bytes
+        self._held: Counter[AgentName] = Counter()  # messages of each sender
+        self._heavy: Counter[AgentName] = Counter()  # bytes of each sender
         self._waiters: list[_Waiter] = []
         self._delivered = 0
         self._dropped = 0
 
-    def deliver(self, message: AclMessage) -> bool:
-        """Put a message in; False when there is no room for it."""
+    def deliver(self, message: AclMessage, size: int = 0) -> bool:
+        """Put a message of a size in bytes in; False when there is no room for it."""
         with self._lock:
-            if len(self._queue) >= self._capacity or self._held[message.sender] >= self._share:
+            if not self._has_room(message.sender, size):
                 self._dropped += 1
                 return False
-            self._queue.append(message)
+            self._queue.append((message, size))
+            self._filled += size
             self._held[message.sender] += 1
+            self._heavy[message.sender] += size
             self._delivered += 1
             called = [waiter for waiter in self._waiters if waiter.template.matches(message)]
             for waiter in called:
@@ -156,14 +163,25 @@ class Mailbox:
     def messages(self) -> list[AclMessage]:
         """What waits, oldest first, without taking it."""
         with self._lock:
-            return list(self._queue)
+            return [message for message, _ in self._queue]
+
+    def _has_room(self, sender: AgentName, size: int) -> bool:
+        held, heavy = self._held.get(sender, 0), self._heavy.get(sender, 0)  # a forged name must leave no trace
+        return (
+            len(self._queue) < self._capacity
+            and self._filled + size <= self._room
+            and held < self._capacity * self._share
+            and heavy + size <= self._room * self._share
+        )
 
     def _take(self, template: Template) -> AclMessage | None:
-        for place, message in enumerate(self._queue):
+        for place, (message, size) in enumerate(self._queue):
             if template.matches(message):
                 del self._queue[place]
+                self._filled -= size
                 self._held[message.sender] -= 1
+                self._heavy[message.sender] -= size
                 if not self._held[message.sender]:
-                    del self._held[message.sender]
+                    del self._held[message.sender], self._heavy[message.sender]
                 return message
         return None

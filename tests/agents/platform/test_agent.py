@@ -206,6 +206,32 @@ def test_an_agent_whose_setup_raises_is_reported_and_hurts_no_other(bench: Bench
     assert bench.ask("look").is_done
 
 
+def test_an_agent_that_is_being_set_up_refuses(bench: Bench) -> None:
+    class Late(Base):
+        async def setup(self) -> None:
+            await asyncio.sleep(5.0)
+
+    starting = bench.loop.create_task(bench.robot.start(Late("late@happy")))
+    bench.loop.run_for(1.0)
+    outcome = bench.run(bench.console.request("late@happy", "look"))
+    assert outcome == Outcome(Ending.REFUSED, why="late@happy is initiated")
+    bench.loop.run_for(5.0)
+    assert starting.result()
+
+
+def test_an_agent_that_is_stopped_during_its_setup_leaves_nothing_behind(bench: Bench) -> None:
+    class Late(Base):
+        async def setup(self) -> None:
+            await asyncio.sleep(5.0)
+
+    starting = bench.loop.create_task(bench.robot.start(Late("late@happy")))
+    bench.loop.run_for(1.0)
+    bench.run(bench.robot.stop("late@happy"))
+    bench.loop.run_for(5.0)
+    assert not starting.result()
+    assert [agent.name for agent in bench.robot.agents] == [BASE]
+
+
 def test_a_setup_that_never_ends_is_given_up(bench: Bench) -> None:
     class Slow(Agent):
         async def setup(self) -> None:

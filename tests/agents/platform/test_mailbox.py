@@ -29,7 +29,7 @@ def test_messages_are_taken_in_the_order_of_their_arrival() -> None:
 def test_messages_of_one_sender_and_kind_keep_their_order_whatever_is_taken(
     sent: list[tuple[AgentName, Performative]], data: st.DataObject
 ) -> None:
-    box = Mailbox(share=1000)
+    box = Mailbox(share=1.0)
     for number, (sender, performative) in enumerate(sent):
         box.deliver(message(sender, performative, content=number))
     taken: list[AclMessage] = []
@@ -74,12 +74,21 @@ def test_templates_combine() -> None:
 
 
 def test_a_flood_is_dropped_and_counted_and_leaves_room_for_others() -> None:
-    box = Mailbox(capacity=10, share=6)
+    box = Mailbox(capacity=10, share=0.6)
     assert sum(box.deliver(message(ANN)) for _ in range(1000)) == 6
     assert sum(box.deliver(message(BOB)) for _ in range(1000)) == 4
     assert (box.state.waiting, box.state.delivered, box.state.dropped) == (10, 10, 1990)
     box.take(Template.of(sender=ANN))
     assert box.deliver(message(ANN))
+
+
+def test_a_flood_of_large_messages_is_bounded_by_their_bytes() -> None:
+    box = Mailbox(room=10_000, share=0.6)
+    assert sum(box.deliver(message(ANN), 1000) for _ in range(100)) == 6
+    assert sum(box.deliver(message(BOB), 1000) for _ in range(100)) == 4
+    while box.take() is not None:
+        pass
+    assert box.deliver(message(ANN), 6000)
 
 
 def test_a_receiver_waits_for_what_it_wants(loop: VirtualTimeLoop) -> None:
