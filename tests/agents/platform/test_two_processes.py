@@ -82,7 +82,8 @@ def test_a_container_that_is_killed_or_frozen_is_a_peer_that_died(
     async def main(console: Agent) -> list[Outcome]:
         assert (await console.request(f"base@{robot}", "look")).is_done
         sleeping = asyncio.ensure_future(console.request(f"base@{robot}", "sleep", reply_within=3600.0))
-        assert (await console.request(f"base@{robot}", "look")).is_done  # so the one before has been read
+        await asyncio.sleep(0)  # now it is asked, before the next
+        assert (await console.request(f"base@{robot}", "look")).is_done  # so the one before has been agreed to
         base.send_signal(how)
         return [await sleeping]
 
