@@ -27,7 +27,7 @@ from agents.platform.errors import (
     RequestNotDone,
     UnknownAgent,
 )
-from agents.platform.fipa_request import Ending, Outcome, agree
+from agents.platform.fipa_request import Ending, Outcome, agree, asker
 from agents.platform.life import State, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
 from agents.platform.names import AgentName
@@ -74,6 +74,7 @@ __all__ = [
     "Until",
     "Waker",
     "agree",
+    "asker",
     "every",
     "on",
     "request",

@@ -47,7 +47,7 @@ from agents.platform.names import AgentName
 from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Schedule
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over, query
-from bus import Bus, Conversation, Sample, Subscription
+from bus import JSON, Bus, Conversation, Publisher, Sample, Subscription
 from bus.bus import QUERY_TIMEOUT
 
 MOST_REQUESTS = 100  # that one agent answers at a time; beyond that it refuses, so that a flood costs no memory
@@ -135,6 +135,7 @@ class Agent:
         self._in_flight = 0
         self._lock = threading.Lock()  # for the count of what is in flight
         self._open: list[Subscription] = []
+        self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name))
         self._home: Home | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -215,6 +216,13 @@ class Agent:
         """
         for receiver in message.receivers:
             self.bus.send(receiver.acl_key, message.to_dict())
+
+    def publish(self, result: Mapping[str, Any]) -> None:
+        """Send one result to whoever listens to this agent's results; dropped where the way is congested."""
+        if self._results is None:
+            self._results = self.bus.publisher(self.name.results_key, JSON)
+            self._open.append(self._results)
+        self._results.put(dict(result))
 
     async def request(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any

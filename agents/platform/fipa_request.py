@@ -283,6 +283,15 @@ def agree() -> None:
     _SERVING.get().agree()
 
 
+def asker() -> AgentName:
+    """Who asks for what is being done; for handlers that are not to do the same for everyone.
+
+    Raises:
+        LookupError: No request is being answered.
+    """
+    return _SERVING.get().message.sender
+
+
 def read_request(message: AclMessage, handlers: Mapping[str, Handler]) -> tuple[Handler, dict[str, Any]]:
     """The handler that a request calls for, and its arguments.
 

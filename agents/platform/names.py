@@ -61,6 +61,11 @@ class AgentName:
         """Where the agent says what it is and does."""
         return self._key("description")
 
+    @property
+    def results_key(self) -> str:
+        """The stream of its results: JSON objects, one each time it has something new to say."""
+        return self._key("results")
+
     @classmethod
     def of_key(cls, key: str) -> Self:
         """The agent to which one of these keys belongs.
@@ -69,7 +74,7 @@ class AgentName:
             NameNotValid: It is the key of something else.
         """
         match key.split("/"):
-            case [platform, "agents", local, "acl" | "alive" | "description"]:
+            case [platform, "agents", local, "acl" | "alive" | "description" | "results"]:
                 return cls(local, platform)
         raise NameNotValid(f"{key!r} is no key of an agent")
 

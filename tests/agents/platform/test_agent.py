@@ -24,6 +24,7 @@ from agents.platform import (
     Template,
     UnknownAgent,
     agree,
+    asker,
     every,
     on,
     request,
@@ -126,6 +127,27 @@ def bench(loop: VirtualTimeLoop) -> Iterator[Bench]:
     bench.run(bench.robot.close())
     bench.run(bench.lab.close())
     assert not asyncio.all_tasks(loop), "something is left behind"
+
+
+def test_results_reach_whoever_listens_to_them(bench: Bench) -> None:
+    heard: list[dict[str, Any]] = []
+
+    async def hear(result: dict[str, Any]) -> None:
+        heard.append(result)
+
+    async def listen() -> None:
+        bench.console.listen(BASE.results_key, hear)
+
+    bench.run(listen())
+    for x in (1.0, 2.0):
+        bench.base.publish({"x": x})
+        bench.loop.run_for(0.1)
+    assert heard == [{"x": 1.0}, {"x": 2.0}]
+
+
+def test_a_handler_can_tell_who_asks(bench: Bench) -> None:
+    bench.base.answer("who", lambda: str(asker()))
+    assert bench.ask("who").value() == str(CONSOLE)
 
 
 def test_an_agent_lives_from_setup_to_take_down(bench: Bench) -> None:

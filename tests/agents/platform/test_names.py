@@ -13,7 +13,7 @@ def test_a_name_is_written_as_it_is_read() -> None:
 def test_each_key_leads_back_to_its_agent() -> None:
     name = AgentName("base", "happy")
     assert name.acl_key == "happy/agents/base/acl"
-    for key in (name.acl_key, name.alive_key, name.description_key):
+    for key in (name.acl_key, name.alive_key, name.description_key, name.results_key):
         assert AgentName.of_key(key) == name
 
 
