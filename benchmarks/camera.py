@@ -13,7 +13,7 @@ from benchmarks.cadence import deviation
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure
 from benchmarks.processes import CpuMeter
-from gateway.cameras.source import open_source
+from cameras import open_source
 
 SECONDS = 30.0
 SETTLE_S = 2.0

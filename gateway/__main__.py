@@ -17,7 +17,7 @@ from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver, ElementThread
 from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
-from gateway.errors import GatewayError, NoSuchPort
+from gateway.errors import CameraNotUsable, GatewayError, NoSuchPort
 from gateway.gateway import Gateway, Options, tell
 from gateway.line import RADIO_BAUD
 from gateway.search import model_finder, rates_to_try
@@ -132,12 +132,13 @@ def _cable(name: str, port_name: str, settings: Settings, waits: bool) -> CableT
 
 def _camera(where: str) -> ElementThread:
     """A camera that is opened by its own thread, now or whenever it is there."""
-    from gateway.cameras.camera_thread import (
-        CameraThread,
-    )  # here and not at the top: a gateway without one starts sooner
-    from gateway.cameras.source import check_source
+    import cameras  # here and not at the top: a gateway without one starts sooner
+    from gateway.camera_thread import CameraThread
 
-    check_source(where)
+    try:
+        cameras.check_source(where)
+    except cameras.CameraNotUsable as error:
+        raise CameraNotUsable(str(error)) from error
     return CameraThread(where)
 
 

@@ -12,7 +12,6 @@
      +-- WrongRobot                    10  another robot than the one before
      +-- PortLost (ConnectionError)        the port was there and is gone; the bridge waits for it
      +-- CameraNotUsable               2   no camera could be opened in that way
-     +-- CameraLost (ConnectionError)      the camera is not there, or gives no pictures; it is opened again
      +-- CommandRefused                    a command that the robot must not be given now, or ever
 
 Exit code 2 is any other usage or configuration error too, and 0 an end by signal.
@@ -89,10 +88,6 @@ class CameraNotUsable(GatewayError):
     """The camera is written wrong, or something is missing to open it."""
 
     exit_code = 2
-
-
-class CameraLost(GatewayError, ConnectionError):
-    """The camera is not there, or gives no pictures."""
 
 
 class CommandRefused(GatewayError):

@@ -12,12 +12,13 @@ BELOW: dict[str, set[str]] = {
     "p2os": set(),
     "geometry": set(),
     "configs": set(),
+    "cameras": set(),
     "bus": {"geometry", "configs"},
     "p2os_emu": {"p2os", "geometry", "configs"},
-    "gateway": {"p2os", "bus", "geometry", "configs"},
-    "agents": {"bus", "geometry", "configs"},
+    "gateway": {"p2os", "bus", "cameras", "geometry", "configs"},
+    "agents": {"bus", "cameras", "geometry", "configs"},
     "apps": {"agents", "bus", "geometry", "configs"},
-    "acromovi": {"p2os", "geometry", "configs", "bus", "p2os_emu", "gateway", "agents", "apps"},
+    "acromovi": {"p2os", "geometry", "configs", "cameras", "bus", "p2os_emu", "gateway", "agents", "apps"},
     "pty_tests": set(),  # it must not share a mistake with what it judges
 }
 

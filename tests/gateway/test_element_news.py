@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from gateway.cameras.camera_thread import CameraThread
+from gateway.camera_thread import CameraThread
 from gateway.element_news import PATIENCE, ElementNews, News
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from acromovi.children import emulator, gateway
 from bus import Bus, Sample, keys, messages
+from cameras import picture_size
 from configs import load
-from gateway.cameras.jpeg import picture_size
 from gateway.elements.ptz import Ptz
 from gateway.errors import CommandRefused
 from gateway.events import HeadSeen

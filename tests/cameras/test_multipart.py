@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.cameras.jpeg import picture_size
-from gateway.cameras.multipart import MOST, MultipartDecoder, NoPictures, boundary_of
+from cameras.jpeg import picture_size
+from cameras.multipart import MOST, MultipartDecoder, NoPictures, boundary_of
 
 PICTURES = [b"\xff\xd8first\xff\xd9", b"\xff\xd8\r\n--not the end\r\n\xff\xd9", b"\xff\xd8third\xff\xd9"]
 

@@ -7,9 +7,9 @@ from typing import Any, cast
 import numpy as np
 
 from bus import keys
-from gateway.cameras.camera_thread import CameraState, CameraThread
-from gateway.cameras.source import PATIENCE, Source
-from gateway.errors import CameraLost
+from cameras.errors import CameraLost
+from cameras.source import PATIENCE, Source
+from gateway.camera_thread import CameraState, CameraThread
 from gateway.events import Event, PictureTaken
 from gateway.faces.cable_face import CableFace
 from gateway.faces.camera import CameraFace

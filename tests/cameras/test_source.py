@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from gateway.cameras import source as module
-from gateway.cameras.source import check_source, open_source
-from gateway.errors import CameraLost, CameraNotUsable
+from cameras import source as module
+from cameras.errors import CameraLost, CameraNotUsable
+from cameras.source import check_source, open_source
 
 LIMIT = 10.0
 HEAD = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n"

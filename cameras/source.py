@@ -11,8 +11,8 @@ from importlib.util import find_spec
 from typing import Protocol
 from urllib.parse import SplitResult, unquote, urlsplit
 
-from gateway.cameras.multipart import MultipartDecoder, NoPictures, boundary_of
-from gateway.errors import CameraLost, CameraNotUsable
+from cameras.errors import CameraLost, CameraNotUsable
+from cameras.multipart import MultipartDecoder, NoPictures, boundary_of
 
 PATIENCE = 3.0
 """Seconds without a picture after which a camera has stalled."""

@@ -1,28 +1,20 @@
-"""A camera at work, on a thread of its own: opens it, brings its pictures to the bus, and opens it again when it fails.
+"""A camera of a robot: brings its pictures to the bus, and keeps what others may know of it.
 
 It stands beside the threads of elements on cables (`gateway.cables.cable_thread`) and is used like one.
 """
 
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
-from gateway.cameras.jpeg import picture_size
-from gateway.cameras.source import PATIENCE, Source, open_source
-from gateway.errors import CameraLost
+from cameras.reader import CameraReader, Picture
+from cameras.source import PATIENCE, Source, open_source
 from gateway.events import PictureTaken
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
     from gateway.faces.cable_face import CableFace
     from gateway.robot_on_bus import RobotOnBus
-
-RETRY = 1.0
-"""Seconds between two tries to open a camera."""
-LEAVING = 1.0
-"""Seconds for the thread to end; a device that hangs keeps it, and it ends with the program."""
 
 
 class CameraState:
@@ -86,16 +78,12 @@ class CameraThread:
     def __init__(self, where: str, open_camera: Callable[[str], Source] = open_source) -> None:
         """Make ready; `start` lets the thread run. where: as `open_source` takes it."""
         self.driver = CameraState()
-        self._where = where
-        self._open_camera = open_camera
-        self._source: Source | None = None
-        self._is_closed = threading.Event()
         self._joined: tuple[RobotOnBus, CableFace[Any]] | None = None
-        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
+        self._reader = CameraReader(where, self._take, self.driver.lose, self._count_damage, open_camera)
 
     def start(self) -> None:
         """Let the thread run."""
-        self._thread.start()
+        self._reader.start()
 
     def join(self, robot: "RobotOnBus", face: "CableFace[Any]") -> None:
         """From now on bring the pictures to the bus."""
@@ -107,31 +95,14 @@ class CameraThread:
     def close(self) -> None:
         """Let go of the camera and end the thread."""
         self._joined = None
-        self._is_closed.set()
-        source = self._source
-        if source is not None:
-            source.interrupt()
-        if self._thread.is_alive():
-            self._thread.join(LEAVING)
+        self._reader.close()
 
-    def _run(self) -> None:
-        while not self._is_closed.is_set():
-            try:
-                with closing(self._open_camera(self._where)) as self._source:
-                    self._look(self._source)
-            except CameraLost as lost:
-                self.driver.lose(str(lost))
-            self._is_closed.wait(RETRY)
+    def _count_damage(self) -> None:
+        self.driver.damaged["picture"] += 1
 
-    def _look(self, source: Source) -> None:
-        while not self._is_closed.is_set():
-            jpeg = source.read()
-            stamp = time.time_ns()
-            size = picture_size(jpeg)
-            if size is None:
-                self.driver.damaged["picture"] += 1
-                continue
-            self.driver.take(size)
-            if self._joined is not None:
-                robot, face = self._joined
-                robot.element_happened(face, [PictureTaken(jpeg, *size)], stamp)
+    def _take(self, picture: Picture) -> None:
+        self.driver.take((picture.width, picture.height))
+        if self._joined is not None:
+            robot, face = self._joined
+            event = PictureTaken(picture.jpeg, picture.width, picture.height)
+            robot.element_happened(face, [event], picture.stamp_ns)

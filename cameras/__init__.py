@@ -1,0 +1,18 @@
+"""Cameras, which are on no robot's cable: an IP camera at a URL, or a device of this computer. They give JPEG files."""
+
+from cameras.errors import CameraError, CameraLost, CameraNotUsable
+from cameras.jpeg import picture_size
+from cameras.reader import CameraReader, Picture
+from cameras.source import Source, check_source, open_source
+
+__all__ = [
+    "CameraError",
+    "CameraLost",
+    "CameraNotUsable",
+    "CameraReader",
+    "Picture",
+    "Source",
+    "check_source",
+    "open_source",
+    "picture_size",
+]

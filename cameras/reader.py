@@ -1,0 +1,91 @@
+"""A camera at work, on a thread of its own: opens it, hands on its pictures, and opens it again when it fails."""
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+
+from cameras.errors import CameraLost
+from cameras.jpeg import picture_size
+from cameras.source import Source, open_source
+
+RETRY = 1.0
+"""Seconds between two tries to open a camera."""
+LEAVING = 1.0
+"""Seconds for the thread to end; a device that hangs keeps it, and it ends with the program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What a camera saw.
+
+    jpeg: a JPEG file. width, height: pixels. stamp_ns: when it had come, ns since 1970.
+    """
+
+    jpeg: bytes
+    width: int
+    height: int
+    stamp_ns: int
+
+
+class CameraReader:
+    """Reads one camera until it is closed. What it calls, it calls on its own thread."""
+
+    def __init__(
+        self,
+        where: str,
+        on_picture: Callable[[Picture], None],
+        on_lost: Callable[[str], None],
+        on_damaged: Callable[[], None] = lambda: None,
+        open_camera: Callable[[str], Source] = open_source,
+    ) -> None:
+        """Make ready; `start` lets the thread run.
+
+        Args:
+            where: As `open_source` takes it.
+            on_picture: Told of each picture.
+            on_lost: Told why there are none, once per try to open it.
+            on_damaged: Told of what came and is no whole picture.
+            open_camera: How to open it.
+        """
+        self._where = where
+        self._on_picture = on_picture
+        self._on_lost = on_lost
+        self._on_damaged = on_damaged
+        self._open_camera = open_camera
+        self._source: Source | None = None
+        self._is_closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
+
+    def start(self) -> None:
+        """Let the thread run."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Let go of the camera and end the thread."""
+        self._is_closed.set()
+        source = self._source
+        if source is not None:
+            source.interrupt()
+        if self._thread.is_alive():
+            self._thread.join(LEAVING)
+
+    def _run(self) -> None:
+        while not self._is_closed.is_set():
+            try:
+                with closing(self._open_camera(self._where)) as self._source:
+                    self._look(self._source)
+            except CameraLost as lost:
+                self._on_lost(str(lost))
+            self._is_closed.wait(RETRY)
+
+    def _look(self, source: Source) -> None:
+        while not self._is_closed.is_set():
+            jpeg = source.read()
+            stamp_ns = time.time_ns()
+            size = picture_size(jpeg)
+            if size is None:
+                self._on_damaged()
+            else:
+                self._on_picture(Picture(jpeg, *size, stamp_ns))
