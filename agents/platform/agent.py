@@ -76,6 +76,10 @@ class Home(Protocol):
         """Stop an agent soon."""
         ...
 
+    def trace(self, message: AclMessage) -> None:
+        """Told of each message once, by who says it; called on any thread, so it must be quick."""
+        ...
+
     def wall_time(self) -> float:
         """s since 1970."""
         ...
@@ -214,8 +218,10 @@ class Agent:
         Raises:
             AclError: It is no proper message.
         """
+        written = message.to_dict()
+        self.home.trace(message)
         for receiver in message.receivers:
-            self.bus.send(receiver.acl_key, message.to_dict())
+            self.bus.send(receiver.acl_key, written)
 
     def publish(self, result: Mapping[str, Any]) -> None:
         """Send one result to whoever listens to this agent's results; dropped where the way is congested."""
@@ -240,7 +246,7 @@ class Agent:
         """
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
         reply_by = self.home.wall_time() + reply_within
-        return await ask_to(self.bus, self.name, peer, name, arguments, reply_within, reply_by)
+        return await ask_to(self.bus, self.home.trace, self.name, peer, name, arguments, reply_within, reply_by)
 
     async def query(
         self, key: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
@@ -339,20 +345,29 @@ class Agent:
         try:
             message = AclMessage.from_dict(arguments)
             if self._state not in (State.ACTIVE, State.WAITING):
-                turn_away(self.name, message, Performative.REFUSE, f"{self.name} is {self._state}", conversation)
+                turn_away(
+                    self.name,
+                    self.home.trace,
+                    message,
+                    Performative.REFUSE,
+                    f"{self.name} is {self._state}",
+                    conversation,
+                )
                 return
             handler, given = read_request(message, self._handlers)
         except (AclError, NotUnderstood) as err:
             self.malformed += 1
-            turn_away(self.name, message, Performative.NOT_UNDERSTOOD, str(err), conversation)
+            turn_away(self.name, self.home.trace, message, Performative.NOT_UNDERSTOOD, str(err), conversation)
             return
         if not self._admit():
             why = f"{self.name} is busy with {MOST_REQUESTS} requests already"
-            turn_away(self.name, message, Performative.REFUSE, why, conversation)
+            turn_away(self.name, self.home.trace, message, Performative.REFUSE, why, conversation)
         else:
             assert self._loop is not None
             self._rouse()
-            hand_over(self._loop, self._serve, Serving(self.name, message, conversation), handler, given)
+            hand_over(
+                self._loop, self._serve, Serving(self.name, message, conversation, self.home.trace), handler, given
+            )
 
     def _admit(self) -> bool:
         """Count one more request in flight, unless there are too many."""

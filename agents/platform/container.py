@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
+from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
 from agents.platform.errors import AlreadyThere, UnknownAgent
 from agents.platform.life import State
@@ -165,6 +166,9 @@ class Container:
         task = asyncio.ensure_future(self._end(agent))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
+
+    def trace(self, message: AclMessage) -> None:
+        """Told of each message that an agent here says; on any thread."""
 
     def wall_time(self) -> float:
         """s since 1970."""

@@ -25,6 +25,7 @@ from bus import Bus, BusUnavailable, Conversation, NoAnswer, Refused, TimedOut
 PROTOCOL = "fipa-request"
 ONTOLOGY = "acromovi"
 LANGUAGE = "json"
+Trace = Callable[[AclMessage], None]
 LONGEST_REASON = 1000  # characters; an exception may quote anything
 
 
@@ -70,12 +71,20 @@ class Outcome:
 
 
 async def ask_to(
-    bus: Bus, me: AgentName, peer: AgentName, action: str, arguments: Mapping[str, Any], within: float, reply_by: float
+    bus: Bus,
+    trace: Trace,
+    me: AgentName,
+    peer: AgentName,
+    action: str,
+    arguments: Mapping[str, Any],
+    within: float,
+    reply_by: float,
 ) -> Outcome:
     """Ask another agent to do something, and wait for the end.
 
     Args:
         bus: Where both are.
+        trace: Told of what is said.
         me: Who asks.
         peer: Who is asked.
         action: What to do.
@@ -101,8 +110,10 @@ async def ask_to(
     )
     agreed = False
     late = Outcome(Ending.TIMED_OUT, why=f"{peer} has not come to an end within {within:g} s")
+    written = message.to_dict()
+    trace(message)
     try:
-        async with aclosing(replies(bus, peer.acl_key, message.to_dict(), within)) as heard:
+        async with aclosing(replies(bus, peer.acl_key, written, within)) as heard:
             async for answer in heard:
                 outcome = _judged(message, answer.value, agreed)
                 if outcome is not None:
@@ -202,10 +213,11 @@ _PLAIN: dict[Any, Callable[[Any], bool]] = {
 class Serving:
     """One request that is being answered. All of it happens in the agent's event loop."""
 
-    def __init__(self, me: AgentName, message: AclMessage, conversation: Conversation) -> None:
+    def __init__(self, me: AgentName, message: AclMessage, conversation: Conversation, trace: Trace) -> None:
         self.message = message
         self._me = me
         self._conversation = conversation
+        self._trace = trace
         self._has_agreed = False
 
     def agree(self) -> None:
@@ -260,9 +272,11 @@ class Serving:
         self._say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": why})
 
     def _say(self, performative: Performative, content: Any) -> None:
-        reply = self.message.reply(performative, content, sender=self._me).to_dict()
+        reply = self.message.reply(performative, content, sender=self._me)
+        written = reply.to_dict()
+        self._trace(reply)
         with contextlib.suppress(BusUnavailable):  # the bus was closed meanwhile: nobody listens any more
-            self._conversation.reply(reply)
+            self._conversation.reply(written)
 
 
 async def _called(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
@@ -319,7 +333,12 @@ def read_request(message: AclMessage, handlers: Mapping[str, Handler]) -> tuple[
 
 
 def turn_away(
-    me: AgentName, message: AclMessage | None, performative: Performative, why: str, conversation: Conversation
+    me: AgentName,
+    trace: Trace,
+    message: AclMessage | None,
+    performative: Performative,
+    why: str,
+    conversation: Conversation,
 ) -> None:
     """End a conversation with a no before anything was done; without a message when it could not be read."""
     no = (
@@ -327,5 +346,6 @@ def turn_away(
         if message is None
         else message.reply(performative, {"why": why}, sender=me)
     )
+    trace(no)
     with conversation:
         conversation.reply(no.to_dict())
