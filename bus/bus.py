@@ -104,6 +104,14 @@ class Subscription(Closeable):
 class Publisher(Subscription):
     """A key and a type, declared once and put to often."""
 
+    @property
+    @abstractmethod
+    def has_listeners(self) -> bool:
+        """Whether somebody subscribes to its key now, as far as this participant has heard; cheap enough for every put.
+
+        What is dear to make is made only while it is true. False once this or the bus is closed.
+        """
+
     @abstractmethod
     def put(self, message: object, attachment: bytes = b"") -> None:
         """Publish one message; dropped under congestion.

@@ -141,6 +141,10 @@ class MemoryBus(Bus):
         self._check_open()
         self.network.deliver(sample)
 
+    def has_listeners(self, key: str) -> bool:
+        """Whether somebody subscribes to this key."""
+        return not self._is_closed and self.network.has_subscribers(key)
+
     def close(self) -> None:
         """Withdraw everything this participant declared."""
         self._is_closed = True
@@ -187,10 +191,16 @@ class _MemoryPublisher(Publisher):
         self._key = key
         self._type_name = type_name
         self._encoding = encoding_of(type_name)
+        self._is_open = True
+
+    @property
+    def has_listeners(self) -> bool:
+        return self._is_open and self._bus.has_listeners(self._key)
 
     def put(self, message: object, attachment: bytes = b"") -> None:
         payload = encode_as(message, self._type_name)
         self._bus.deliver(Sample(self._key, payload, self._encoding, attachment))
 
     def close(self) -> None:
-        """Nothing is held open."""
+        """Nothing is held open; only nobody is listened for any more."""
+        self._is_open = False

@@ -89,6 +89,11 @@ class MemoryNetwork:
         with self.lock:
             self._do(lambda: self._hand_out(sample))
 
+    def has_subscribers(self, key: str) -> bool:
+        """Whether a sample on this key would be handed to anybody."""
+        with self.lock:
+            return bool(self._route(key))
+
     def announce(self, token: zenoh.KeyExpr, is_alive: bool) -> None:
         """Tell the watchers that a token came or went, but not while another participant shows the same one."""
         with self.lock:
@@ -115,9 +120,13 @@ class MemoryNetwork:
             self._is_delivering = False
 
     def _hand_out(self, sample: Sample) -> None:
-        route = self._routes.get(sample.key)
-        if route is None:
-            key = key_expression(sample.key)
-            route = self._routes[sample.key] = [entry for entry in self.subscribers if entry.matches(key)]
-        for subscriber in route:
+        for subscriber in self._route(sample.key):
             subscriber.hear(sample)
+
+    def _route(self, plain_key: str) -> list[Listener]:
+        """The subscribers to a key, found once."""
+        route = self._routes.get(plain_key)
+        if route is None:
+            key = key_expression(plain_key)
+            route = self._routes[plain_key] = [entry for entry in self.subscribers if entry.matches(key)]
+        return route

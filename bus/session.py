@@ -328,6 +328,16 @@ class _ZenohPublisher(Declared, Publisher):
         self._publisher = handle
         self._type_name = type_name
 
+    @property
+    def has_listeners(self) -> bool:
+        if self.handle is None:
+            return False
+        try:
+            # Zenoh's stub says bool; what comes is an object that holds one, and is true whatever it holds.
+            return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]
+        except zenoh.ZError:  # the bus has been closed
+            return False
+
     def put(self, message: object, attachment: bytes = b"") -> None:
         payload = encode_as(message, self._type_name)
         try:

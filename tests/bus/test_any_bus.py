@@ -92,6 +92,30 @@ def test_a_publisher_refuses_what_is_not_of_its_type(here: Bus, robot: str) -> N
         here.publisher(f"{robot}/odom", "nav_msgs/msg/Odometri")
 
 
+def test_a_publisher_knows_whether_somebody_listens(
+    meeting: Any, here: Bus, there: Bus, robot: str, until: Until
+) -> None:
+    publisher = here.publisher(f"{robot}/containers/{robot}/said", JSON)
+    listening_elsewhere = there.subscribe(f"{robot}/containers/other/said", lambda sample: None)
+    meeting.settle()
+    assert not publisher.has_listeners
+    listening = there.subscribe("*/containers/*/said", lambda sample: None)
+    until(lambda: publisher.has_listeners, "the publisher has heard of the listener")
+    listening.close()
+    until(lambda: not publisher.has_listeners, "the publisher has heard that the listener has gone")
+    listening_elsewhere.close()
+
+
+def test_a_closed_publisher_has_no_listeners(here: Bus, robot: str) -> None:
+    here.subscribe(f"{robot}/said", lambda sample: None)
+    one, other = here.publisher(f"{robot}/said", JSON), here.publisher(f"{robot}/said", JSON)
+    assert [each.has_listeners for each in (one, other)] == [True, True]
+    one.close()
+    assert [each.has_listeners for each in (one, other)] == [False, True]
+    here.close()
+    assert [each.has_listeners for each in (one, other)] == [False, False]
+
+
 def test_a_query_is_answered_with_its_arguments(meeting: Any, here: Bus, there: Bus, robot: str) -> None:
     there.serve(f"{robot}/command/move", lambda arguments: {"accepted": True, "got": arguments})
     meeting.settle()
