@@ -13,6 +13,9 @@ from types import FrameType
 COMMANDS = {
     "echo": ("acromovi.echo", "Print what flows on a key"),
     "topics": ("acromovi.topics", "List the robots, and what flows now and how often"),
+    "ps": ("acromovi.ps", "List the agents: where they live, and in which state"),
+    "directory": ("acromovi.yellow_pages", "Find agents by service, robot or property"),
+    "ask": ("acromovi.ask", "Ask an agent to do something"),
     "teleop": ("acromovi.teleop", "Drive a robot with the keys of this terminal"),
     "command": ("acromovi.command", "Tell a robot something: stop, move, gripper, ptz and more"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
@@ -28,6 +31,8 @@ examples:
   acromovi topics                  which robots are there, and what do they say?
   acromovi echo happy/odom         print a robot's odometry
   acromovi teleop happy            drive it
+  acromovi ps                      which agents are there?
+  acromovi ask base@happy move distance=0.5
   acromovi COMMAND --help          more about one command
 
 exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM
@@ -83,10 +88,11 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
 
 def _user_errors() -> tuple[type[Exception], ...]:
     """What is reported in one sentence; imported late, since it brings Zenoh."""
+    from agents.platform.errors import AgentError
     from bus.errors import BusError
     from configs.loader import ConfigError
 
-    return (BusError, ConfigError)
+    return (AgentError, BusError, ConfigError)
 
 
 @contextmanager

@@ -46,7 +46,9 @@ def test_help_names_every_command_and_is_quick_because_it_loads_nothing() -> Non
     assert not {"zenoh", "numpy", "rosbags", "bus"} & set(loaded)
 
 
-@pytest.mark.parametrize("command", ["echo", "topics", "teleop", "router", "doctor", "wire", "demo"])
+@pytest.mark.parametrize(
+    "command", ["echo", "topics", "ps", "directory", "ask", "teleop", "router", "doctor", "wire", "demo"]
+)
 def test_every_command_has_help_with_an_example_and_its_exit_codes(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,0 +1,80 @@
+"""`acromovi ask`: ask an agent to do something, as any other agent can."""
+
+import argparse
+import asyncio
+import json
+import sys
+import uuid
+from typing import TYPE_CHECKING, Any
+
+from acromovi.command import argument
+from acromovi.options import add_bus, seconds
+
+if TYPE_CHECKING:
+    from agents.platform.fipa_request import Outcome
+    from agents.platform.names import AgentName
+    from bus.bus import Bus
+
+PATIENCE = 10.0  # s
+EPILOG = """\
+examples:
+  acromovi ask sonar@happy read
+  acromovi ask base@happy move distance=0.5
+  acromovi ask base@happy go_to x=1 y=0.5 --timeout 60
+  acromovi ask arm@max move 'joints={"1": 0.5}' --json
+
+A value is JSON, or text where it is no JSON. The result is printed as JSON; with --json on one line. acromovi directory
+says what an agent can be asked for.
+
+Exit codes: 0 done, 1 refused, failed, not understood, too late, or no such agent (the reason is on stderr), 2 wrong
+usage, 130 stopped by Ctrl-C.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("agent", metavar="AGENT", help="its name, such as base@happy")
+    parser.add_argument("request", metavar="REQUEST", help="what it is to do")
+    parser.add_argument(
+        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="what goes with it"
+    )
+    parser.add_argument(
+        "--timeout", type=seconds, default=PATIENCE, metavar="S", help="wait so long for the end (%(default)g)"
+    )
+    parser.add_argument("--json", action="store_true", help="the result on one line")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask once, and print the result."""
+    from acromovi.known_agents import KnownAgents
+    from agents.platform.names import AgentName
+    from bus.session import ZenohBus
+
+    if "reply_within" in dict(arguments.arguments):
+        print("acromovi ask: how long to wait is said with --timeout", file=sys.stderr)
+        return 2
+    peer = AgentName.parse(arguments.agent)
+    with ZenohBus.open(arguments.bus) as bus:
+        with KnownAgents(bus) as known:
+            known.expect(peer)
+        outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
+    if not outcome.is_done:
+        print(f"acromovi ask: {outcome.ending}: {outcome.why}", file=sys.stderr)
+        return 1
+    print(json.dumps(outcome.result, ensure_ascii=False, indent=None if arguments.json else 2))
+    return 0
+
+
+async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any], within: float) -> "Outcome":
+    """Ask as an agent that lives for this one request."""
+    from agents.platform.agent import Agent
+    from agents.platform.container import Container
+    from agents.platform.names import AgentName
+
+    name = f"ask-{uuid.uuid4().hex[:6]}"
+    async with Container(bus, name) as container:
+        agent = Agent(AgentName(name, "terminal"))
+        await container.start(agent)
+        return await agent.request(peer, request, reply_within=within, **given)

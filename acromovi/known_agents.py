@@ -1,0 +1,89 @@
+"""Which agents are there, by the tokens that they show."""
+
+import asyncio
+import difflib
+import time
+from threading import Condition
+
+from acromovi.presence import MEETING_TIME
+from agents.platform.directory import Description, Directory
+from agents.platform.errors import AgentError
+from agents.platform.names import AgentName
+from bus.bus import Bus, Closeable
+
+QUIET_TIME = 0.3  # s without a new token after which a session has met everybody, on one machine
+
+
+class NoSuchAgent(AgentError, LookupError):
+    """An agent is asked for that nobody knows."""
+
+
+class KnownAgents(Closeable):
+    """The agents that are there, for a program that has just come to the bus and lives for a moment."""
+
+    def __init__(self, bus: Bus) -> None:
+        self._changed = Condition()
+        self._changed_at = time.monotonic()
+        self._directory = Directory(bus, self._on_change)
+
+    @property
+    def names(self) -> list[AgentName]:
+        """Their names, sorted."""
+        return self._directory.names
+
+    def expect(self, name: AgentName, timeout: float = MEETING_TIME) -> None:
+        """Wait until an agent is there.
+
+        Raises:
+            NoSuchAgent: It has not been seen within `timeout` s; the message gives the nearest name.
+        """
+        with self._changed:
+            if not self._changed.wait_for(lambda: self._directory.knows(name), timeout):
+                raise NoSuchAgent(f"there is no agent {name}; {advice(name, self.names)}")
+
+    def meet(self, timeout: float = MEETING_TIME) -> None:
+        """Wait until no new agents appear any more: a session that has just been opened has met them all then."""
+        deadline = time.monotonic() + timeout
+        with self._changed:
+            while (now := time.monotonic()) < deadline:
+                calm_at = self._changed_at + QUIET_TIME if self._directory.names else deadline
+                if now >= calm_at:
+                    return
+                self._changed.wait(min(calm_at, deadline) - now)
+
+    def describe(
+        self, service: str | None = None, robot: str | None = None
+    ) -> tuple[list[Description], list[AgentName]]:
+        """What they say of themselves, and who is there and does not answer, each in the order of their names.
+
+        Raises:
+            KeyNotValid: `robot` cannot name a robot.
+            BusError: The bus is closed.
+        """
+        self.meet()
+        found = asyncio.run(self._directory.search(None, robot))
+        answered = {description.name for description in found}
+        silent = [name for name in self.names if name not in answered and robot in (None, name.platform)]
+        return [description for description in found if description.fits(service, {})], silent
+
+    def close(self) -> None:
+        """Look no more."""
+        self._directory.close()
+
+    def _on_change(self, name: AgentName, is_alive: bool) -> None:
+        with self._changed:
+            self._changed_at = time.monotonic()
+            self._changed.notify_all()
+
+
+def advice(name: AgentName, seen: list[AgentName]) -> str:
+    """What to try in place of an agent that is not there."""
+    if not seen:
+        return "there are no agents at all: start a team with acromovi up, and see whether both use the same --bus"
+    near = difflib.get_close_matches(str(name), [str(each) for each in seen], 1)
+    if near:
+        return f"did you mean {near[0]}?"
+    here = [str(each) for each in seen if each.platform == name.platform]
+    if here:
+        return f"those of {name.platform} are {', '.join(here)}"
+    return "acromovi ps lists those that are there"

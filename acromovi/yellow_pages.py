@@ -1,0 +1,83 @@
+"""`acromovi directory`: who offers what, and what each can be asked for."""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TextIO
+
+from acromovi.command import argument
+from acromovi.options import add_bus
+from acromovi.ps import row
+
+if TYPE_CHECKING:
+    from agents.platform.directory import Description
+
+EPILOG = """\
+examples:
+  acromovi directory                        everybody, and what each can be asked for
+  acromovi directory --service laser        who has a laser?
+  acromovi directory --robot happy --json
+  acromovi directory --property colour=red
+
+With --json it prints one object:
+{"agents": [{"name": NAME, "state": STATE, "container": CONTAINER, "services": [SERVICE, ...],
+             "requests": [REQUEST, ...], "properties": {...}}, ...]}
+
+An agent that is there and does not answer is told on stderr. Exit codes: 0 also when nobody fits, 1 the bus cannot be
+reached, 130 stopped by Ctrl-C.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("--service", metavar="S", help="those that offer this")
+    parser.add_argument("--robot", metavar="R", help="those of this robot, or of this platform")
+    parser.add_argument(
+        "--property",
+        metavar="KEY=VALUE",
+        type=argument,
+        action="append",
+        default=[],
+        help="those that have this; a value is JSON, or text where it is no JSON; repeat for more",
+    )
+    parser.add_argument("--json", action="store_true", help="one JSON object")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask everybody once, and print those that fit."""
+    from acromovi.known_agents import KnownAgents
+    from bus.session import ZenohBus
+
+    with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known:
+        found, silent = known.describe(arguments.service, arguments.robot)
+    for name in silent:
+        print(f"acromovi directory: {name} is there and does not answer", file=sys.stderr)
+    wanted = dict(arguments.property)
+    show([each for each in found if each.fits(None, wanted)], arguments.json, sys.stdout)
+    return 0
+
+
+def entry(description: "Description") -> dict[str, Any]:
+    """An agent as `--json` prints it."""
+    told = {"requests": list(description.requests), "properties": dict(description.properties)}
+    return {**row(description), **told}
+
+
+def show(found: "Sequence[Description]", as_json: bool, output: TextIO) -> None:
+    """Print those that were found."""
+    entries = [entry(description) for description in found]
+    if as_json:
+        print(json.dumps({"agents": entries}), file=output)
+        return
+    if not entries:
+        print("nobody fits; acromovi ps lists all agents", file=output)
+    for each in entries:
+        print(f"{each['name']}  {each['state']} in {each['container']}", file=output)
+        for name in ("services", "requests"):
+            if each[name]:
+                print(f"  {name}: {', '.join(each[name])}", file=output)
+        for key, value in each["properties"].items():
+            print(f"  {key}: {json.dumps(value)}", file=output)
