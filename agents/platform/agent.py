@@ -197,10 +197,23 @@ class Agent:
         return self.add(Ticker(period, action), policy or Restart())
 
     def listen(
-        self, key_expr: str, hear: Callable[[Any], Awaitable[Any]], *, keep: int = 1, policy: Policy | None = None
+        self,
+        key_expr: str,
+        hear: Callable[..., Awaitable[Any]],
+        *,
+        keep: int = 1,
+        keyed: bool = False,
+        policy: Policy | None = None,
     ) -> Running:
-        """Call a coroutine function with each message on a key of the bus, decoded; a JSON object comes as a dict."""
-        stream = Stream(key_expr, hear, keep, lambda error: self._report(f"a sample on {key_expr} is left out", error))
+        """Call a coroutine function with each message on a key of the bus, decoded; a JSON object comes as a dict.
+
+        With `keyed` it is called with the key and the message, as is wanted where an expression matches many keys.
+        """
+
+        def malformed(error: Exception) -> None:
+            self._report(f"a sample on {key_expr} is left out", error)
+
+        stream = Stream(key_expr, hear, keep, malformed, keyed)
         self._open.append(self.bus.subscribe(key_expr, stream.take, urgent=True))
         return self.add(stream, policy or Restart())
 

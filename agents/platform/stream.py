@@ -21,22 +21,25 @@ class Stream(Behaviour):
     def __init__(
         self,
         key_expr: str,
-        hear: Callable[[Any], Awaitable[Any]],
+        hear: Callable[..., Awaitable[Any]],
         keep: int,
         malformed: Callable[[Exception], None],
+        keyed: bool = False,
     ) -> None:
         """Make one in a running event loop.
 
         Args:
             key_expr: What it listens to, for its name.
-            hear: Called with each message, decoded.
+            hear: Called with each message, decoded, and with its key before it if `keyed`.
             keep: How many messages wait while one is being heard.
             malformed: Told of a sample that is not the message that it claims to be.
+            keyed: Whether `hear` wants to know on which key each came.
         """
         self.name = f"on {key_expr}"
         self.skipped = 0
         self._hear = hear
         self._malformed = malformed
+        self._keyed = keyed
         self._lock = threading.Lock()
         self._waiting: deque[Sample] = deque(maxlen=keep)
         self._called = asyncio.Event()
@@ -71,4 +74,4 @@ class Stream(Behaviour):
         except MessageError as error:
             self._malformed(error)
             return
-        await self._hear(message)
+        await (self._hear(sample.key, message) if self._keyed else self._hear(message))

@@ -145,6 +145,22 @@ def test_results_reach_whoever_listens_to_them(bench: Bench) -> None:
     assert heard == [{"x": 1.0}, {"x": 2.0}]
 
 
+def test_who_listens_to_many_keys_can_tell_them_apart(bench: Bench) -> None:
+    heard: list[tuple[str, Any]] = []
+
+    async def hear(key: str, message: dict[str, Any]) -> None:
+        heard.append((key, message["x"]))
+
+    async def listen() -> None:
+        bench.console.listen("*/note", hear, keep=2, keyed=True)
+
+    bench.run(listen())
+    for number, robot in enumerate(("happy", "dopey")):
+        bench.lab.bus.put(f"{robot}/note", {"x": number})
+    bench.loop.run_for(0.1)
+    assert heard == [("happy/note", 0), ("dopey/note", 1)]
+
+
 def test_a_handler_can_tell_who_asks(bench: Bench) -> None:
     bench.base.answer("who", lambda: str(asker()))
     assert bench.ask("who").value() == str(CONSOLE)
