@@ -7,6 +7,7 @@ class JointLimits(NamedTuple):
     """Of one joint.
 
     lower, upper: its ends, rad; m of a gripper that opens. slowest, fastest: rad/s or m/s. slides: it is a gripper's.
+    home: where it goes when it is sent home.
     """
 
     lower: float
@@ -14,6 +15,7 @@ class JointLimits(NamedTuple):
     slowest: float
     fastest: float
     slides: bool = False
+    home: float = 0.0
 
     @property
     def unit(self) -> str:

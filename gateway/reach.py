@@ -85,9 +85,16 @@ def order(arm: Reaching, driver: Driver, arguments: Arguments, now: float) -> No
 
 
 def describe(limits: Sequence[JointLimits], names: Sequence[str]) -> list[dict[str, Any]]:
-    """The joints as a description says them: ends and speeds in the unit that is named."""
+    """The joints as a description says them: ends, speed and home in the unit that is named."""
     return [
-        {"name": name, "unit": each.unit, "lower": each.lower, "upper": each.upper, "speed": each.fastest}
+        {
+            "name": name,
+            "unit": each.unit,
+            "lower": each.lower,
+            "upper": each.upper,
+            "speed": each.fastest,
+            "home": each.home,
+        }
         for name, each in zip(names, limits, strict=True)
     ]
 

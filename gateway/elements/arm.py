@@ -194,4 +194,6 @@ def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> Scale:
         fastest = model.gripper.speed_m_s
     lower, upper = sorted((tick - zero) * per_tick for tick in (figures.minimum, figures.maximum))
     slowest = abs(per_tick) / (LONGEST_MS * MS)
-    return Scale(zero, per_tick, figures.speed, JointLimits(lower, upper, slowest, fastest, joint == len(model.joints)))
+    home = (figures.home - zero) * per_tick
+    limits = JointLimits(lower, upper, slowest, fastest, slides=joint == len(model.joints), home=home)
+    return Scale(zero, per_tick, figures.speed, limits)

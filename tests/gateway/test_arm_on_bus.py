@@ -53,6 +53,7 @@ def test_arm_is_described_with_its_joints(office: Office) -> None:
     assert [joint["name"] for joint in arm["joints"]] == [f"happy/arm_joint_{number}" for number in range(1, 7)]
     assert arm["joints"][1]["lower"] == pytest.approx(np.radians(-27))
     assert [joint["unit"] for joint in arm["joints"]] == ["rad"] * 5 + ["m"]
+    assert [joint["home"] for joint in arm["joints"]] == pytest.approx([0.0, np.pi / 2, np.pi / 2, 0.0, 0.0, 0.0])
 
 
 def test_arm_and_joints_are_published_with_every_report(office: Office) -> None:
