@@ -46,6 +46,13 @@ class Topic:
 
 
 ALIVE = Topic("alive", Kind.TOKEN, "", "", "There while the robot's gateway lives; how programs list robots")
+ELEMENT_ALIVE = Topic(
+    "elements/*/alive",
+    Kind.TOKEN,
+    "",
+    "",
+    "There while the robot has the element that is named; its agent lives as long",
+)
 ODOM = Topic(
     "odom", Kind.STREAM, "nav_msgs/msg/Odometry", "every SIP", "Pose in <robot>/odom and twist in <robot>/base_link"
 )
@@ -191,6 +198,7 @@ TOPICS = (
     POWER,
     RESULT,
     ALIVE,
+    ELEMENT_ALIVE,
 )
 _BY_SUFFIX = {topic.suffix: topic for topic in TOPICS}
 
@@ -214,6 +222,11 @@ def result_key(robot: str, motion_id: str) -> str:
     return f"{robot_name(robot)}/command/result/{motion_id}"
 
 
+def element_alive_key(robot: str, element: str) -> str:
+    """The token that is there while a robot has an element."""
+    return f"{robot_name(robot)}/elements/{element}/alive"
+
+
 def frame(robot: str, name: str) -> str:
     """A coordinate frame of one robot: `happy/base_link`."""
     return f"{robot}/{name}"
@@ -228,5 +241,6 @@ def split(key: str) -> tuple[str, str]:
 def topic_of(key: str) -> Topic | None:
     """The row of the table that a key belongs to, or None for a key of someone else's."""
     _, suffix = split(key)
-    parent, _, _ = suffix.rpartition("/")
-    return _BY_SUFFIX.get(suffix) or _BY_SUFFIX.get(f"{parent}/*")
+    chunks = suffix.split("/")
+    varied = ("/".join([*chunks[:at], "*", *chunks[at + 1 :]]) for at in reversed(range(len(chunks))))
+    return _BY_SUFFIX.get(suffix) or next((_BY_SUFFIX[one] for one in varied if one in _BY_SUFFIX), None)

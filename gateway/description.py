@@ -1,6 +1,6 @@
 """What a robot is, as JSON: model, elements, geometry, versions. Agents are made from it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -9,6 +9,7 @@ from bus.keys import Topic
 from gateway.driver import Driver
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
+from gateway.faces.face import Face
 from gateway.settings import Settings
 from p2os import Configuration, RobotModel
 
@@ -44,6 +45,29 @@ def describe(
             "firmware": f"{model.firmware.value} {configuration.firmware_version}".strip(),
         },
     }
+
+
+def present(
+    driver: Driver,
+    model: RobotModel,
+    settings: Settings,
+    faces: Sequence[Face],
+    cable_faces: Sequence[CableFace[Any]],
+) -> Iterator[str]:
+    """The names of the elements that the robot is known to have; one that has two faces comes twice.
+
+    A robot that is out of touch keeps its elements, since it comes back with them. What is on a cable of its own is
+    there as long as it answers.
+    """
+    yield from ("base", "battery", "io")
+    if model.sonar:
+        yield "sonar"
+    if model.front_bumpers or model.rear_bumpers:
+        yield "bumpers"
+    if settings.encoders:
+        yield "encoders"
+    yield from (face.name for face in faces if face.is_present(driver))
+    yield from (face.name for face in cable_faces if face.driver.is_connected)
 
 
 def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) -> list[dict[str, Any]]:

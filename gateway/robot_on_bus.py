@@ -7,12 +7,15 @@ import secrets
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from bus import Bus, BusUnavailable, Subscription, keys
-from gateway.description import describe
+from gateway.description import describe, present
 from gateway.driver import Driver
+from gateway.element_tokens import ElementTokens
 from gateway.events import Event
+from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
 from gateway.orders import Commander, Orders
 from gateway.settings import Settings
@@ -51,18 +54,23 @@ class RobotOnBus(Subscription):
         Raises:
             BusError: The name does not serve as a key, or the bus is closed.
         """
-        if driver.model is None:
+        model = driver.model
+        if model is None:
             raise ValueError("the robot has not said who it is yet")
         self.name = name
         self._driver = driver
         self._settings = settings
         self._cable_faces = cable_faces
         self._orders = Orders(name, bus, commander, new_token, wall_clock, cable_faces)
-        self._streams = Streams(name, bus, driver, driver.model, cable_faces)
+        self._streams = Streams(name, bus, driver, model, cable_faces)
+        self._elements = ElementTokens(name, bus)
+        faces = [kind(name, model) for kind in FACES]
+        self._present = partial(present, driver, model, settings, faces, cable_faces)
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
             self._orders,
             self._streams,
+            self._elements,
             self._lease_state,
             bus.serve(keys.DESCRIPTION.key(name), self._on_description),
             bus.declare_alive(keys.ALIVE.key(name)),
@@ -84,6 +92,7 @@ class RobotOnBus(Subscription):
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event in events:
                 self._streams.publish(event, stamp_ns)
+            self._elements.follow(self._present())
             if now >= self._orders.lease.deadline:
                 self._orders.settle()
             if self._orders.lease_has_changed:

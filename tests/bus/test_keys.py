@@ -41,6 +41,12 @@ def test_results_have_a_key_each() -> None:
     assert topic_of(keys.result_key("happy", "17")) is keys.RESULT
 
 
+def test_tokens_of_elements_have_a_key_each() -> None:
+    assert keys.element_alive_key("happy", "laser") == "happy/elements/laser/alive"
+    assert topic_of(keys.element_alive_key("happy", "laser")) is keys.ELEMENT_ALIVE
+    assert topic_of("happy/elements/laser") is None
+
+
 def test_frames_are_spelled_with_the_robots_name() -> None:
     assert keys.frame("happy", "base_link") == "happy/base_link"
 
