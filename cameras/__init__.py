@@ -3,6 +3,7 @@
 from cameras.errors import CameraError, CameraLost, CameraNotUsable
 from cameras.jpeg import picture_size
 from cameras.reader import CameraReader, Picture
+from cameras.shrink import shrunk
 from cameras.source import Source, check_source, open_source
 
 __all__ = [
@@ -15,4 +16,5 @@ __all__ = [
     "check_source",
     "open_source",
     "picture_size",
+    "shrunk",
 ]

@@ -1,0 +1,141 @@
+"""Waiting for the end of a motion, as the element's own reports show it.
+
+A report may have been on its way while the order was given, so one alone proves nothing: the goal must be reported for
+a moment, and an element that rests elsewhere is given time to begin.
+"""
+
+import asyncio
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from enum import Enum
+from typing import Generic, TypeVar
+
+from bus import Refused
+
+HOLD = 0.25
+"""Seconds for which reports must agree that a motion is over."""
+TIME_TO_START = 2.0
+"""Seconds that an element may take to begin, unless it is known to take longer."""
+SILENCE = 3.0
+"""Seconds without a report after which nobody knows how the motion goes."""
+
+Report = TypeVar("Report")
+
+
+class Phase(Enum):
+    """What one report says of a motion."""
+
+    ARRIVED = "arrived"  # the element rests at the goal
+    MOVING = "moving"
+    RESTING = "resting"  # elsewhere
+
+
+@dataclass(frozen=True, slots=True)
+class Goal(Generic[Report]):
+    """What a motion is to reach.
+
+    what: in words, as `gripper open`. parts: of the element that it moves; one that moves a part takes the place of an
+    older one. judge: what a report says of it. within: s that it may take at the most. time_to_start: s. hold: s.
+    """
+
+    what: str
+    parts: Collection[str]
+    judge: Callable[[Report], Phase]
+    within: float
+    time_to_start: float = TIME_TO_START
+    hold: float = HOLD
+
+
+@dataclass(eq=False)
+class _Motion(Generic[Report]):
+    """One that is under way. All times are the event loop's."""
+
+    goal: Goal[Report]
+    end: asyncio.Future[Report]
+    began_at: float
+    heard_at: float
+    reasons: Callable[[], str]
+    has_moved: bool = False
+    phase: Phase | None = None
+    since: float = 0.0  # when the phase began
+
+    def hear(self, report: Report, now: float) -> None:
+        """Judge by one more report."""
+        self.heard_at = now
+        phase = self.goal.judge(report)
+        if phase is not self.phase:
+            self.phase, self.since = phase, now
+        self.has_moved = self.has_moved or phase is Phase.MOVING
+        rested = now - self.since
+        if phase is Phase.ARRIVED and rested >= self.goal.hold:
+            self.finish(report)
+        elif phase is Phase.RESTING and rested >= (self.goal.hold if self.has_moved else self.goal.time_to_start):
+            did = "has stopped on its way" if self.has_moved else "does not begin"
+            self.give_up(f"{self.goal.what} {did}")
+
+    def watch(self, now: float) -> None:
+        """See whether it has been long enough."""
+        if now >= self.began_at + self.goal.within:
+            self.give_up(f"{self.goal.what} has not ended within {self.goal.within:.3g} s")
+        elif now >= self.heard_at + SILENCE:
+            self.give_up(f"nothing has been heard for {now - self.heard_at:.1f} s during {self.goal.what}")
+
+    @property
+    def deadline(self) -> float:
+        """When to see again."""
+        return min(self.began_at + self.goal.within, self.heard_at + SILENCE)
+
+    def finish(self, report: Report) -> None:
+        """It has reached its goal."""
+        if not self.end.done():
+            self.end.set_result(report)
+
+    def give_up(self, why: str) -> None:
+        """It has not; say why, as far as is known."""
+        reasons = self.reasons()
+        self.fail(f"{why}: {reasons}" if reasons else why)
+
+    def fail(self, why: str) -> None:
+        """It has not, for this reason."""
+        if not self.end.done():
+            self.end.set_exception(Refused(why))
+
+
+class Motions(Generic[Report]):
+    """The motions of one element that are under way; of each of its parts there is one at the most."""
+
+    def __init__(self, reasons: Callable[[], str] = lambda: "") -> None:
+        """reasons: why a motion may have failed, as far as is known; empty text where nothing is."""
+        self._reasons = reasons
+        self._open: list[_Motion[Report]] = []
+
+    def hear(self, report: Report) -> None:
+        """A report of the element has come."""
+        now = asyncio.get_running_loop().time()
+        for motion in self._open:
+            motion.hear(report, now)
+
+    async def follow(self, goal: Goal[Report]) -> Report:
+        """Wait for the end of a motion that has just been ordered; return the report that shows it.
+
+        Raises:
+            Refused: It did not reach its goal; says why.
+        """
+        loop = asyncio.get_running_loop()
+        for other in self._open:
+            if set(other.goal.parts) & set(goal.parts):
+                other.fail(f"{goal.what} took the place of {other.goal.what}")
+        now = loop.time()
+        motion = _Motion(goal, loop.create_future(), now, now, self._reasons)
+        self._open.append(motion)
+        try:
+            return await self._end(motion)
+        finally:
+            self._open.remove(motion)
+
+    async def _end(self, motion: _Motion[Report]) -> Report:
+        loop = asyncio.get_running_loop()
+        while not motion.end.done():
+            await asyncio.wait((motion.end,), timeout=max(0.0, motion.deadline - loop.time()))
+            motion.watch(loop.time())
+        return motion.end.result()
