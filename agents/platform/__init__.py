@@ -1,7 +1,7 @@
 """The platform of the agents: names, messages, mailboxes, behaviours, agents and the containers where they live."""
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.agent import Agent, every, on, request
+from agents.platform.agent import Agent
 from agents.platform.behaviours import (
     Behaviour,
     Cyclic,
@@ -27,11 +27,15 @@ from agents.platform.errors import (
     RequestNotDone,
     UnknownAgent,
 )
-from agents.platform.fipa_request import Ending, Outcome, agree, asker
+from agents.platform.fipa_request import Request
+from agents.platform.home import Home
+from agents.platform.hooks import every, on, request
 from agents.platform.life import State, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
 from agents.platform.names import AgentName
+from agents.platform.outcome import Ending, Outcome
 from agents.platform.schedule import DROP, FAIL_AGENT, Failure, Restart, Schedule
+from agents.platform.serving import agree, asker
 
 __all__ = [
     "DROP",
@@ -52,6 +56,7 @@ __all__ = [
     "Ending",
     "Failure",
     "FiniteStateMachine",
+    "Home",
     "IllegalTransition",
     "Mailbox",
     "MailboxState",
@@ -62,6 +67,7 @@ __all__ = [
     "Parallel",
     "Performative",
     "Report",
+    "Request",
     "RequestNotDone",
     "Restart",
     "Schedule",

@@ -29,7 +29,7 @@ from agents.platform import (
     on,
     request,
 )
-from agents.platform.agent import MOST_REQUESTS
+from agents.platform.desk import MOST_REQUESTS
 from agents.platform.schedule import FAIL_AGENT
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Conversation, MemoryBus, MemoryNetwork, Refused, Sample

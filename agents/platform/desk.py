@@ -1,0 +1,168 @@
+"""Where the conversations begin that others have with an agent: read, admitted, handed to its event loop.
+
+A conversation that an agent answers is known by its id and its initiator; what comes later under both belongs to it.
+"""
+
+import asyncio
+import itertools
+import threading
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.errors import AclError
+from agents.platform.handler import Handler, NotUnderstood
+from agents.platform.home import Home
+from agents.platform.life import State
+from agents.platform.names import AgentName
+from agents.platform.opening import Opening
+from agents.platform.protocols import REQUESTS, Protocol, read
+from agents.platform.serving import Serving
+from agents.platform.talk import hand_over
+from bus import Conversation
+
+MOST_REQUESTS = 100  # of one protocol that one agent answers at a time; it refuses more, so a flood costs no memory
+AT_WORK = (State.ACTIVE, State.WAITING)
+FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJECT_PROPOSAL)
+
+
+class Desk:
+    """Answers those who talk to one agent.
+
+    malformed: what came and began no conversation.
+    """
+
+    def __init__(self, me: AgentName, state: Callable[[], State], rouse: Callable[[], None]) -> None:
+        """Make one that is not open yet.
+
+        Args:
+            me: Whose it is.
+            state: Where the agent is in its life.
+            rouse: Called on the bus's thread when a conversation begins.
+        """
+        self.malformed = 0
+        self.handlers: dict[str, dict[str, Handler]] = {}  # by protocol and name
+        self._me = me
+        self._state = state
+        self._rouse = rouse
+        self._home: Home | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._lock = threading.Lock()  # for what is under way
+        self._under_way: dict[tuple[str, AgentName], Serving] = {}
+        self._in_flight: Counter[str] = Counter()
+        self._unnamed = itertools.count()
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def add(self, protocol: str, handler: Handler) -> None:
+        """Let a function answer conversations of a protocol about its name."""
+        self.handlers.setdefault(protocol, {})[handler.name] = handler
+
+    def names(self, protocol: str = REQUESTS) -> list[str]:
+        """What others may ask for by a protocol."""
+        return sorted(self.handlers.get(protocol, ()))
+
+    def open(self, home: Home) -> None:
+        """Begin, in the running event loop."""
+        self._home, self._loop = home, asyncio.get_running_loop()
+
+    async def close(self) -> None:
+        """End all conversations; whoever waits for an answer is told."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    # On the bus's thread.
+
+    def begin(self, arguments: dict[str, Any], conversation: Conversation) -> None:
+        """A conversation begins."""
+        message = None
+        try:
+            message = AclMessage.from_dict(arguments)
+            if self._state() not in AT_WORK:
+                self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._state()}", conversation)
+                return
+            protocol, opening = read(message, self.handlers)
+            key = self._key(message)
+        except (AclError, NotUnderstood) as err:
+            self.malformed += 1
+            self._turn_away(message, Performative.NOT_UNDERSTOOD, str(err), conversation)
+            return
+        serving = Serving(self._me, message, conversation, self._home_there.trace)
+        if not self._admit(key, protocol, serving):
+            why = f"{self._me} is busy with {MOST_REQUESTS} {protocol.noun}s already"
+            self._turn_away(message, Performative.REFUSE, why, conversation)
+            return
+        assert self._loop is not None
+        self._rouse()
+        hand_over(self._loop, self._serve, key, serving, protocol, opening)
+
+    def hear(self, message: AclMessage) -> bool:
+        """Take a one-way message if it belongs to a conversation under way; whether it does."""
+        if message.performative not in FURTHER:
+            return False
+        with self._lock:
+            serving = self._under_way.get((message.conversation_id, message.sender))
+        if serving is None:
+            return False
+        assert self._loop is not None
+        hand_over(self._loop, serving.hear, message)
+        return True
+
+    def _key(self, message: AclMessage) -> tuple[str, AgentName]:
+        key = (message.conversation_id or f"without a name, {next(self._unnamed)}", message.sender)
+        with self._lock:
+            if key in self._under_way:
+                raise NotUnderstood(f"a conversation {message.conversation_id!r} is under way already")
+        return key
+
+    def _admit(self, key: tuple[str, AgentName], protocol: Protocol, serving: Serving) -> bool:
+        """Count one more conversation, unless there are too many."""
+        with self._lock:
+            if self._in_flight[protocol.name] >= MOST_REQUESTS:
+                return False
+            self._in_flight[protocol.name] += 1
+            self._under_way[key] = serving
+            return True
+
+    def _turn_away(
+        self, message: AclMessage | None, performative: Performative, why: str, conversation: Conversation
+    ) -> None:
+        """End a conversation with a no before anything was done; without a message when it could not be read."""
+        no = (
+            AclMessage(performative=performative, sender=self._me, protocol=REQUESTS, content={"why": why})
+            if message is None
+            else message.reply(performative, {"why": why}, sender=self._me)
+        )
+        self._home_there.trace(no)
+        with conversation:
+            conversation.reply(no.to_dict())
+
+    @property
+    def _home_there(self) -> Home:
+        assert self._home is not None, "nobody hears of a desk before it is open"
+        return self._home
+
+    # In the loop.
+
+    def _serve(self, key: tuple[str, AgentName], serving: Serving, protocol: Protocol, opening: Opening) -> None:
+        if self._state() not in AT_WORK:
+            serving.turn_away(f"{self._me} is {self._state()}")
+            self._ended(key, serving, protocol)
+            return
+        task = asyncio.ensure_future(self._serve_one(serving, protocol, opening))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(lambda task: self._ended(key, serving, protocol))
+
+    async def _serve_one(self, serving: Serving, protocol: Protocol, opening: Opening) -> None:
+        name, agrees_itself = opening.handler.name, protocol.agrees_itself or opening.handler.agrees_itself
+        error = await serving.run(name, protocol.carry_out(serving, opening), agrees_itself)
+        if error is not None:
+            self._home_there.report(self._me, f"the {protocol.noun} {name} of {serving.message.sender} failed", error)
+
+    def _ended(self, key: tuple[str, AgentName], serving: Serving, protocol: Protocol) -> None:
+        serving.close()  # one that was cancelled before it began has not done so itself
+        with self._lock:
+            self._in_flight[protocol.name] -= 1
+            del self._under_way[key]

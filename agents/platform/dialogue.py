@@ -1,0 +1,182 @@
+"""The initiator's end of a conversation: one query on the bus, whose replies are all that the peer says.
+
+What the initiator says later (cancel, accept-proposal, reject-proposal) goes to the peer's mailbox key as a message of
+the same conversation. Who leaves a conversation before its end, for whatever reason, cancels it.
+"""
+
+import contextlib
+import uuid
+from collections.abc import AsyncGenerator, Mapping
+from contextlib import aclosing
+from typing import Any
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.errors import AclError
+from agents.platform.home import Home
+from agents.platform.names import AgentName
+from agents.platform.outcome import Ending, Outcome, why_of
+from agents.platform.talk import replies
+from bus import BusError, NoAnswer, Refused, TimedOut
+
+ONTOLOGY = "acromovi"
+LANGUAGE = "json"
+
+
+class Over(Exception):
+    """A conversation has ended otherwise than its protocol hopes."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__(outcome.why)
+        self.outcome = outcome
+
+
+class Dialogue:
+    """One conversation that an agent begins.
+
+    opening: the message with which it begins.
+    agreed: whether the peer has said that it will do it.
+    """
+
+    def __init__(
+        self,
+        home: Home,
+        me: AgentName,
+        peer: AgentName,
+        performative: Performative,
+        protocol: str,
+        action: str,
+        arguments: Mapping[str, Any],
+        within: float,
+        answer_within: float | None = None,
+    ) -> None:
+        """Prepare it; nothing is said yet.
+
+        Args:
+            home: Where the initiator lives.
+            me: The initiator.
+            peer: With whom.
+            performative: How it begins.
+            protocol: Its rules, for people and records.
+            action: What it is about.
+            arguments: JSON values by name.
+            within: s of the loop's time until its end.
+            answer_within: s until an answer helps, for the message; without it the message does not say.
+        """
+        label = uuid.uuid4().hex
+        self.peer = peer
+        self.agreed = False
+        self.opening = AclMessage(
+            performative=performative,
+            sender=me,
+            receivers=(peer,),
+            content={"action": action, "arguments": dict(arguments)},
+            language=LANGUAGE,
+            ontology=ONTOLOGY,
+            protocol=protocol,
+            conversation_id=label,
+            reply_with=label,
+            reply_by=None if answer_within is None else home.wall_time() + answer_within,
+        )
+        self._home = home
+        self._within = within
+        self._is_open = False
+        self._is_cancelled = False
+
+    async def replies(self) -> AsyncGenerator[AclMessage, None]:
+        """What the peer says: agree, propose and inform; to be used in `aclosing`.
+
+        Who has heard the last of it calls `end`, or the peer is told that the conversation is cancelled.
+
+        Raises:
+            Over: The peer says no or nonsense, dies, or has not come to an end in time.
+            AclError: The arguments have no JSON form, or are too large.
+            BusUnavailable: The bus is closed.
+        """
+        written = self.opening.to_dict()
+        self._home.trace(self.opening)
+        self._is_open = True
+        try:
+            async with aclosing(replies(self._home.bus, self.peer.acl_key, written, self._within)) as heard:
+                async for answer in heard:
+                    yield self._read(answer.value)
+            raise self._ended(Ending.DIED, f"{self.peer} has gone before the end")
+        except TimedOut as err:
+            raise self._late() from err
+        except NoAnswer as err:
+            raise self._ended(Ending.DIED, f"nobody answers as {self.peer}") from err
+        except TimeoutError as err:
+            raise self._late() from err
+        except Refused as err:
+            raise self._ended(Ending.FAILED, f"{self.peer} answers with an error: {err.why}") from err
+        finally:
+            if self._is_open:
+                self.cancel()
+
+    def end(self) -> None:
+        """Note that all has been said."""
+        self._is_open = False
+
+    def done(self, result: Any) -> Outcome:
+        """The end that the protocol hopes for."""
+        self.end()
+        return Outcome(Ending.DONE, result, agreed=self.agreed)
+
+    def misplaced(self, reply: AclMessage) -> Over:
+        """The end that comes from a reply that has no place here."""
+        why = f"{self.peer} answers nonsense: {reply.performative} has no place in this conversation"
+        return Over(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed))
+
+    def cancel(self) -> None:
+        """Tell the peer to leave it, once; its end comes as a reply."""
+        if not self._is_cancelled:
+            self._is_cancelled = True
+            self.say(Performative.CANCEL)
+
+    def say(self, performative: Performative, content: Any = None) -> None:
+        """Say something more in this conversation; lost where the peer, or the bus, has gone."""
+        more = AclMessage(
+            performative=performative,
+            sender=self.opening.sender,
+            receivers=(self.peer,),
+            content=content,
+            language=LANGUAGE,
+            ontology=ONTOLOGY,
+            protocol=self.opening.protocol,
+            conversation_id=self.opening.conversation_id,
+        )
+        self._home.trace(more)
+        with contextlib.suppress(BusError):
+            self._home.bus.send(self.peer.acl_key, more.to_dict())
+
+    def _read(self, value: Mapping[str, Any]) -> AclMessage:
+        """One reply, if it is one of this conversation that leads on."""
+        try:
+            reply = AclMessage.from_dict(value)
+        except AclError as err:
+            why = f"{self.peer} answers nonsense: {err}"
+            raise Over(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed)) from err
+        is_ours = reply.conversation_id == self.opening.conversation_id and reply.sender == self.peer
+        # Who has not understood an opening may not even have read of which conversation it was.
+        if reply.performative in _ENDINGS and (is_ours or reply.performative is Performative.NOT_UNDERSTOOD):
+            ending = _ENDINGS[reply.performative]
+            is_no = ending in (Ending.REFUSED, Ending.FAILED)
+            raise self._ended(Ending.CANCELLED if is_no and self._is_cancelled else ending, why_of(reply))
+        if not is_ours or (reply.performative is Performative.AGREE and self.agreed):
+            raise self.misplaced(reply)
+        self.agreed = self.agreed or reply.performative is Performative.AGREE
+        return reply
+
+    def _late(self) -> Over:
+        why = f"{self.peer} has not come to an end within {self._within:g} s"
+        return Over(Outcome(Ending.TIMED_OUT, why=why, agreed=self.agreed))
+
+    def _ended(self, ending: Ending, why: str) -> Over:
+        self.end()
+        return Over(Outcome(ending, why=why, agreed=self.agreed))
+
+
+_ENDINGS = {
+    Performative.REFUSE: Ending.REFUSED,
+    Performative.FAILURE: Ending.FAILED,
+    Performative.NOT_UNDERSTOOD: Ending.NOT_UNDERSTOOD,
+}

@@ -1,0 +1,37 @@
+"""What a container is to its agents."""
+
+from typing import Protocol
+
+from agents.platform.acl import AclMessage
+from agents.platform.names import AgentName
+from bus import Bus
+
+
+class Home(Protocol):
+    """Where an agent lives."""
+
+    @property
+    def bus(self) -> Bus:
+        """Where its agents hear and speak."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """The container's name."""
+        ...
+
+    def report(self, agent: AgentName, what: str, error: Exception | None) -> None:
+        """Make known that something went wrong."""
+        ...
+
+    def end(self, agent: AgentName) -> None:
+        """Stop an agent soon."""
+        ...
+
+    def trace(self, message: AclMessage) -> None:
+        """Told of each message once, by who says it; called on any thread, so it must be quick."""
+        ...
+
+    def wall_time(self) -> float:
+        """s since 1970."""
+        ...

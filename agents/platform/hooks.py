@@ -1,0 +1,64 @@
+"""The decorators that say in a class what its agents do from the moment when they are active."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from agents.platform.agent import Agent
+    from agents.platform.schedule import Policy
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+_HOOKS = "_agent_hooks"
+
+
+@dataclass(frozen=True, slots=True)
+class Hook:
+    """What a decorator has noted on a method: how to begin it once its agent is active."""
+
+    begin: Callable[[Agent, Callable[..., Any]], object]
+
+
+def every(period: float, policy: Policy | None = None) -> Callable[[Method], Method]:
+    """Do this method every `period` seconds while the agent is active; begun again after a failure by default."""
+    return _hooked(lambda agent, method: agent.every(period, method, policy))
+
+
+def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[Method], Method]:
+    """Call this method with each message on a topic of the agent's robot: `odom`, `sonar`, `camera/image/compressed`.
+
+    keep: how many messages wait while the method is at work; older ones are left out, since readings age quickly.
+    """
+
+    def begin(agent: Agent, method: Callable[..., Any]) -> object:
+        return agent.listen(f"{agent.name.platform}/{topic}", method, keep=keep, policy=policy)
+
+    return _hooked(begin)
+
+
+def request(name: str, *, agrees_itself: bool = False) -> Callable[[Method], Method]:
+    """Let this method answer requests of a name; its arguments are the request's, checked against its annotations.
+
+    What it returns is the result. It raises `bus.Refused` to say no, before it first waits for something; after that
+    the agent has agreed, and every exception is a failure. With `agrees_itself` it may refuse until it has called
+    `agree`. When the one who asks cancels or dies, it gets a `CancelledError`, and may clean up.
+    """
+    return _hooked(lambda agent, method: agent.answer(name, method, agrees_itself=agrees_itself))
+
+
+def hooks_of(agent: Agent) -> list[tuple[Callable[..., Any], Hook]]:
+    """The methods that decorators have marked, in the order of their definition, base classes first."""
+    names = dict.fromkeys(name for kind in reversed(type(agent).__mro__) for name in vars(kind))
+    methods = [getattr(agent, name) for name in names if hasattr(getattr(type(agent), name), _HOOKS)]
+    return [(method, hook) for method in methods for hook in getattr(method, _HOOKS)]
+
+
+def _hooked(begin: Callable[[Agent, Callable[..., Any]], object]) -> Callable[[Method], Method]:
+    def mark(method: Method) -> Method:
+        setattr(method, _HOOKS, [*getattr(method, _HOOKS, []), Hook(begin)])
+        return method
+
+    return mark

@@ -1,0 +1,89 @@
+"""What an agent may begin with others: messages, requests, queries of the bus."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.dialogue import Dialogue
+from agents.platform.fipa_request import PROTOCOL as REQUESTS
+from agents.platform.fipa_request import Request, ask_to
+from agents.platform.home import Home
+from agents.platform.names import AgentName
+from agents.platform.outcome import Outcome
+from agents.platform.talk import query
+from bus.bus import QUERY_TIMEOUT
+
+PATIENCE = 10.0  # s for a conversation, unless the one who begins it says otherwise
+
+
+class Initiator(ABC):
+    """The side of an agent that begins conversations.
+
+    name: who it is.
+    """
+
+    name: AgentName
+
+    @property
+    @abstractmethod
+    def home(self) -> Home:
+        """The container where it lives."""
+
+    def send(self, message: AclMessage) -> None:
+        """Send a message into the mailboxes of its receivers. It is lost where nobody of that name lives.
+
+        Raises:
+            AclError: It is no proper message.
+        """
+        written = message.to_dict()
+        self.home.trace(message)
+        for receiver in message.receivers:
+            self.home.bus.send(receiver.acl_key, written)
+
+    async def request(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Ask another agent to do something, and wait for the end, whatever it is.
+
+        Who is cancelled while waiting, or loses patience, cancels the request.
+
+        Args:
+            agent: Who is asked.
+            name: What to do.
+            reply_within: s to wait.
+            arguments: JSON values by name.
+        Raises:
+            AclError: The arguments have no JSON form, or are too large.
+            BusUnavailable: The bus is closed.
+        """
+        return await ask_to(self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within))
+
+    def begin_request(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Request:
+        """Ask another agent to do something, and go on; the request may be cancelled, and awaited for its outcome."""
+        return Request(self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within))
+
+    async def query(
+        self, key: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
+    ) -> dict[str, Any]:
+        """Ask whoever serves a key of the bus, and wait for the answer without holding up other agents.
+
+        Raises:
+            NoAnswer, TimeoutError: Nobody answered in time.
+            Refused: The answerer said no.
+        """
+        return (await query(self.home.bus, key, arguments, timeout))[0].value
+
+    def _dialogue(
+        self,
+        agent: AgentName | str,
+        performative: Performative,
+        protocol: str,
+        name: str,
+        arguments: Mapping[str, Any],
+        within: float,
+    ) -> Dialogue:
+        peer = AgentName.parse(agent) if isinstance(agent, str) else agent
+        return Dialogue(self.home, self.name, peer, performative, protocol, name, arguments, within, within)

@@ -1,0 +1,48 @@
+"""The protocols in which an agent answers: how each begins, and what carries it out."""
+
+from collections.abc import Callable, Coroutine, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from agents.platform import fipa_request
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.handler import Handler, NotUnderstood
+from agents.platform.opening import Opening, read_opening
+from agents.platform.serving import Serving
+
+REQUESTS = fipa_request.PROTOCOL
+
+
+@dataclass(frozen=True, slots=True)
+class Protocol:
+    """How conversations that begin with one performative are answered.
+
+    noun: what they ask for, for people.
+    carry_out: does it, and says all but a no.
+    agrees_itself: whether `carry_out` says itself when it is bound.
+    """
+
+    name: str
+    noun: str
+    carry_out: Callable[[Serving, Opening], Coroutine[Any, Any, None]]
+    agrees_itself: bool = False
+
+
+PROTOCOLS = {
+    Performative.REQUEST: Protocol(REQUESTS, "request", fipa_request.do),
+}
+
+
+def read(message: AclMessage, handlers: Mapping[str, Mapping[str, Handler]]) -> tuple[Protocol, Opening]:
+    """How a message wants to be answered.
+
+    Args:
+        message: What has come.
+        handlers: By protocol and name.
+    Raises:
+        NotUnderstood: It is not one that any of the handlers can answer.
+    """
+    if message.performative not in PROTOCOLS:
+        raise NotUnderstood(f"{message.performative} begins no conversation that is known here")
+    protocol = PROTOCOLS[message.performative]
+    return protocol, read_opening(message, protocol.name, protocol.noun, handlers.get(protocol.name, {}))

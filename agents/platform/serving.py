@@ -1,0 +1,155 @@
+"""The responder's end of a conversation: what is done for the initiator, and how its end is told."""
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Coroutine
+from contextvars import ContextVar
+from typing import Any
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.names import AgentName
+from bus import BusUnavailable, Conversation, Refused
+
+LONGEST_REASON = 1000  # characters; an exception may quote anything
+
+
+class Serving:
+    """One conversation that is being answered. All of it happens in the agent's event loop."""
+
+    def __init__(
+        self, me: AgentName, message: AclMessage, conversation: Conversation, trace: Callable[[AclMessage], None]
+    ) -> None:
+        self.message = message
+        self._me = me
+        self._conversation = conversation
+        self._trace = trace
+        self._has_agreed = False
+        self._more: asyncio.Queue[AclMessage] = asyncio.Queue()
+        self._work: asyncio.Task[None] | None = None
+        self._why_cancelled = ""
+
+    def agree(self) -> None:
+        """Say that it will be done; once."""
+        if not self._has_agreed:
+            self._has_agreed = True
+            self.say(Performative.AGREE)
+
+    def commit(self) -> None:
+        """Be bound without saying so: whatever goes wrong from now on is a failure and no refusal."""
+        self._has_agreed = True
+
+    def say(self, performative: Performative, content: Any = None) -> None:
+        """Say something to the initiator.
+
+        Raises:
+            AclError: The content has no JSON form, or is too large.
+        """
+        reply = self.message.reply(performative, content, sender=self._me)
+        written = reply.to_dict()
+        self._trace(reply)
+        with contextlib.suppress(BusUnavailable):  # the bus was closed meanwhile: nobody listens any more
+            self._conversation.reply(written)
+
+    def hear(self, more: AclMessage) -> None:
+        """What the initiator says later."""
+        if more.performative is Performative.CANCEL:
+            self.cancel(f"{more.sender} has cancelled it")
+        else:
+            self._more.put_nowait(more)
+
+    async def heard(self) -> AclMessage:
+        """The next thing that the initiator says."""
+        return await self._more.get()
+
+    def cancel(self, why: str) -> None:
+        """Stop what is being done; the handler gets a `CancelledError`."""
+        self._why_cancelled = self._why_cancelled or why
+        if self._work is not None:
+            self._work.cancel()
+
+    async def run(self, name: str, work: Coroutine[Any, Any, None], agrees_itself: bool) -> Exception | None:
+        """Do the work, and say how it ended, unless it was well, which the work itself says.
+
+        What it raises as `Refused` before it first waits for something is a refusal; later, after it has agreed, it is
+        a failure. Work that agrees itself may refuse until it has called `agree`.
+
+        Args:
+            name: What is being done, for people.
+            work: Does it.
+            agrees_itself: Whether it does.
+        Returns:
+            What it raised beyond a refusal, to be reported.
+        """
+        if self._was_cancelled():
+            work.close()
+            self.turn_away(self._why_cancelled)
+            return None
+        token = _SERVING.set(self)
+        try:
+            self._work = asyncio.ensure_future(work)
+        finally:
+            _SERVING.reset(token)
+        try:
+            await asyncio.sleep(0)  # the work begins first, since its task was made first
+            if not self._work.done() and not agrees_itself:
+                self.agree()
+            await self._work
+        except asyncio.CancelledError:
+            if self._was_cancelled() and not _is_being_cancelled():
+                self._say_no(self._why_cancelled)
+                return None
+            self._work.cancel()
+            await asyncio.gather(self._work, return_exceptions=True)
+            self._say_no(f"{self._me} has ended")
+            raise
+        except Refused as err:
+            self._say_no(err.why)
+        except Exception as err:
+            why = f"{name} failed with {type(err).__name__}: {err}"
+            self.say(Performative.FAILURE, {"why": why[:LONGEST_REASON]})
+            return err
+        finally:
+            self.close()
+        return None
+
+    def turn_away(self, why: str) -> None:
+        """Say no without having begun, and end the conversation."""
+        self._say_no(why)
+        self.close()
+
+    def close(self) -> None:
+        """End the conversation, if it has not ended."""
+        self._conversation.close()
+
+    def _was_cancelled(self) -> bool:
+        return bool(self._why_cancelled)
+
+    def _say_no(self, why: str) -> None:
+        self.say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": why[:LONGEST_REASON]})
+
+
+def _is_being_cancelled() -> bool:
+    """Whether it is this very task that is told to end, and not the one for which it waits."""
+    task = asyncio.current_task()
+    return task is not None and task.cancelling() > 0
+
+
+_SERVING: ContextVar[Serving] = ContextVar("serving")
+
+
+def agree() -> None:
+    """Agree to what is being answered; for handlers that agree themselves.
+
+    Raises:
+        LookupError: Nothing is being answered.
+    """
+    _SERVING.get().agree()
+
+
+def asker() -> AgentName:
+    """Who asks for what is being done; for handlers that are not to do the same for everyone.
+
+    Raises:
+        LookupError: Nothing is being answered.
+    """
+    return _SERVING.get().message.sender
