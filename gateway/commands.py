@@ -17,6 +17,8 @@ from gateway.elements.sonar import Sonar
 from gateway.errors import CommandRefused
 
 TOKEN = "token"
+BASE = "base"
+NOTHING = ""
 LARGEST_EXACT = 2**53
 
 Arguments = Mapping[str, Any]
@@ -27,13 +29,14 @@ class CommandRow:
     """One command.
 
     topic: its key. takes: argument to type (a type of JSON). may_take: those that may be left out. give: to the driver;
-    what it returns goes into the answer. moves: only the lease's holder may give it, while there is one.
+    what it returns goes into the answer. moves: the element whose lease it needs while somebody holds that,
+    or `NOTHING`.
     """
 
     topic: Topic
     takes: Mapping[str, type]
     give: Callable[[Driver, Arguments, float], dict[str, Any] | None]
-    moves: bool = True
+    moves: str
     may_take: Mapping[str, type] = field(default_factory=dict)
 
 
@@ -71,14 +74,14 @@ def _output(driver: Driver, arguments: Arguments, now: float) -> None:
 
 
 COMMANDS = (
-    CommandRow(keys.ENABLE, {"on": bool}, _enable),
-    CommandRow(keys.STOP, {}, _stop, moves=False),  # anyone may stop a robot
-    CommandRow(keys.ESTOP, {"on": bool}, _estop, moves=False),
-    CommandRow(keys.MOVE, {"distance": float}, _move),
-    CommandRow(keys.TURN, {"angle": float}, _turn),
-    CommandRow(keys.HEADING, {"heading": float}, _heading),
-    CommandRow(keys.SONAR_POWER, {"on": bool}, _sonar, moves=False),
-    CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _output, moves=False),
+    CommandRow(keys.ENABLE, {"on": bool}, _enable, BASE),
+    CommandRow(keys.STOP, {}, _stop, NOTHING),  # anyone may stop a robot
+    CommandRow(keys.ESTOP, {"on": bool}, _estop, NOTHING),
+    CommandRow(keys.MOVE, {"distance": float}, _move, BASE),
+    CommandRow(keys.TURN, {"angle": float}, _turn, BASE),
+    CommandRow(keys.HEADING, {"heading": float}, _heading, BASE),
+    CommandRow(keys.SONAR_POWER, {"on": bool}, _sonar, NOTHING),
+    CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _output, NOTHING),
 )
 
 _KINDS = {

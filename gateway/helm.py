@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
+from gateway.elements.joystick import Joystick
 from gateway.errors import CommandRefused
 from gateway.events import Event
 from gateway.journey import Journey, Move, Turn
@@ -141,10 +142,20 @@ class Helm(ABC):
 
     def halt(self, now: float) -> None:
         """Stop whatever is in force, without holding: whoever commands next drives."""
+        self.halt_base(now)
+        self._halt_elements(now)
+
+    def halt_base(self, now: float) -> None:
+        """Stop the wheels, whoever drives them, as `halt` does."""
         self._wake(now)
         if self._motion.is_asked_to_move:
             self._motion.halt(now)
-        self._halt_elements(now)
+        self._elements[Joystick].halt(now)
+
+    def halt_element(self, kind: type[Element], now: float) -> None:
+        """Stop one element where it is."""
+        self._wake(now)
+        self._elements[kind].halt(now)
 
     def let_go(self, now: float) -> None:
         """Stop, and ask nothing of the wheels until the next command: somebody else drives.

@@ -1,40 +1,56 @@
-"""The sole right to move one robot, for a while. While someone holds it, only commands with its token move the robot.
+"""The sole right to move one robot, or one element of it, for a while.
 
-A lease ends by release, by expiry, or by a holder of higher priority. A token of the past never moves the robot again,
-so a holder that does not know that it has lost the lease does no harm.
+While someone holds the lease on the robot, or on the element that a command moves, only commands with that lease's
+token move it. A lease ends by release, by expiry, or by a holder of higher priority. A token of the past never moves
+anything again, so a holder that does not know that it has lost the lease does no harm.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf, isfinite
 from typing import Any
 
 from gateway.errors import CommandRefused
 
+ROBOT = "robot"
+"""What a lease on everything is on; the other leases are on elements."""
 DEFAULT_SECONDS = 5.0
 LONGEST_SECONDS = 60.0
 
 
 class Lease:
-    """Who may move the robot. No clock: call `expire` with the steady time before anything else.
+    """Who may move one thing. No clock: call `expire` with the steady time before anything else.
 
-    holder: the name it gave, None while the robot is free. priority: of the holder.
+    what: an element's name, or `ROBOT`. holder: the name it gave, None while the thing is free. priority: of the
+    holder. deadline: when the lease ends if nobody renews it, s; infinite while nobody holds it.
     """
 
-    def __init__(self, new_token: Callable[[], str]) -> None:
+    def __init__(self, what: str, new_token: Callable[[], str]) -> None:
         self._new_token = new_token
         self._token = ""
         self._seconds = 0.0
-        self._expires_at = inf
+        self.what = what
+        self.deadline = inf
         self.holder: str | None = None
         self.priority = 0
 
-    @property
-    def deadline(self) -> float:
-        """When the lease ends if nobody renews it, s; infinite while nobody holds it."""
-        return self._expires_at
+    def is_held_with(self, token: str) -> bool:
+        """Whether this token is that of the present holder."""
+        return self.holder is not None and token == self._token
+
+    def yield_to(self, priority: int, now: float) -> None:
+        """Let somebody of this priority take its place.
+
+        Raises:
+            CommandRefused: Its holder is of the same priority or a higher one.
+        """
+        if self.holder is not None and priority <= self.priority:
+            raise CommandRefused(
+                f"{self._held}, priority {self.priority}, for another {self.deadline - now:.1f} s; "
+                "wait, or ask with a higher priority"
+            )
 
     def take(self, holder: str, priority: int, seconds: float, now: float) -> str:
-        """Become the holder; return the token.
+        """Become the holder, whoever it is now; return the token.
 
         Args:
             holder: A name for people.
@@ -42,71 +58,142 @@ class Lease:
             seconds: How long without `renew`.
             now: Steady time, s.
         Raises:
-            CommandRefused: Held by someone of the same priority or a higher one, or the arguments make no sense.
+            CommandRefused: The arguments make no sense.
         """
         if not holder:
             raise CommandRefused("a lease needs a holder; say who you are")
-        if self.holder is not None and priority <= self.priority:
-            left = self._expires_at - now
-            raise CommandRefused(f"{self.holder} holds the lease, priority {self.priority}, for another {left:.1f} s")
         self._seconds = _checked(seconds)
         self._token = self._new_token()
         self.holder, self.priority = holder, priority
-        self._expires_at = now + self._seconds
+        self.deadline = now + self._seconds
         return self._token
 
-    def renew(self, token: str, seconds: float | None, now: float) -> None:
-        """Hold on for as long again, or for as many seconds as said.
-
-        Raises:
-            CommandRefused: The token is not that of the present holder.
-        """
-        self._check(token)
+    def renew(self, seconds: float | None, now: float) -> None:
+        """Go on for as long again, or for as many seconds as said."""
         if seconds is not None:
             self._seconds = _checked(seconds)
-        self._expires_at = now + self._seconds
+        self.deadline = now + self._seconds
 
-    def release(self, token: str) -> None:
-        """Let go.
+    def end(self) -> None:
+        """Nobody holds it any more."""
+        self._token = ""
+        self.deadline = inf
+        self.holder, self.priority = None, 0
 
-        Raises:
-            CommandRefused: The token is not that of the present holder.
-        """
-        self._check(token)
-        self._end()
-
-    def expire(self, now: float) -> bool:
-        """End the lease if its time is over; say whether it ended just now."""
-        if now < self._expires_at:
-            return False
-        self._end()
-        return True
-
-    def check(self, token: str) -> None:
-        """Let a command pass.
-
-        Raises:
-            CommandRefused: Someone else holds the lease, or the token is of the past.
-        """
-        if token == self._token:
-            return
-        if self.holder is None:
-            raise CommandRefused("the token is of a lease that has ended; take the lease again")
-        raise CommandRefused(f"{self.holder} holds the lease; a command needs its token")
+    def refusal(self) -> CommandRefused:
+        """Why a command without its token does not pass."""
+        return CommandRefused(f"{self._held}; a command needs its token")
 
     def state(self, now: float) -> dict[str, Any]:
         """As it is published: holder, priority, and seconds left; never the token."""
-        left = None if self.holder is None else round(max(0.0, self._expires_at - now), 3)
+        left = None if self.holder is None else round(max(0.0, self.deadline - now), 3)
         return {"holder": self.holder, "priority": self.priority, "expires_in": left}
 
-    def _check(self, token: str) -> None:
-        if self.holder is None or token != self._token:
-            raise CommandRefused("this token does not hold the lease; take it anew")
+    @property
+    def _held(self) -> str:
+        return f"{self.holder} holds the lease on the {self.what}"
 
-    def _end(self) -> None:
-        self._token = ""
-        self._expires_at = inf
-        self.holder, self.priority = None, 0
+
+class Leases:
+    """All leases of one robot: either one on the robot, or any on its elements.
+
+    What a change of holders brings to an end is returned as the names of what has to stand still, `ROBOT` for all.
+    """
+
+    def __init__(self, new_token: Callable[[], str], elements: Iterable[str]) -> None:
+        """Nobody holds anything.
+
+        Args:
+            new_token: Makes one that nobody can guess.
+            elements: What can move.
+        """
+        self.robot = Lease(ROBOT, new_token)
+        self._elements = {name: Lease(name, new_token) for name in sorted(elements)}
+
+    @property
+    def deadline(self) -> float:
+        """When the next lease ends if nobody renews it, s."""
+        return min(lease.deadline for lease in self._all)
+
+    def take(self, what: str, holder: str, priority: int, seconds: float, now: float) -> tuple[Lease, str, list[str]]:
+        """Become the holder; return the lease, its token, and what has to stand still.
+
+        Args:
+            what: An element, or `ROBOT`, which takes the place of the leases on all elements.
+            holder: A name for people.
+            priority: A higher one takes the lease from whoever holds it.
+            seconds: How long without `renew`.
+            now: Steady time, s.
+        Raises:
+            CommandRefused: Held by someone of the same priority or a higher one, or the arguments make no sense.
+        """
+        lease = self.robot if what == ROBOT else self._elements.get(what)
+        if lease is None:
+            raise CommandRefused(f"there is no lease on {what!r}; what moves is {', '.join(self._elements)}")
+        rivals = self._all if lease is self.robot else [self.robot, lease]
+        for rival in rivals:
+            rival.yield_to(priority, now)
+        token = lease.take(holder, priority, seconds, now)
+        ended = [rival for rival in rivals if rival is not lease and rival.holder is not None]
+        for rival in ended:
+            rival.end()
+        return lease, token, [ROBOT] if self.robot in [lease, *ended] else [what]
+
+    def renew(self, token: str, seconds: float | None, now: float) -> Lease:
+        """Hold on for as long again, or for as many seconds as said.
+
+        Raises:
+            CommandRefused: The token is not that of a present holder.
+        """
+        lease = self._held_with(token)
+        lease.renew(seconds, now)
+        return lease
+
+    def release(self, token: str) -> Lease:
+        """Let go.
+
+        Raises:
+            CommandRefused: The token is not that of a present holder.
+        """
+        lease = self._held_with(token)
+        lease.end()
+        return lease
+
+    def expire(self, now: float) -> list[str]:
+        """End the leases whose time is over; return what has to stand still."""
+        over = [lease for lease in self._all if now >= lease.deadline]
+        for lease in over:
+            lease.end()
+        return [lease.what for lease in over]
+
+    def check(self, element: str, token: str) -> None:
+        """Let a command pass that moves an element.
+
+        Raises:
+            CommandRefused: Someone else holds the lease on it or on the robot, or the token is of the past.
+        """
+        held = [lease for lease in (self.robot, self._elements[element]) if lease.holder is not None]
+        if any(lease.is_held_with(token) for lease in held):
+            return
+        if held:
+            raise held[0].refusal()
+        if token and not any(lease.is_held_with(token) for lease in self._all):
+            raise CommandRefused("the token is of a lease that has ended; take the lease again")
+
+    def state(self, now: float) -> dict[str, Any]:
+        """As it is published: the lease on the robot, and under `elements` those on elements that somebody holds."""
+        held = {name: lease.state(now) for name, lease in self._elements.items() if lease.holder is not None}
+        return {**self.robot.state(now), "elements": held}
+
+    @property
+    def _all(self) -> list[Lease]:
+        return [self.robot, *self._elements.values()]
+
+    def _held_with(self, token: str) -> Lease:
+        for lease in self._all:
+            if lease.is_held_with(token):
+                return lease
+        raise CommandRefused("this token does not hold the lease; take it anew")
 
 
 def _checked(seconds: float) -> float:

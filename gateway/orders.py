@@ -1,4 +1,4 @@
-"""What a robot is told over the bus: velocities, commands, and who holds its lease.
+"""What a robot is told over the bus: velocities, commands, and who holds its leases.
 
 Handlers run on threads of the bus and reach the driver through a `Commander`; everything here happens under its lock,
 but for halting what hangs on cables of its own once the robot has been told to stop.
@@ -11,12 +11,12 @@ from typing import Any, Protocol, TypeVar
 from bus import Bus, MessageError, Refused, Sample, Subscription, keys
 from bus.keys import Topic
 from bus.messages import Twist, decode, stamp_ns
-from gateway.commands import COMMANDS, TOKEN, CommandRow, check_arguments
+from gateway.commands import BASE, COMMANDS, TOKEN, Arguments, CommandRow, check_arguments
 from gateway.driver import Driver
 from gateway.errors import CommandRefused
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
-from gateway.lease import DEFAULT_SECONDS, Lease
+from gateway.lease import DEFAULT_SECONDS, ROBOT, Leases
 from gateway.motion import CMD_VEL_SILENCE
 
 T = TypeVar("T")
@@ -29,7 +29,7 @@ _ROWS = (*COMMANDS, *(row for face in FACES for row in face.commands))
 STOPPING = (keys.STOP, keys.ESTOP)
 """What stops the elements on cables of their own as well."""
 LEASE_ARGUMENTS: dict[str, tuple[dict[str, type], dict[str, type]]] = {
-    "take": ({"holder": str}, {"priority": int, "seconds": float}),
+    "take": ({"holder": str}, {"priority": int, "seconds": float, "element": str}),
     "renew": ({TOKEN: str}, {"seconds": float}),
     "release": ({TOKEN: str}, {}),
 }
@@ -65,11 +65,11 @@ class Orders(Subscription):
         self._commander = commander
         self._wall_clock = wall_clock
         self._last_refusal: tuple[float, str] | None = None
-        self.lease = Lease(new_token)
         self.lease_has_changed = True
         self.refused: Counter[str] = Counter()
         # An element on a cable of its own obeys the key that one of its kind on the robot's cable would.
         rows = {row.topic: row for row in (*_ROWS, *(row for face in cable_faces for row in face.commands))}
+        self.leases = Leases(new_token, {row.moves for row in rows.values() if row.moves})
         self._declared = [
             bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel, urgent=True),
             bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped, urgent=True),
@@ -83,7 +83,7 @@ class Orders(Subscription):
         return why if now - at < REFUSAL_SHOWN else None
 
     def settle(self) -> None:
-        """End a lease whose time is over."""
+        """End the leases whose time is over."""
         self._commander.command(self._settle)
 
     def close(self) -> None:
@@ -112,7 +112,7 @@ class Orders(Subscription):
         def give(driver: Driver, now: float) -> None:
             try:
                 twist = read()
-                self._pass(sample.attachment.decode("utf-8", "replace"), driver, now)
+                self._pass(BASE, sample.attachment.decode("utf-8", "replace"), driver, now)
                 driver.set_velocity(twist.linear.x, twist.angular.z, now)
             except (MessageError, CommandRefused) as refusal:
                 self._count(topic, refusal, now)
@@ -141,42 +141,54 @@ class Orders(Subscription):
         self.refused[topic.suffix] += 1
         self._last_refusal = now, f"{topic.suffix} was refused: {refusal}"
 
-    def _pass(self, token: str, driver: Driver, now: float) -> None:
-        """Let the lease's holder pass, and everyone while nobody holds it."""
+    def _pass(self, element: str, token: str, driver: Driver, now: float) -> None:
+        """Let the holder of the lease on the element or on the robot pass, and everyone while nobody holds either."""
         self._settle(driver, now)
-        self.lease.check(token)
+        self.leases.check(element, token)
 
     def _settle(self, driver: Driver, now: float) -> None:
-        if self.lease.expire(now):
-            self._change_holder(driver, now)
+        self._change_holders(self.leases.expire(now), driver, now)
 
-    def _change_holder(self, driver: Driver, now: float) -> None:
-        driver.halt(now)  # what the one before set going ends here
-        self._halt_elements()
-        self.lease_has_changed = True
+    def _change_holders(self, of: Sequence[str], driver: Driver, now: float) -> None:
+        """What the holder before has set going ends here; nothing else does."""
+        for what in of:
+            self.lease_has_changed = True
+            if what == ROBOT:
+                driver.halt(now)
+            elif what == BASE:
+                driver.halt_base(now)
+            for face in FACES:
+                if face.name == what:
+                    face.halt(driver, now)
+            for cable_face in self._cable_faces:
+                if what in (ROBOT, cable_face.name):
+                    cable_face.halt()
 
     def _lease(self, given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
         """Answer `{"do": "take" | "renew" | "release" | "show", ...}`; an empty object shows."""
         self._settle(driver, now)
-        what, lease = given.get("do", "show"), self.lease
+        what = given.get("do", "show")
         takes, optional = LEASE_ARGUMENTS.get(what, ({}, {})) if isinstance(what, str) else ({}, {})
         arguments = check_arguments(f"lease {what}", {k: v for k, v in given.items() if k != "do"}, takes, optional)
         match what:
             case "take":
-                seconds = arguments.get("seconds", DEFAULT_SECONDS)
-                token = lease.take(arguments["holder"], arguments.get("priority", 0), seconds, now)
-                self._change_holder(driver, now)
-                return {"token": token, **lease.state(now)}
+                return self._take(arguments, driver, now)
             case "renew":
-                lease.renew(arguments[TOKEN], arguments.get("seconds"), now)
+                return self.leases.renew(arguments[TOKEN], arguments.get("seconds"), now).state(now)
             case "release":
-                lease.release(arguments[TOKEN])
-                self._change_holder(driver, now)
+                lease = self.leases.release(arguments[TOKEN])
+                self._change_holders([lease.what], driver, now)
+                return lease.state(now)
             case "show":
-                pass
-            case _:
-                raise CommandRefused(f"a lease cannot {what!r}; say take, renew, release or show")
-        return lease.state(now)
+                return self.leases.state(now)
+        raise CommandRefused(f"a lease cannot {what!r}; say take, renew, release or show")
+
+    def _take(self, arguments: Arguments, driver: Driver, now: float) -> dict[str, Any]:
+        seconds, priority = arguments.get("seconds", DEFAULT_SECONDS), arguments.get("priority", 0)
+        what = arguments.get("element", ROBOT)
+        lease, token, standing = self.leases.take(what, arguments["holder"], priority, seconds, now)
+        self._change_holders(standing, driver, now)
+        return {"token": token, **lease.state(now)}
 
     def _handler(self, row: CommandRow) -> Handler:
         name = row.topic.suffix.rpartition("/")[2]
@@ -184,7 +196,7 @@ class Orders(Subscription):
         def handle(given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
             arguments = check_arguments(name, given, row.takes, {TOKEN: str, **row.may_take})
             if row.moves:
-                self._pass(arguments.get(TOKEN, ""), driver, now)
+                self._pass(row.moves, arguments.get(TOKEN, ""), driver, now)
             return {"accepted": True, **(row.give(driver, arguments, now) or {})}
 
         return handle

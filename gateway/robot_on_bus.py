@@ -1,4 +1,4 @@
-"""One robot as the bus sees it: its streams, its commands, its lease, its description.
+"""One robot as the bus sees it: its streams, its commands, its leases, its description.
 
 It has no thread and no clock of its own: whoever has the driver calls `happened`.
 """
@@ -79,7 +79,7 @@ class RobotOnBus(Subscription):
     @property
     def deadline(self) -> float:
         """When `happened` is due even without events, s."""
-        return min(self._streams.due_at, self._orders.lease.deadline)
+        return min(self._streams.due_at, self._orders.leases.deadline)
 
     def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Publish what follows from the driver's events, and from time.
@@ -93,11 +93,11 @@ class RobotOnBus(Subscription):
             for event in events:
                 self._streams.publish(event, stamp_ns)
             self._elements.follow(self._present())
-            if now >= self._orders.lease.deadline:
+            if now >= self._orders.leases.deadline:
                 self._orders.settle()
             if self._orders.lease_has_changed:
                 self._orders.lease_has_changed = False
-                self._lease_state.put(self._orders.lease.state(now))
+                self._lease_state.put(self._orders.leases.state(now))
             self._streams.publish_status(self._orders.refused, self._orders.recent_refusal(now), now, stamp_ns)
 
     def element_happened(self, face: CableFace[Any], events: Sequence[Event], stamp_ns: int) -> None:

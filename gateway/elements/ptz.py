@@ -118,6 +118,12 @@ class Ptz(Element):
         place.stop(now)
         self._hurry(now)
 
+    def halt(self, now: float) -> None:
+        """Stop where it is, if it is on its way to where it was told to look."""
+        place = self._place
+        if place is not None and place.is_moving(now) and (place.turns or place.zooms):
+            self.stop(now)
+
     def take(self, packet: object, now: float) -> None:
         """Bytes from the head."""
         assert isinstance(packet, AuxData)

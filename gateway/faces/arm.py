@@ -55,7 +55,7 @@ class ArmFace(Face):
 
     name = NAME
     streams = STREAMS
-    commands = (CommandRow(keys.REACH, {"do": str}, _order, may_take=reach.MAY_TAKE),)
+    commands = (CommandRow(keys.REACH, {"do": str}, _order, NAME, may_take=reach.MAY_TAKE),)
 
     def is_present(self, driver: Driver) -> bool:
         """The robot has said so."""
@@ -65,6 +65,11 @@ class ArmFace(Face):
         """Two with every ARMpac."""
         if isinstance(event, ArmSeen):
             yield from arm_messages(self._robot, event, stamp)
+
+    @classmethod
+    def halt(cls, driver: Driver, now: float) -> None:
+        """Stop it where it is."""
+        driver.halt_element(ArmElement, now)
 
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """Its joints, as the robot says they are."""

@@ -38,6 +38,10 @@ class Face:
         """Where the element's frames are on the robot."""
         return ()
 
+    @classmethod
+    def halt(cls, driver: Driver, now: float) -> None:
+        """The lease on the element has changed hands: it stands still. Nothing to do for what cannot move."""
+
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """What the description says of this element beyond its name and keys; SI and radians, ready for JSON."""
         return {}

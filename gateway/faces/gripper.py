@@ -31,7 +31,7 @@ class GripperFace(Face):
 
     name = "gripper"
     streams = (keys.GRIPPER, keys.JOINT_STATES)
-    commands = (CommandRow(keys.GRIP, {"do": str}, _order),)
+    commands = (CommandRow(keys.GRIP, {"do": str}, _order, name),)
 
     def is_present(self, driver: Driver) -> bool:
         """The robot has said so."""
@@ -49,6 +49,11 @@ class GripperFace(Face):
                 known = {frame(self._robot, name): place for name, place in places.items() if place is not None}
                 if known:
                     yield keys.JOINT_STATES, self._joint_state(known, stamp)
+
+    @classmethod
+    def halt(cls, driver: Driver, now: float) -> None:
+        """Stop it where it is."""
+        driver.halt_element(GripperElement, now)
 
     def _joint_state(self, places: dict[str, float], stamp: int) -> JointState:
         nothing = np.array([])

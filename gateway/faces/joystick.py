@@ -7,7 +7,7 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Joy, header
-from gateway.commands import Arguments, CommandRow
+from gateway.commands import BASE, Arguments, CommandRow
 from gateway.driver import Driver
 from gateway.elements.joystick import Joystick
 from gateway.events import Event, JoystickSeen
@@ -29,7 +29,7 @@ class JoystickFace(Face):
 
     name = "joystick"
     streams = (keys.JOYSTICK,)
-    commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive),)
+    commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive, BASE),)
 
     def is_present(self, driver: Driver) -> bool:
         """It has answered."""

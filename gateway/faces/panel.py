@@ -3,7 +3,7 @@
 from typing import Any
 
 from bus import keys
-from gateway.commands import Arguments, CommandRow
+from gateway.commands import NOTHING, Arguments, CommandRow
 from gateway.driver import Driver
 from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
 from gateway.faces.face import Face
@@ -36,7 +36,7 @@ class ChargerFace(Face):
     """`command/charge`."""
 
     name = "charger"
-    commands = (CommandRow(keys.CHARGE, {"on": bool}, _charge),)
+    commands = (CommandRow(keys.CHARGE, {"on": bool}, _charge, name),)
 
     def is_present(self, driver: Driver) -> bool:
         """The robot says that it has charging contacts."""
@@ -51,7 +51,7 @@ class DisplayFace(Face):
     """`command/lcd`."""
 
     name = "lcd"
-    commands = (CommandRow(keys.LCD, {"text": str}, _write, moves=False),)
+    commands = (CommandRow(keys.LCD, {"text": str}, _write, NOTHING),)
 
     def is_present(self, driver: Driver) -> bool:
         """The settings say that there is one."""
@@ -62,7 +62,7 @@ class ServosFace(Face):
     """`command/servo`."""
 
     name = "servos"
-    commands = (CommandRow(keys.SERVO, {"port": int, "pulse": float}, _servo),)
+    commands = (CommandRow(keys.SERVO, {"port": int, "pulse": float}, _servo, name),)
 
     def is_present(self, driver: Driver) -> bool:
         """The board has the ports."""
@@ -73,7 +73,7 @@ class PowerFace(Face):
     """`command/power`."""
 
     name = "power"
-    commands = (CommandRow(keys.POWER, {"output": str, "on": bool}, _power, moves=False),)
+    commands = (CommandRow(keys.POWER, {"output": str, "on": bool}, _power, NOTHING),)
 
     def is_present(self, driver: Driver) -> bool:
         """Model or CONFIGpac say what can be switched."""

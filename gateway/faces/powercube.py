@@ -31,7 +31,7 @@ class PowerCubeFace(CableFace[PowerCubeDriver]):
         commander: ElementCommander[PowerCubeDriver],
     ) -> None:
         super().__init__(robot, model, settings, driver, commander)
-        self.commands = (CommandRow(keys.REACH, {"do": str}, self._order, may_take=reach.MAY_TAKE),)
+        self.commands = (CommandRow(keys.REACH, {"do": str}, self._order, NAME, may_take=reach.MAY_TAKE),)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Two with every round of answers."""

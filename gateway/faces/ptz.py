@@ -30,7 +30,9 @@ class PtzFace(Face):
 
     name = "ptz"
     streams = (keys.PTZ,)
-    commands = (CommandRow(keys.LOOK, {}, _look, may_take={"pan": float, "tilt": float, "zoom": float, "do": str}),)
+    commands = (
+        CommandRow(keys.LOOK, {}, _look, name, may_take={"pan": float, "tilt": float, "zoom": float, "do": str}),
+    )
 
     def is_present(self, driver: Driver) -> bool:
         """It has answered, or the settings name it."""
@@ -40,6 +42,11 @@ class PtzFace(Face):
         """One whenever it is known where it looks."""
         if isinstance(event, HeadSeen):
             yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
+
+    @classmethod
+    def halt(cls, driver: Driver, now: float) -> None:
+        """Stop it where it is."""
+        driver.halt_element(Ptz, now)
 
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """What it is, what it can be told, and its widest horizontal view."""

@@ -3,7 +3,7 @@
 from typing import Any
 
 from bus import keys
-from gateway.commands import Arguments, CommandRow
+from gateway.commands import NOTHING, Arguments, CommandRow
 from gateway.driver import Driver
 from gateway.elements.sound import Sound
 from gateway.errors import CommandRefused
@@ -27,7 +27,7 @@ class SoundFace(Face):
     """`command/sound`."""
 
     name = "sound"
-    commands = (CommandRow(keys.SOUND, {}, _sound, moves=False, may_take={"notes": list, "number": int, "on": bool}),)
+    commands = (CommandRow(keys.SOUND, {}, _sound, NOTHING, may_take={"notes": list, "number": int, "on": bool}),)
 
     def is_present(self, driver: Driver) -> bool:
         """Every robot has a buzzer."""

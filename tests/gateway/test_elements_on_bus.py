@@ -140,6 +140,42 @@ def test_who_stops_the_robot_stops_its_gripper(make_fitted: MakeFitted, command:
     assert not office.last("gripper").lift_up
 
 
+def test_gripper_stops_when_the_lease_on_it_ends_and_the_wheels_go_on(make_fitted: MakeFitted) -> None:
+    office = make_fitted("gripper")
+    office.run(1.0)
+    token = office.ask("lease", do="take", holder="me", element="gripper", seconds=0.4)["token"]
+    office.ask("command/gripper", do="up", token=token)
+    office.run(0.3, lambda: office.drive(0.3))
+    assert office.last("gripper").lift_moving
+    office.run(0.7, lambda: office.drive(0.3))
+    assert not office.last("gripper").lift_moving
+    assert not office.last("gripper").lift_up
+    assert office.bench.body.is_turning()
+
+
+def test_camera_head_stops_when_the_lease_on_it_ends(make_fitted: MakeFitted) -> None:
+    office = make_fitted("ptz:evid30")
+    office.run(5.0)
+    token = office.ask("lease", do="take", holder="me", element="ptz", seconds=0.5)["token"]
+    assert "me holds the lease on the ptz" in office.refusal("command/ptz", pan=1.0)
+    office.ask("command/ptz", pan=1.5, token=token)
+    office.run(4.0)
+    assert 0.1 < office.last("ptz").pan < 1.0
+    assert not office.last("ptz").moving
+
+
+def test_joystick_drives_no_longer_when_somebody_takes_the_base(make_fitted: MakeFitted) -> None:
+    office = make_fitted("joystick", settings=Settings(fitted=Fitted(joystick=True)))
+    office.run(3.0)
+    office.ask("command/joystick", on=True)
+    office.run(0.5)
+    office.ask("lease", do="take", holder="me", element="base")
+    office.run(0.2)
+    told = [each.value for _, each in office.bench.sent if each.command is Command.JOYDRIVE]
+    assert told == [1, 0]
+    assert "me holds the lease on the base" in office.refusal("command/joystick", on=True)
+
+
 def test_gripper_obeys_a_latched_estop_only_to_stop(make_fitted: MakeFitted) -> None:
     office = make_fitted("gripper")
     office.run(1.0)

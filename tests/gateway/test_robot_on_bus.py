@@ -272,7 +272,77 @@ class TestLease:
         states = office.objects("lease/state")
         assert [state["holder"] for state in states] == [None, "arbiter", None]
         assert token not in str(states)
-        assert office.ask("lease") == {"holder": None, "priority": 0, "expires_in": None}
+        assert office.ask("lease") == {"holder": None, "priority": 0, "expires_in": None, "elements": {}}
+
+    def test_lease_on_the_base_keeps_others_from_the_wheels_and_from_nothing_else(self, office: Office) -> None:
+        token = office.ask("lease", do="take", holder="me", element="base")["token"]
+        office.run(0.5, lambda: office.drive(0.3))
+        assert not office.bench.body.is_turning()
+        for suffix, given in (("move", {"distance": 1.0}), ("enable", {"on": False}), ("joystick", {"on": True})):
+            assert "me holds the lease on the base" in office.refusal(f"command/{suffix}", **given)
+        office.ask("command/servo", port=1, pulse=0.0015)
+        office.ask("lease", do="take", holder="other", element="servos")
+        office.run(0.5, lambda: office.drive(0.3, token=token))
+        assert office.bench.body.is_turning()
+        assert office.ask("command/stop")
+
+    def test_lease_on_the_robot_and_leases_on_its_elements_yield_to_priority_alone(self, office: Office) -> None:
+        base = office.ask("lease", do="take", holder="driver", element="base", priority=1)["token"]
+        assert "driver holds the lease on the base" in office.refusal("lease", do="take", holder="all", priority=1)
+        office.run(0.5, lambda: office.drive(0.3, token=base))
+        robot = office.ask("lease", do="take", holder="all", priority=2)["token"]
+        office.run(1.0, lambda: office.drive(0.3, token=base))
+        assert not office.bench.body.is_turning()
+        assert "all holds the lease on the robot" in office.refusal("lease", do="take", holder="x", element="base")
+        office.ask("lease", do="release", token=robot)
+        assert "has ended" in office.refusal("command/move", distance=1.0, token=base)
+
+    def test_lease_is_on_what_moves(self, office: Office) -> None:
+        assert "what moves is arm, base," in office.refusal("lease", do="take", holder="me", element="sonar")
+
+    @pytest.mark.parametrize("how", ["expiry", "release", "pre-emption"])
+    @pytest.mark.parametrize("element", ["base", "robot"])
+    def test_long_motion_ends_with_the_lease_under_which_it_began(self, office: Office, how: str, element: str) -> None:
+        token = office.ask("lease", do="take", holder="me", element=element, seconds=1.0)["token"]
+        moving = office.ask("command/move", distance=5.0, token=token)["id"]
+        office.run(0.9)
+        assert office.bench.body.is_turning()
+        if how == "release":
+            office.ask("lease", do="release", token=token)
+        elif how == "pre-emption":
+            office.ask("lease", do="take", holder="other", element="base", priority=1)
+        office.run(0.2)
+        assert [end["result"] for end in office.objects(f"command/result/{moving}")] == ["stopped"]
+        office.run(2.0)
+        assert not office.bench.body.is_turning()
+
+    def test_motion_goes_on_when_a_lease_on_something_else_ends(self, office: Office) -> None:
+        servos = office.ask("lease", do="take", holder="me", element="servos", seconds=0.5)["token"]
+        base = office.ask("lease", do="take", holder="you", element="base")["token"]
+        office.ask("command/move", distance=5.0, token=base)
+        office.run(1.5)
+        assert "has ended" in office.refusal("command/servo", port=1, pulse=0.0015, token=servos)
+        assert office.bench.body.is_turning()
+
+    def test_token_of_the_past_is_refused_counted_and_shown(self, office: Office) -> None:
+        stale = office.ask("lease", do="take", holder="me", element="base", seconds=0.1)["token"]
+        office.run(0.5)
+        office.run(0.5, lambda: office.drive(0.3, token=stale))
+        assert not office.bench.body.is_turning()
+        assert any("has ended" in fault for fault in office.last("state").faults)
+        office.run(1.0)
+        values = {each.key: each.value for status in office.last("diagnostics").status for each in status.values}
+        assert int(values["refused: cmd_vel"]) > 50
+
+    def test_state_lists_the_leases_on_elements(self, office: Office) -> None:
+        token = office.ask("lease", do="take", holder="me", element="base", priority=3, seconds=1.0)["token"]
+        office.run(0.2)
+        (state,) = office.objects("lease/state")
+        assert state["holder"] is None
+        assert state["elements"]["base"] == {"holder": "me", "priority": 3, "expires_in": pytest.approx(1.0, abs=0.2)}
+        assert token not in str(state)
+        office.run(1.0)
+        assert office.objects("lease/state")[-1]["elements"] == {}
 
 
 def test_encoders_give_wheel_joints_when_the_settings_ask_for_them(make_office: Callable[[Settings], Office]) -> None:

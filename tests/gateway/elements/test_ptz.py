@@ -118,18 +118,35 @@ def test_head_is_found_started_turned_and_followed(make_stand: "MakeStand", make
     assert bench.seen[-1].pan == last.pan
 
 
+@pytest.mark.parametrize("stop", [Ptz.stop, Ptz.halt])
 @pytest.mark.parametrize("make", [canon, sony])
-def test_stop_ends_the_motion_where_it_is(make_stand: "MakeStand", make: MakeHead) -> None:
+def test_stop_ends_the_motion_where_it_is(
+    make_stand: "MakeStand", make: MakeHead, stop: Callable[[Ptz, float], None]
+) -> None:
     device = make()
     bench = bench_with(make_stand, device)
     bench.run(5.0)
     bench.ptz.look(-1.5, None, 10.0, bench.stand.now)
     bench.run(0.5)
-    bench.ptz.stop(bench.stand.now)
+    stop(bench.ptz, bench.stand.now)
     bench.run(2.0)
     assert -1.2 < device.head.pan.position < -0.2
     assert device.head.zoom < 5.0
     assert not bench.seen[-1].moving
+
+
+@pytest.mark.parametrize("make", [canon, sony])
+def test_who_halts_a_head_that_starts_or_rests_disturbs_nothing(make_stand: "MakeStand", make: MakeHead) -> None:
+    device = make()
+    bench = bench_with(make_stand, device)
+    bench.ptz.halt(bench.stand.now)  # nobody has answered yet
+    for _ in range(10):
+        bench.run(0.5)
+        bench.ptz.halt(bench.stand.now)
+    assert device.is_on
+    bench.ptz.look(radians(40.0), None, None, bench.stand.now)
+    bench.run(3.0)
+    assert degrees(device.head.pan.position) == pytest.approx(40.0, abs=0.1)
 
 
 def test_robot_without_a_head_is_asked_for_both_kinds_a_few_times_and_then_left_alone(make_stand: "MakeStand") -> None:
