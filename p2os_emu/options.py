@@ -90,6 +90,8 @@ def parse(argv: Sequence[str] | None = None) -> Options:
     """
     parser = _parser()
     given = parser.parse_args(argv)
+    if given.only is not None and not given.team:
+        parser.error("--only chooses among the robots of a team: give --team as well")
     places = _add_emulated(given, configs.load(TeamFile, "teams", given.team)) if given.team else {}
     needs_robot = given.listing is None and given.serve is None and given.check is None
     if needs_robot and not (given.robot or given.tcp_robot or given.factory):
@@ -135,6 +137,10 @@ def parse(argv: Sequence[str] | None = None) -> Options:
 def _add_emulated(given: argparse.Namespace, team: TeamFile) -> dict[str, Pose2D]:
     """Add a team's emulated robots to what was asked for; returns where those begin that have a place of their own."""
     robots = [robot for robot in team.robots if robot.is_emulated]
+    for name in given.only or ():
+        if name not in [robot.name for robot in robots]:
+            raise configs.ConfigError(f"--only {name}: no emulated robot of {given.team} has this name")
+    robots = [robot for robot in robots if given.only is None or robot.name in given.only]
     given.robot += [f"{robot.model}:{robot.name}" for robot in robots]
     given.fit += [f"{robot.name}={','.join(robot.fit)}" for robot in robots if robot.fit]
     given.world = given.world or team.world
@@ -170,6 +176,12 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--team", metavar="NAME|FILE", help="the emulated robots of a team, with their accessories, world and line"
+    )
+    group.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        metavar="NAME,...",
+        help="of a team, these robots and no others",
     )
     group.add_argument(
         "-r",

@@ -56,3 +56,14 @@ def test_command_line_wins_over_the_team_file(team: str) -> None:
 def test_every_team_has_models_and_parts_that_there_are(name: str) -> None:
     for robot in configs.load(TeamFile, "teams", name).robots:
         read_fit(robot.fit, configs.load(RobotModel, "robots", robot.model))
+
+
+def test_some_robots_of_a_team_can_be_had_without_the_others(team: str) -> None:
+    options = parse(["--team", team, "--only", "doc"])
+    assert (options.robots, options.fits, options.links) == (("p2dx:doc",), (), {"doc": "radio-modem"})
+
+
+@pytest.mark.parametrize("name", ["sneezy", "iron"])
+def test_robot_that_a_team_has_not_or_not_emulated_cannot_be_chosen(team: str, name: str) -> None:
+    with pytest.raises(configs.ConfigError, match=f"--only {name}: no emulated robot of .* has this name"):
+        parse(["--team", team, "--only", name])
