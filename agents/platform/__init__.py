@@ -25,14 +25,17 @@ from agents.platform.errors import (
     IllegalTransition,
     NameNotValid,
     RequestNotDone,
+    SetupFailed,
     UnknownAgent,
 )
 from agents.platform.fipa_request import Request
+from agents.platform.fipa_subscribe import Values
 from agents.platform.home import Home
-from agents.platform.hooks import every, on, request
+from agents.platform.hooks import every, on, request, subscription
+from agents.platform.kinds import Kinds, UnknownKind
 from agents.platform.life import State, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
-from agents.platform.names import AgentName
+from agents.platform.names import AgentName, ContainerName
 from agents.platform.outcome import Ending, Outcome
 from agents.platform.schedule import DROP, FAIL_AGENT, Failure, Restart, Schedule
 from agents.platform.serving import agree, asker
@@ -48,6 +51,7 @@ __all__ = [
     "AlreadyThere",
     "Behaviour",
     "Container",
+    "ContainerName",
     "Cyclic",
     "Description",
     "DescriptionNotValid",
@@ -58,6 +62,7 @@ __all__ = [
     "FiniteStateMachine",
     "Home",
     "IllegalTransition",
+    "Kinds",
     "Mailbox",
     "MailboxState",
     "NameNotValid",
@@ -72,16 +77,20 @@ __all__ = [
     "Restart",
     "Schedule",
     "Sequential",
+    "SetupFailed",
     "State",
     "Step",
     "Template",
     "Ticker",
     "UnknownAgent",
+    "UnknownKind",
     "Until",
+    "Values",
     "Waker",
     "agree",
     "asker",
     "every",
     "on",
     "request",
+    "subscription",
 ]

@@ -24,7 +24,7 @@ All of an agent's code runs in the one event loop of its container and must not 
 """
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage
@@ -38,8 +38,9 @@ from agents.platform.initiator import Initiator
 from agents.platform.life import State, Step, after
 from agents.platform.mailbox import ANY, Mailbox, Template
 from agents.platform.names import AgentName
-from agents.platform.protocols import REQUESTS
+from agents.platform.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Schedule
+from agents.platform.serving import Serving
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
 from bus import JSON, Bus, Publisher, Sample, Subscription
@@ -104,6 +105,11 @@ class Agent(Initiator):
         """The behaviours that have not ended."""
         return self._schedule.running
 
+    @property
+    def in_flight(self) -> list[Serving]:
+        """The conversations that it is answering, oldest first."""
+        return self._desk.under_way
+
     def describe(self) -> dict[str, Any]:
         """What the directory says of it."""
         return {
@@ -113,6 +119,9 @@ class Agent(Initiator):
             "container": self.home.name,
             "services": list(self.services),
             "requests": self._desk.names(REQUESTS),
+            "answers": self._desk.names(QUERIES),
+            "subscriptions": self._desk.names(SUBSCRIPTIONS),
+            "proposals": self._desk.names(CALLS),
             "properties": self.properties,
         }
 
@@ -148,6 +157,10 @@ class Agent(Initiator):
     def answer(self, name: str, function: Callable[..., Any], *, agrees_itself: bool = False) -> None:
         """Let a function answer requests of a name, as `request` does for a method."""
         self._desk.add(REQUESTS, Handler(name, function, agrees_itself))
+
+    def offer(self, name: str, function: Callable[..., AsyncIterator[Any]]) -> None:
+        """Let an async generator function answer subscriptions to a name, as `subscription` does for a method."""
+        self._desk.add(SUBSCRIPTIONS, Handler(name, function))
 
     async def receive(self, template: Template = ANY) -> AclMessage:
         """The oldest message in the mailbox that the template wants; waits for one."""

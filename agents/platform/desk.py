@@ -62,6 +62,12 @@ class Desk:
         """What others may ask for by a protocol."""
         return sorted(self.handlers.get(protocol, ()))
 
+    @property
+    def under_way(self) -> list[Serving]:
+        """The conversations that have not ended, oldest first."""
+        with self._lock:
+            return list(self._under_way.values())
+
     def open(self, home: Home) -> None:
         """Begin, in the running event loop."""
         self._home, self._loop = home, asyncio.get_running_loop()

@@ -4,6 +4,7 @@ Each agent shows a token while it lives and answers for its own description, so 
 date, nothing to lose, and after a partition both sides see the truth as soon as they meet again.
 """
 
+import itertools
 import logging
 import threading
 from collections.abc import Callable, Mapping
@@ -28,7 +29,8 @@ log = logging.getLogger("agents")
 class Description:
     """What an agent says of itself.
 
-    services: what it offers. requests: what it can be asked for. properties: JSON values that tell it from others.
+    services: what it offers. properties: JSON values that tell it from others.
+    requests, answers, subscriptions, proposals: what it can be asked for, by protocol.
     """
 
     name: AgentName
@@ -37,6 +39,9 @@ class Description:
     services: tuple[str, ...] = ()
     requests: tuple[str, ...] = ()
     properties: Mapping[str, Any] = field(default_factory=dict)
+    answers: tuple[str, ...] = ()
+    subscriptions: tuple[str, ...] = ()
+    proposals: tuple[str, ...] = ()
 
     @classmethod
     def from_answer(cls, answer: Answer) -> Self:
@@ -55,8 +60,9 @@ class Description:
                 "requests": list(requests),
                 "properties": dict(properties),
             } if claimed == str(name) and state in list(State):
-                if all(isinstance(text, str) for text in (*services, *requests)):
-                    return cls(name, State(state), container, tuple(services), tuple(requests), properties)
+                others = {key: tuple(answer.value.get(key, ())) for key in ("answers", "subscriptions", "proposals")}
+                if all(isinstance(text, str) for text in itertools.chain(services, requests, *others.values())):
+                    return cls(name, State(state), container, tuple(services), tuple(requests), properties, **others)
         raise DescriptionNotValid(f"what {answer.key} answers is no description of {name}")
 
     def fits(self, service: str | None, properties: Mapping[str, Any]) -> bool:

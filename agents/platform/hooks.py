@@ -49,6 +49,15 @@ def request(name: str, *, agrees_itself: bool = False) -> Callable[[Method], Met
     return _hooked(lambda agent, method: agent.answer(name, method, agrees_itself=agrees_itself))
 
 
+def subscription(name: str) -> Callable[[Method], Method]:
+    """Let this async generator method answer subscriptions to a name; each value that it yields goes to the subscriber.
+
+    Its arguments are checked, and it refuses, as with `request`. It is closed when the subscriber cancels or dies, and
+    when this agent ends.
+    """
+    return _hooked(lambda agent, method: agent.offer(name, method))
+
+
 def hooks_of(agent: Agent) -> list[tuple[Callable[..., Any], Hook]]:
     """The methods that decorators have marked, in the order of their definition, base classes first."""
     names = dict.fromkeys(name for kind in reversed(type(agent).__mro__) for name in vars(kind))

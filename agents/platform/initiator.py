@@ -8,6 +8,8 @@ from agents.platform.acl import AclMessage, Performative
 from agents.platform.dialogue import Dialogue
 from agents.platform.fipa_request import PROTOCOL as REQUESTS
 from agents.platform.fipa_request import Request, ask_to
+from agents.platform.fipa_subscribe import FOREVER, KEEP, Values
+from agents.platform.fipa_subscribe import PROTOCOL as SUBSCRIPTIONS
 from agents.platform.home import Home
 from agents.platform.names import AgentName
 from agents.platform.outcome import Outcome
@@ -57,13 +59,33 @@ class Initiator(ABC):
             AclError: The arguments have no JSON form, or are too large.
             BusUnavailable: The bus is closed.
         """
-        return await ask_to(self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within))
+        return await ask_to(
+            self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
+        )
 
     def begin_request(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Request:
         """Ask another agent to do something, and go on; the request may be cancelled, and awaited for its outcome."""
-        return Request(self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within))
+        return Request(
+            self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
+        )
+
+    def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
+        """Subscribe to what another agent tells: a block with a loop in it, in which the values come.
+
+        Args:
+            agent: Who tells.
+            name: What.
+            keep: How many values wait while one is being dealt with; older ones are left out.
+            arguments: JSON values by name.
+        Raises:
+            AclError, BusUnavailable: As for `request`; in the loop.
+            RequestNotDone: It was refused, has failed, or the peer has gone; in the loop.
+        """
+        return Values(
+            self._dialogue(agent, Performative.SUBSCRIBE, SUBSCRIPTIONS, name, arguments, FOREVER, None), keep
+        )
 
     async def query(
         self, key: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
@@ -84,6 +106,7 @@ class Initiator(ABC):
         name: str,
         arguments: Mapping[str, Any],
         within: float,
+        answer_within: float | None,
     ) -> Dialogue:
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
-        return Dialogue(self.home, self.name, peer, performative, protocol, name, arguments, within, within)
+        return Dialogue(self.home, self.name, peer, performative, protocol, name, arguments, within, answer_within)

@@ -4,13 +4,16 @@ from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from agents.platform import fipa_request
+from agents.platform import fipa_request, fipa_subscribe
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.handler import Handler, NotUnderstood
 from agents.platform.opening import Opening, read_opening
 from agents.platform.serving import Serving
 
 REQUESTS = fipa_request.PROTOCOL
+SUBSCRIPTIONS = fipa_subscribe.PROTOCOL
+QUERIES = "fipa-query"
+CALLS = "fipa-contract-net"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,7 @@ class Protocol:
 
 PROTOCOLS = {
     Performative.REQUEST: Protocol(REQUESTS, "request", fipa_request.do),
+    Performative.SUBSCRIBE: Protocol(SUBSCRIPTIONS, "subscription", fipa_subscribe.inform),
 }
 
 

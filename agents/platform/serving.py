@@ -28,6 +28,11 @@ class Serving:
         self._work: asyncio.Task[None] | None = None
         self._why_cancelled = ""
 
+    @property
+    def has_agreed(self) -> bool:
+        """Whether it is bound: what goes wrong from now on is a failure and no refusal."""
+        return self._has_agreed
+
     def agree(self) -> None:
         """Say that it will be done; once."""
         if not self._has_agreed:

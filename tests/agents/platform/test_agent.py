@@ -541,6 +541,9 @@ def test_an_agent_describes_itself_while_it_lives(bench: Bench) -> None:
         "container": "happy",
         "services": ["drive"],
         "requests": ["break", "drive", "infinite", "look", "ponder"],
+        "answers": [],
+        "subscriptions": [],
+        "proposals": [],
         "properties": {},
     }
     bench.run(bench.robot.stop(BASE))

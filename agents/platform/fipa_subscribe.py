@@ -1,0 +1,125 @@
+"""FIPA's subscribe protocol (SC00035H), both ends: subscribe, then refuse, or agree and then any number of informs.
+
+Each inform carries `{"value": value}`. The subscriber ends it with `cancel`, to which the answer is a failure that says
+so; the publisher ends it with a failure, or with an inform of `{"done": true}` when there is nothing more to come.
+"""
+
+import asyncio
+from collections import deque
+from contextlib import aclosing
+from types import TracebackType
+from typing import Any, Self
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.dialogue import Dialogue, Over
+from agents.platform.opening import Opening
+from agents.platform.outcome import Outcome
+from agents.platform.serving import Serving
+
+PROTOCOL = "fipa-subscribe"
+FOREVER = 1e8  # s, three years: the bus wants to know until when a conversation lasts
+KEEP = 1000  # values that wait for a subscriber
+
+
+class Values:
+    """What is subscribed to, while the block lasts.
+
+        async with agent.subscribe("laser@happy", "nearest") as values:
+            async for value in values:
+                ...
+
+    The loop ends when there is nothing more to come; a refusal, a failure and the peer's death raise `RequestNotDone`.
+
+    skipped: values that were left out because too many waited already.
+    """
+
+    def __init__(self, dialogue: Dialogue, keep: int) -> None:
+        """Prepare it; it begins with the block.
+
+        Args:
+            dialogue: The conversation.
+            keep: How many values wait while one is being dealt with; the oldest are left out.
+        """
+        self.skipped = 0
+        self._dialogue = dialogue
+        self._waiting: deque[Any] = deque(maxlen=keep)
+        self._called = asyncio.Event()
+        self._outcome: Outcome | None = None
+        self._hearing: asyncio.Task[None] | None = None
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """How it ended, once it has ended by itself."""
+        return self._outcome
+
+    async def __aenter__(self) -> Self:
+        self._hearing = asyncio.ensure_future(self._hear())
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        assert self._hearing is not None
+        self._hearing.cancel()
+        await asyncio.gather(self._hearing, return_exceptions=True)
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> Any:
+        while True:
+            if self._waiting:
+                return self._waiting.popleft()
+            if self._hearing is None or self._hearing.done():
+                self._raise_end()
+            self._called.clear()
+            await self._called.wait()
+
+    def _raise_end(self) -> None:
+        """Say how it ended: quietly when all has come.
+
+        Raises:
+            StopAsyncIteration, RequestNotDone: In every case one of them, unless the bus raised something.
+        """
+        if self._outcome is not None:
+            self._outcome.value()
+        elif self._hearing is not None and not self._hearing.cancelled():
+            self._hearing.result()
+        raise StopAsyncIteration
+
+    async def _hear(self) -> None:
+        try:
+            async with aclosing(self._dialogue.replies()) as heard:
+                async for reply in heard:
+                    if self._is_last(reply):
+                        self._outcome = self._dialogue.done(None)
+                        return
+        except Over as over:
+            self._outcome = over.outcome
+        finally:
+            asyncio.get_running_loop().call_soon(self._called.set)  # once this task is done
+
+    def _is_last(self, reply: AclMessage) -> bool:
+        """Take one reply; whether it was the last."""
+        match reply.performative, reply.content:
+            case Performative.AGREE, _:
+                return False
+            case Performative.INFORM, {"value": value}:
+                self.skipped += len(self._waiting) == self._waiting.maxlen
+                self._waiting.append(value)
+                self._called.set()
+                return False
+            case Performative.INFORM, {"done": True}:
+                return True
+        raise self._dialogue.misplaced(reply)
+
+
+async def inform(serving: Serving, opening: Opening) -> None:
+    """Tell each value that the handler yields."""
+    async with aclosing(opening.handler.function(**opening.arguments)) as values:
+        async for value in values:
+            serving.agree()
+            serving.say(Performative.INFORM, {"value": value})
+            await asyncio.sleep(0)  # others get their turn, whatever the handler does not wait for
+    serving.agree()
+    serving.say(Performative.INFORM, {"done": True})
