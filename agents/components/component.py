@@ -1,0 +1,191 @@
+"""What the agents of all elements have in common: they serve requests about the element, and send its readings.
+
+    class Battery(Component):
+        source = keys.BATTERY
+        results = {"voltage": "V", ...}
+
+        def result(self, message):
+            return {"voltage": message.voltage, ...}
+
+A reading that nobody listens to and nobody asks for is never decoded.
+"""
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from math import isfinite
+from typing import Any, ClassVar
+
+from agents.platform import Agent, AgentName, Restart, agree, request
+from agents.platform.stream import Stream
+from agents.platform.talk import hand_over
+from bus import MessageError, NoAnswer, Refused, Sample, TimedOut
+from bus.keys import Topic
+from bus.messages import decode, stamp_ns
+
+FIRST_READING = 2.0  # s that `read` waits for the first
+COMMAND_TIME = 2.0  # s for the gateway to answer
+NS_PER_S = 1e9
+
+
+class Component(Agent):
+    """The agent of one element: its local name is the element's, its platform is the robot.
+
+    source: the stream of which results are made. None where there is none, or where `renew` is given them.
+    eager: every message of it makes a result, not only those that somebody wants to know.
+    fresh: s after which a reading says nothing any more.
+    results: what its results hold beside `stamp`, with units, for the documentation.
+    """
+
+    source: ClassVar[Topic | None] = None
+    eager: ClassVar[bool] = False
+    fresh: ClassVar[float] = 3.0
+    results: ClassVar[Mapping[str, str]] = {}
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        super().__init__(name, properties)
+        self._latest: Mapping[str, Any] | None = None
+        self._unread: Sample | None = None  # newer than the latest result, and of no interest so far
+        self._heard_at = 0.0  # s of the loop's time
+        self._has_heard = asyncio.Event()
+        self._stream: Stream | None = None
+
+    @classmethod
+    def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
+        """What the agent has to know, and the directory says, of its element: all that the description says of it.
+
+        Args:
+            robot: The description of the robot.
+            element: The element's row in it.
+        """
+        about = {
+            "robot_model": robot.get("model"),
+            "robot_class": robot.get("class"),
+            "emulated": robot.get("emulated"),
+        }
+        return {**{key: value for key, value in element.items() if key != "name"}, **about}
+
+    @property
+    def robot(self) -> str:
+        """The robot's name on the bus."""
+        return self.name.platform
+
+    @property
+    def element(self) -> str:
+        """The element's name in the robot's description."""
+        return self.name.local
+
+    def describe(self) -> dict[str, Any]:
+        """What the directory says of it: it is found as a component, and by its element's name."""
+        return {**super().describe(), "services": [self.element, "component", *self.services]}
+
+    async def setup(self) -> None:
+        """Begin to listen."""
+        topic = self.topic
+        if topic is not None:
+            key = topic.key(self.robot)
+            self._stream = Stream(key, self._hear, 1, self._malformed)
+            self.add(self._stream, Restart())
+            self._open.append(self.bus.subscribe(key, self._take_reading, urgent=True))
+
+    @property
+    def topic(self) -> Topic | None:
+        """The stream of which results are made."""
+        return self.source
+
+    def result(self, message: Any) -> Mapping[str, Any]:
+        """What a message of the source says; SI and radians, None where nothing was measured."""
+        raise NotImplementedError
+
+    def renew(self, result: Mapping[str, Any]) -> None:
+        """There is a new result: keep it for `read`, and send it."""
+        self._unread = None
+        self._latest = result
+        self._heard_at = asyncio.get_running_loop().time()
+        self._has_heard.set()
+        if self.is_heard:
+            self.publish(result)
+
+    @request("read")
+    async def read(self) -> dict[str, Any]:
+        """The latest result; fails where there is none, or an old one only."""
+        if not self._has_heard.is_set():
+            try:
+                async with asyncio.timeout(FIRST_READING):
+                    await self._has_heard.wait()
+            except TimeoutError:
+                raise failure(f"{self.name} has heard nothing yet") from None
+        return self.latest()
+
+    def latest(self) -> dict[str, Any]:
+        """The latest result.
+
+        Raises:
+            Refused: There is none, or nothing has been heard for too long.
+        """
+        unread, self._unread = self._unread, None
+        if unread is not None:
+            try:
+                self._latest = self._made_of(decode(unread.type_name, unread.payload))
+            except MessageError as err:
+                raise failure(f"{self.name} cannot read what it hears: {err}") from err
+        if self._latest is None:
+            raise failure(f"{self.name} has heard nothing yet")
+        silence = asyncio.get_running_loop().time() - self._heard_at
+        if silence > self.fresh:
+            raise failure(f"{self.name} has heard nothing for {silence:.1f} s")
+        return dict(self._latest)
+
+    async def command(self, topic: Topic, /, **arguments: Any) -> dict[str, Any]:
+        """Give the robot's gateway a command; an argument that is None is left out, and so is an empty token.
+
+        Raises:
+            Refused: The gateway says no, or there is none.
+        """
+        given = {
+            name: value for name, value in arguments.items() if value is not None and (name, value) != ("token", "")
+        }
+        try:
+            return await self.query(topic.key(self.robot), given, COMMAND_TIME)
+        except TimeoutError as err:
+            if isinstance(err, NoAnswer) and not isinstance(err, TimedOut):
+                raise Refused(f"nobody drives {self.robot}; see whether its p2os-gateway runs") from err
+            raise failure(f"the gateway of {self.robot} has not answered within {COMMAND_TIME:g} s") from err
+
+    def _made_of(self, message: Any) -> dict[str, Any]:
+        return {"stamp": stamp_ns(message.header) / NS_PER_S, **self.result(message)}
+
+    def _take_reading(self, sample: Sample) -> None:
+        """A message of the source has come; on the bus's thread, so that one of no interest costs next to nothing."""
+        assert self._loop is not None
+        assert self._stream is not None  # it has been made before this was subscribed
+        self._heard_at = self._loop.time()
+        if self.eager or self.is_heard:
+            self._stream.take(sample)
+        else:
+            self._unread = sample
+            if not self._has_heard.is_set():
+                hand_over(self._loop, self._has_heard.set)
+
+    async def _hear(self, message: Any) -> None:
+        self.renew(self._made_of(message))
+
+    def _malformed(self, error: Exception) -> None:
+        self.home.report(self.name, "a message is left out", error)
+
+
+def failure(why: str) -> Refused:
+    """What a request's handler raises to say that it has tried in vain, even if it has not waited for anything yet."""
+    with suppress(LookupError):  # it may be no request that asks
+        agree()
+    return Refused(why)
+
+
+def known(value: float, digits: int = 4) -> float | None:
+    """A measured number for a result, rounded since nothing measures finer; None where it is infinite or NaN."""
+    return round(float(value), digits) if isfinite(value) else None
+
+
+def every_known(values: Sequence[float], digits: int = 4) -> list[float | None]:
+    """The same for many."""
+    return [known(value, digits) for value in values]

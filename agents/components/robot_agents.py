@@ -1,0 +1,164 @@
+"""Keeps a container's agents the same as the elements of its robot.
+
+Tokens say which elements there are, the robot's description says what they are. What somebody else has stopped, or
+moved into another container, is left alone until its element comes back.
+"""
+
+import asyncio
+import logging
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from agents.components.all_components import component_for
+from agents.platform import AgentName, AlreadyThere, Container, Restart, UnknownAgent
+from agents.platform.errors import NameNotValid
+from agents.platform.talk import hand_over, query
+from bus import BusUnavailable, Refused
+from bus.keys import DESCRIPTION, ELEMENT_ALIVE, robot_name
+
+DESCRIPTION_TIME = 2.0  # s
+LOOK_AGAIN = 10.0  # s between two looks at the description, in which an element may say more than before
+RETRY = Restart(first=0.25, longest=15.0)
+
+log = logging.getLogger("agents")
+
+Descriptions = dict[str, dict[str, Any]]
+
+
+class RobotAgents:
+    """Starts an agent for each element that a robot has, and stops it when the element goes."""
+
+    def __init__(self, container: Container, robot: str) -> None:
+        """Begin with `run`.
+
+        Args:
+            container: Where the agents live.
+            robot: The robot's name on the bus.
+        Raises:
+            KeyNotValid: The name does not serve as a robot's name.
+        """
+        self._container = container
+        self._robot = robot_name(robot)
+        self._present: set[str] = set()  # elements whose tokens stand
+        self._elsewhere: set[str] = set()  # elements whose agents live, here or in another container
+        self._served: dict[str, Mapping[str, Any]] = {}  # what the description said when the agent was started
+        self._failures: dict[str, int] = {}  # to start an agent, in a row
+        self._silences = 0  # in place of a description, in a row
+        self._changed = asyncio.Event()
+
+    async def run(self) -> None:
+        """Do so until cancelled; the agents stay then, for the container to stop."""
+        loop, bus = asyncio.get_running_loop(), self._container.bus
+
+        def note(among: set[str], key: str, is_alive: bool) -> None:
+            element = key.split("/")[2]
+            (among.add if is_alive else among.discard)(element)
+            self._changed.set()
+
+        elements, agents = ELEMENT_ALIVE.key(self._robot), f"{self._robot}/agents/*/alive"
+        with (
+            bus.watch_alive(agents, lambda key, is_alive: hand_over(loop, note, self._elsewhere, key, is_alive)),
+            bus.watch_alive(elements, lambda key, is_alive: hand_over(loop, note, self._present, key, is_alive)),
+        ):
+            while True:
+                self._changed.clear()
+                pause = await self._follow()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(pause):
+                        await self._changed.wait()
+
+    async def _follow(self) -> float:
+        """Start and stop what is to be; return after how many seconds to look again, even if no token changes."""
+        gone = self._served.keys() - self._present
+        await asyncio.gather(*(self._stop(element) for element in gone))
+        for element in self._failures.keys() - self._present:
+            del self._failures[element]
+        if not self._present:
+            return LOOK_AGAIN
+        described = await self._described()
+        if described is None:
+            self._silences += 1
+            return RETRY.pause(self._silences)
+        self._silences = 0
+        await asyncio.gather(*(self._serve(element, described) for element in sorted(self._present)))
+        return min((RETRY.pause(failures) for failures in self._failures.values()), default=LOOK_AGAIN)
+
+    async def _serve(self, element: str, described: Descriptions) -> None:
+        """See that the agent of an element that is there serves it as it is described now."""
+        if element not in described:
+            self._fail(element)  # a token comes before the description tells of it
+        elif element not in self._served:
+            await self._start(element, described[element])
+        elif described[element] != self._served[element]:
+            await self._renew(element, described[element])
+
+    async def _start(self, element: str, properties: dict[str, Any]) -> None:
+        if element in self._elsewhere:
+            return  # its agent was moved, and lives; the token tells when it has gone
+        try:
+            agent = component_for(element)(AgentName(element, self._robot), properties)
+            is_active = await self._container.start(agent)
+        except AlreadyThere:
+            is_active = True  # somebody was faster
+        except NameNotValid as err:
+            log.warning("no agent can serve %s of %s: %s", element, self._robot, err)
+            is_active = False
+        if is_active:
+            self._served[element] = properties
+            self._failures.pop(element, None)
+        else:
+            self._fail(element)
+
+    async def _renew(self, element: str, properties: dict[str, Any]) -> None:
+        """An element is described otherwise than when its agent was started: the agent learns it, or begins anew."""
+        before, self._served[element] = self._served[element], properties
+        try:
+            agent = self._container.agent(AgentName(element, self._robot))
+        except UnknownAgent:
+            return  # somebody has stopped or moved it
+        if all(before.get(name) == properties.get(name) for name in ("streams", "commands")):
+            agent.properties = properties
+        else:
+            await self._stop(element)
+            await self._start(element, properties)
+
+    async def _stop(self, element: str) -> None:
+        self._served.pop(element, None)
+        with suppress(UnknownAgent):  # somebody else has stopped or moved it
+            await self._container.stop(AgentName(element, self._robot))
+
+    async def _described(self) -> Descriptions | None:
+        """What each element's agent has to know, by the element's name; None while the robot gives no sense."""
+        try:
+            (answer, *_) = await query(self._container.bus, DESCRIPTION.key(self._robot), None, DESCRIPTION_TIME)
+        except BusUnavailable:
+            raise
+        except (TimeoutError, Refused):
+            return None
+        return described_elements(answer.value)
+
+    def _fail(self, element: str) -> None:
+        self._failures[element] = self._failures.get(element, 0) + 1
+
+
+def described_elements(description: Mapping[str, Any]) -> Descriptions:
+    """What each element's agent has to know, by the element's name; what makes no sense is left out.
+
+    An element that is described twice has the streams and commands of both.
+    """
+    rows: dict[str, dict[str, Any]] = {}
+    elements = description.get("elements")
+    for row in elements if isinstance(elements, list) else []:
+        match row:
+            case {"name": str(name), "streams": list(streams), "commands": list(commands)}:
+                first = rows.get(name, {"streams": [], "commands": []})
+                both = {"streams": [*first["streams"], *streams], "commands": [*first["commands"], *commands]}
+                rows[name] = {**first, **row, **both}
+    found: Descriptions = {}
+    for name, row in rows.items():
+        try:
+            found[name] = component_for(name).properties_of(description, row)
+        except (LookupError, TypeError, ValueError) as err:
+            log.warning("what the robot says of its %s makes no sense: %r", name, err)
+    return found
