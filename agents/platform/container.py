@@ -1,22 +1,27 @@
 """Where agents live: one event loop, one participant on the bus, any number of agents."""
 
 import asyncio
+import contextlib
 import logging
 import time
-from collections.abc import Callable
+import uuid
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
-from agents.platform.errors import AlreadyThere, UnknownAgent
+from agents.platform.control import Control
+from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent
+from agents.platform.kinds import Kinds
 from agents.platform.life import State
-from agents.platform.names import AgentName
-from bus import Bus
+from agents.platform.names import AgentName, ContainerName
+from bus import JSON, Bus, BusUnavailable, Publisher, Subscription
 
 SETUP_TIME = 30.0  # s
-TAKE_DOWN_TIME = 2.0  # s; a program that is told to end is gone within 3 s
+TAKE_DOWN_TIME = 1.5  # s; a program that is told to end is gone within 2 s
+LONGEST_ERROR = 1000  # characters; an exception may quote anything
 
 log = logging.getLogger("agents")
 
@@ -43,29 +48,43 @@ class Container:
     """Hosts agents. What one of them does wrong is reported and hurts no other.
 
     All methods are for the event loop in which it was made. As a context manager it stops all its agents at the end.
+    It is seen on the bus, and can be controlled from there, from the beginning of its block or from the first start of
+    an agent until it is closed.
     """
 
     def __init__(
         self,
         bus: Bus,
-        name: str = "container",
+        name: str | None = None,
         report: Callable[[Report], None] = log_report,
         wall_time: Callable[[], float] = time.time,
+        *,
+        platform: str | None = None,
+        kinds: Kinds | None = None,
     ) -> None:
         """Make an empty one.
 
         Args:
             bus: Where its agents hear and speak; stays open when the container is closed.
-            name: What tools call it.
-            report: Told of everything that goes wrong.
+            name: What tools call it, as no other on the bus; by default one that nobody else has.
+            report: Told of everything that goes wrong, beside whoever listens to the reports on the bus.
             wall_time: s since 1970; only ever written into messages.
+            platform: The robot or team to which it belongs, under whose keys it is found; by default its name.
+            kinds: Which agents it may be told to start; by default those of the packages `agents` and `apps`.
+        Raises:
+            NameNotValid: Name or platform is not one chunk of a key.
         """
+        name = name or f"container-{uuid.uuid4().hex[:8]}"
         self._bus = bus
-        self._name = name
+        self._called = ContainerName(name, platform or name)
         self._report = report
         self._wall_time = wall_time
         self._agents: dict[AgentName, Agent] = {}
         self._ending: set[asyncio.Task[None]] = set()
+        self._control = Control(self, kinds or Kinds())
+        self._shown: list[Subscription] = []
+        self._reports: Publisher | None = None
+        self._said: Publisher | None = None
 
     @property
     def bus(self) -> Bus:
@@ -75,7 +94,12 @@ class Container:
     @property
     def name(self) -> str:
         """What tools call it."""
-        return self._name
+        return self._called.name
+
+    @property
+    def called(self) -> ContainerName:
+        """Its name with its platform, and its keys."""
+        return self._called
 
     @property
     def agents(self) -> list[Agent]:
@@ -101,19 +125,35 @@ class Container:
         Raises:
             AlreadyThere: One of this name lives here.
         """
+        try:
+            await self.bring_up(agent, agent.begin)
+        except SetupFailed:
+            return False
+        return agent.state is State.ACTIVE
+
+    async def bring_up(self, agent: Agent, begin: Callable[["Container"], Awaitable[None]]) -> None:
+        """Let an agent live here that begins in a way of its own.
+
+        Raises:
+            AlreadyThere: One of this name lives here.
+            SetupFailed: It raised or took too long; that has been reported, and it lives here no more.
+        """
+        self.show()
         if agent.name in self._agents:
             raise AlreadyThere(f"an agent {agent.name} lives in {self.name} already")
         self._agents[agent.name] = agent
         try:
             async with asyncio.timeout(SETUP_TIME):
-                await agent.begin(self)
+                await begin(self)
         except Exception as error:
             self.report(agent.name, "its setup failed", error)
             await self._end(agent.name)
+            late = f"it took longer than {SETUP_TIME:g} s"
+            why = late if isinstance(error, TimeoutError) else f"{type(error).__name__}: {error}"
+            raise SetupFailed(f"the setup of {agent.name} failed: {why}") from error
         except BaseException:  # whoever starts it is cancelled: nothing half begun stays behind
             await self._end(agent.name)
             raise
-        return agent.state is State.ACTIVE
 
     async def stop(self, name: AgentName | str) -> None:
         """End an agent: out of the directory, answers ended, behaviours cancelled, then its `take_down`.
@@ -152,13 +192,33 @@ class Container:
         """
         self.agent(name).resume()
 
+    def show(self) -> None:
+        """Be seen on the bus, and obey whoever controls this container from there; once is enough.
+
+        Raises:
+            BusUnavailable: The bus is closed.
+            NotAllowed: A secure bus does not allow a container of this platform here.
+        """
+        if not self._shown:
+            self._reports = self._bus.publisher(self._called.reports_key, JSON)
+            self._said = self._bus.publisher(self._called.said_key, JSON)
+            self._shown += [self._reports, self._said, self._control.serve()]
+            self._shown.append(self._bus.declare_alive(self._called.alive_key))
+
     async def close(self) -> None:
-        """Stop all agents, together."""
+        """Stop all agents, together, and be seen no more."""
+        await self._control.close()
         await asyncio.gather(*(self.stop(name) for name in list(self._agents)))
         await asyncio.gather(*self._ending)
+        while self._shown:
+            self._shown.pop().close()
 
     def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
-        """Make known that something went wrong."""
+        """Make known that something went wrong: to whoever listens on the bus, and as this container was told to."""
+        text = None if error is None else f"{type(error).__name__}: {error}"[:LONGEST_ERROR]
+        if self._reports is not None:
+            with contextlib.suppress(BusUnavailable):
+                self._reports.put({"time": self.wall_time(), "agent": str(agent), "what": what, "error": text})
         self._report(Report(agent, what, error))
 
     def end(self, agent: AgentName) -> None:
@@ -168,7 +228,11 @@ class Container:
         task.add_done_callback(self._ending.discard)
 
     def trace(self, message: AclMessage) -> None:
-        """Told of each message that an agent here says; on any thread."""
+        """Pass on what an agent here says to whoever listens on the bus; on any thread. It costs nothing otherwise."""
+        if self._said is not None and self._said.has_listeners:
+            said = {"time": self.wall_time(), "container": self.name, "message": message.to_dict()}
+            with contextlib.suppress(BusUnavailable):
+                self._said.put(said)
 
     def wall_time(self) -> float:
         """s since 1970."""
@@ -179,6 +243,7 @@ class Container:
             await self.stop(agent)
 
     async def __aenter__(self) -> Self:
+        self.show()
         return self
 
     async def __aexit__(

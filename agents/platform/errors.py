@@ -7,6 +7,7 @@ AgentError
  +-- IllegalTransition              an agent's life knows no such step from its present state
  +-- UnknownAgent (LookupError)     no such agent lives here
  +-- AlreadyThere                   an agent of this name lives here already
+ +-- SetupFailed                    an agent's setup raised or took too long
  +-- RequestNotDone                 what another agent was asked for was not done
 """
 
@@ -37,6 +38,10 @@ class UnknownAgent(AgentError, LookupError):
 
 class AlreadyThere(AgentError):
     """An agent of this name lives here already."""
+
+
+class SetupFailed(AgentError):
+    """An agent's setup raised or took too long, so it does not live."""
 
 
 class RequestNotDone(AgentError):

@@ -1,4 +1,4 @@
-"""Names of agents, and the keys on the bus where each is found."""
+"""Names of agents and of the containers where they live, and the keys on the bus where each is found."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -21,15 +21,7 @@ class AgentName:
 
     def __post_init__(self) -> None:
         for part in (self.local, self.platform):
-            if not isinstance(part, str):
-                raise NameNotValid(f"an agent's name is made of two texts, not of {type(part).__name__}")
-            if "@" in part:
-                raise NameNotValid(f"{part!r} cannot be a part of an agent's name because it holds '@'")
-            try:
-                robot_name(part)
-            except KeyNotValid as err:
-                why = str(err).replace("name a robot", "be a part of an agent's name")
-                raise NameNotValid(why) from err
+            _check(part, "an agent's name")
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -80,3 +72,72 @@ class AgentName:
 
     def _key(self, suffix: str) -> str:
         return f"{self.platform}/agents/{self.local}/{suffix}"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class ContainerName:
+    """Which container it is: its name, which no other on the bus has, and the robot or team to which it belongs.
+
+    Raises:
+        NameNotValid: One of them is not one chunk of a key, or holds an `@`.
+    """
+
+    name: str
+    platform: str
+
+    def __post_init__(self) -> None:
+        for part in (self.name, self.platform):
+            _check(part, "a container's name")
+
+    def __str__(self) -> str:
+        return self.name
+
+    @property
+    def alive_key(self) -> str:
+        """The token that is there while the container lives."""
+        return self._key("alive")
+
+    @property
+    def control_key(self) -> str:
+        """Where it can be told to start and stop agents, and asked about them."""
+        return self._key("control")
+
+    @property
+    def said_key(self) -> str:
+        """The stream of all that its agents say; it flows only while somebody listens."""
+        return self._key("said")
+
+    @property
+    def reports_key(self) -> str:
+        """The stream of what goes wrong in it."""
+        return self._key("reports")
+
+    @classmethod
+    def of_key(cls, key: str) -> Self:
+        """The container to which one of these keys belongs.
+
+        Raises:
+            NameNotValid: It is the key of something else.
+        """
+        match key.split("/"):
+            case [platform, "containers", name, "alive" | "control" | "said" | "reports"]:
+                return cls(name, platform)
+        raise NameNotValid(f"{key!r} is no key of a container")
+
+    def _key(self, suffix: str) -> str:
+        return f"{self.platform}/containers/{self.name}/{suffix}"
+
+
+ALL_CONTAINERS = "*/containers/*/alive"  # the tokens of all containers on the bus
+
+
+def _check(part: object, whole: str) -> None:
+    """Refuse a part of a name that is not one chunk of a key, or holds an `@`."""
+    if not isinstance(part, str):
+        raise NameNotValid(f"{whole} is made of two texts, not of {type(part).__name__}")
+    if "@" in part:
+        raise NameNotValid(f"{part!r} cannot be a part of {whole} because it holds '@'")
+    try:
+        robot_name(part)
+    except KeyNotValid as err:
+        raise NameNotValid(str(err).replace("name a robot", f"be a part of {whole}")) from err

@@ -1,0 +1,175 @@
+"""A container's control: what it can be told and asked from outside, by anyone on the bus who may.
+
+A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what goes with it:
+
+| do | with | answer |
+|---|---|---|
+| `list` | | the container, its process, and its agents: name, kind, state |
+| `start` | `name`, `kind`, `properties` | name and state of the agent, once it is active |
+| `stop`, `suspend`, `resume` | `name` | name and state of the agent |
+| `introspect` | `name` | what the agent holds and does (introspection.py) |
+
+A no is an error reply with one sentence.
+"""
+
+import asyncio
+import contextlib
+import difflib
+import logging
+import os
+import uuid
+from collections.abc import Awaitable, Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from agents.platform.errors import AgentError
+from agents.platform.introspection import introspect
+from agents.platform.kinds import Kinds, kind_of
+from agents.platform.names import AgentName
+from agents.platform.talk import hand_over
+from bus import BusError, BusUnavailable, Conversation, Subscription
+
+if TYPE_CHECKING:
+    from agents.platform.container import Container
+
+log = logging.getLogger("agents")
+
+Given = Mapping[str, Any]
+
+
+class OrderNotValid(AgentError, ValueError):
+    """A container is told something that is no order, or not the whole of one."""
+
+
+class Control:
+    """Does for a container what it is told from outside. Orders run side by side, in the container's event loop."""
+
+    def __init__(self, container: "Container", kinds: Kinds) -> None:
+        self._container = container
+        self._kinds = kinds
+        self._identity = uuid.uuid4().hex
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._orders: dict[str, Callable[[Given], Awaitable[dict[str, Any]]]] = {
+            "list": self._list,
+            "start": self._start,
+            "stop": self._stop,
+            "suspend": self._suspend,
+            "resume": self._resume,
+            "introspect": self._introspect,
+        }
+
+    @property
+    def identity(self) -> str:
+        """What tells this container from another that has taken the same name."""
+        return self._identity
+
+    def serve(self) -> Subscription:
+        """Obey from now on; needs a running event loop."""
+        loop = asyncio.get_running_loop()
+
+        def take(arguments: dict[str, Any], conversation: Conversation) -> None:
+            hand_over(loop, self._begin, arguments, conversation)
+
+        return self._container.bus.converse(self._container.called.control_key, take, urgent=True)
+
+    async def close(self) -> None:
+        """Give up what is under way; whoever waits for it is told."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    def _begin(self, arguments: dict[str, Any], conversation: Conversation) -> None:
+        task = asyncio.ensure_future(self._answer(arguments, conversation))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(lambda task: conversation.close())  # one that was cancelled first has not done so
+
+    async def _answer(self, arguments: dict[str, Any], conversation: Conversation) -> None:
+        with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
+            try:
+                conversation.reply(await self._do(arguments))
+            except asyncio.CancelledError:
+                conversation.refuse(f"the container {self._container.name} is being closed")
+                raise
+            except (AgentError, BusError) as err:
+                conversation.refuse(str(err))
+            except Exception as err:
+                log.error("the container %s cannot do %.200s", self._container.name, arguments, exc_info=err)
+                conversation.refuse(f"the container {self._container.name} failed with {type(err).__name__}: {err}")
+
+    async def _do(self, given: Given) -> dict[str, Any]:
+        order = text_of(given, "do")
+        if order not in self._orders:
+            near = difflib.get_close_matches(order, self._orders, 1)
+            advice = f"did you mean {near[0]}?" if near else f"it obeys {', '.join(self._orders)}"
+            raise OrderNotValid(f"a container does not obey {order!r}; {advice}")
+        return await self._orders[order](given)
+
+    async def _list(self, given: Given) -> dict[str, Any]:
+        called = self._container.called
+        return {
+            "container": called.name,
+            "platform": called.platform,
+            "process": os.getpid(),
+            "identity": self._identity,
+            "agents": [
+                {"name": str(agent.name), "kind": kind_of(agent), "state": str(agent.state)}
+                for agent in self._container.agents
+            ],
+        }
+
+    async def _start(self, given: Given) -> dict[str, Any]:
+        agent = self._kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
+        await self._container.bring_up(agent, agent.begin)
+        return {"name": str(agent.name), "state": str(agent.state)}
+
+    async def _stop(self, given: Given) -> dict[str, Any]:
+        agent = self._container.agent(named_in(given))
+        await self._container.stop(agent.name)
+        return {"name": str(agent.name), "state": str(agent.state)}
+
+    async def _suspend(self, given: Given) -> dict[str, Any]:
+        agent = self._container.agent(named_in(given))
+        agent.suspend()
+        return {"name": str(agent.name), "state": str(agent.state)}
+
+    async def _resume(self, given: Given) -> dict[str, Any]:
+        agent = self._container.agent(named_in(given))
+        agent.resume()
+        return {"name": str(agent.name), "state": str(agent.state)}
+
+    async def _introspect(self, given: Given) -> dict[str, Any]:
+        return introspect(self._container.agent(named_in(given)))
+
+
+def named_in(given: Given) -> AgentName:
+    """The agent that an order is about.
+
+    Raises:
+        OrderNotValid: It names none.
+        NameNotValid: What it names cannot be an agent.
+    """
+    return AgentName.parse(text_of(given, "name"))
+
+
+def text_of(given: Given, field: str) -> str:
+    """A text that an order must have.
+
+    Raises:
+        OrderNotValid: It is missing or something else.
+    """
+    value = given.get(field)
+    if not isinstance(value, str):
+        raise OrderNotValid(f"this order to a container needs {field!r}, a text")
+    return value
+
+
+def table_of(given: Given, field: str) -> dict[str, Any]:
+    """A JSON object that an order may have.
+
+    Raises:
+        OrderNotValid: It is something else.
+    """
+    value = given.get(field, {})
+    if not isinstance(value, dict):
+        raise OrderNotValid(f"{field!r} in an order to a container is a JSON object")
+    return value

@@ -1,0 +1,66 @@
+"""What a live agent holds and does, for those who look into it from outside."""
+
+import json
+from typing import Any
+
+from agents.platform.acl import AclMessage
+from agents.platform.agent import Agent
+from agents.platform.kinds import kind_of
+from agents.platform.schedule import Running
+from agents.platform.serving import Serving
+from agents.platform.stream import Stream
+
+MOST_MESSAGES = 20  # of those that wait in the mailbox, the oldest
+LONGEST_CONTENT = 200  # characters of a content that are shown
+
+
+def introspect(agent: Agent) -> dict[str, Any]:
+    """All that can be seen of an agent, as a JSON object.
+
+    `mailbox` counts what waits, was delivered and was dropped, and shows the heads of the oldest messages that wait;
+    `behaviours` are those that have not ended, with how often each has raised; `in_flight` are the conversations that
+    it is answering; `streams` are what it hears, with the messages that it left out because newer ones came.
+    """
+    box = agent.mailbox.state
+    return {
+        **agent.describe(),
+        "kind": kind_of(agent),
+        "malformed": agent.malformed,
+        "mailbox": {
+            "waiting": box.waiting,
+            "delivered": box.delivered,
+            "dropped": box.dropped,
+            "oldest": [_head(message) for message in agent.mailbox.messages()[:MOST_MESSAGES]],
+        },
+        "behaviours": [_behaviour(each) for each in agent.behaviours if not isinstance(each.behaviour, Stream)],
+        "streams": [_stream(each, each.behaviour) for each in agent.behaviours if isinstance(each.behaviour, Stream)],
+        "in_flight": [_conversation(each) for each in agent.in_flight],
+    }
+
+
+def _head(message: AclMessage) -> dict[str, Any]:
+    content = "" if message.content is None else json.dumps(message.content, ensure_ascii=False)
+    return {
+        "performative": str(message.performative),
+        "sender": str(message.sender),
+        "protocol": message.protocol,
+        "conversation": message.conversation_id,
+        "content": content if len(content) <= LONGEST_CONTENT else content[:LONGEST_CONTENT] + "…",
+    }
+
+
+def _behaviour(running: Running) -> dict[str, Any]:
+    return {
+        "name": running.behaviour.name,
+        "kind": type(running.behaviour).__name__,
+        "failures": running.failures,
+        "policy": type(running.policy).__name__,
+    }
+
+
+def _stream(running: Running, stream: Stream) -> dict[str, Any]:
+    return {"key": stream.name.removeprefix("on "), "skipped": stream.skipped, "failures": running.failures}
+
+
+def _conversation(serving: Serving) -> dict[str, Any]:
+    return {**_head(serving.message), "agreed": serving.has_agreed}
