@@ -108,6 +108,13 @@ CMD_VEL = Topic(
 CMD_VEL_STAMPED = Topic(
     "cmd_vel_stamped", Kind.COMMAND, "geometry_msgs/msg/TwistStamped", "≥ 2 Hz while moving", "Drive, with a stamp"
 )
+DRIVE = Topic(
+    "command/drive",
+    Kind.QUERY,
+    JSON,
+    "",
+    'One velocity, as on cmd_vel but answered, m/s and rad/s: {"linear": 0.2, "angular": 0.0}',
+)
 ENABLE = Topic("command/enable", Kind.QUERY, JSON, "", 'Motor power: {"on": true}')
 STOP = Topic("command/stop", Kind.QUERY, JSON, "", "Stop, and hold until cmd_vel has been silent for 0.5 s: {}")
 ESTOP = Topic(
@@ -179,6 +186,7 @@ TOPICS = (
     DESCRIPTION,
     CMD_VEL,
     CMD_VEL_STAMPED,
+    DRIVE,
     ENABLE,
     STOP,
     ESTOP,

@@ -53,6 +53,10 @@ def _enable(driver: Driver, arguments: Arguments, now: float) -> None:
     driver.enable(arguments["on"], now)
 
 
+def _drive(driver: Driver, arguments: Arguments, now: float) -> None:
+    driver.set_velocity(arguments["linear"], arguments["angular"], now)
+
+
 def _move(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
     return {"id": driver.move(arguments["distance"], now)}
 
@@ -77,6 +81,7 @@ COMMANDS = (
     CommandRow(keys.ENABLE, {"on": bool}, _enable, BASE),
     CommandRow(keys.STOP, {}, _stop, NOTHING),  # anyone may stop a robot
     CommandRow(keys.ESTOP, {"on": bool}, _estop, NOTHING),
+    CommandRow(keys.DRIVE, {"linear": float, "angular": float}, _drive, BASE),
     CommandRow(keys.MOVE, {"distance": float}, _move, BASE),
     CommandRow(keys.TURN, {"angle": float}, _turn, BASE),
     CommandRow(keys.HEADING, {"heading": float}, _heading, BASE),

@@ -80,6 +80,7 @@ def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) 
             (
                 keys.CMD_VEL,
                 keys.CMD_VEL_STAMPED,
+                keys.DRIVE,
                 keys.ENABLE,
                 keys.STOP,
                 keys.ESTOP,

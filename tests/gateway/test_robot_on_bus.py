@@ -193,6 +193,17 @@ def test_move_answers_with_an_id_and_its_end_is_published_there(office: Office) 
     ]
 
 
+def test_a_velocity_that_is_asked_drives_as_one_of_a_stream_does_and_says_why_not(office: Office) -> None:
+    assert office.ask("command/drive", linear=0.3, angular=0.0) == {"accepted": True}
+    office.run(0.4)
+    assert office.last("odom").twist.twist.linear.x > 0.05
+    office.run(2.0)
+    assert not office.bench.body.is_turning()
+    office.drive(0.3)
+    office.ask("command/stop")
+    assert "a stop holds the robot" in office.refusal("command/drive", linear=0.3, angular=0.0)
+
+
 def test_sonar_output_stop_and_enable_are_obeyed(office: Office) -> None:
     office.ask("command/sonar", on=False)
     office.ask("command/output", mask=3, value=2)
