@@ -17,7 +17,7 @@ T = TypeVar("T")
 SUFFIX = ".toml"
 PARAMETER_SUFFIX = ".p"
 FILE_SUFFIXES = (SUFFIX, PARAMETER_SUFFIX, ".map")
-KINDS = ("robots", "worlds", "links", "bus", "accessories", "teams")
+KINDS = ("robots", "worlds", "links", "bus", "accessories", "teams", "wrappers")
 
 
 class ConfigError(ValueError):

@@ -100,7 +100,7 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
 def test_an_unknown_kind_is_refused() -> None:
     with pytest.raises(
         ConfigError,
-        match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus, accessories or teams",
+        match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus, accessories, teams or wrappers",
     ):
         configs.names("robot")
 

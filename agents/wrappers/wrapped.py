@@ -1,0 +1,229 @@
+"""An agent made of a program or a library, as a file says: requests go to it, what it tells becomes results."""
+
+import asyncio
+import base64
+import binascii
+import contextlib
+import inspect
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents.platform import Agent, AgentName, OneShot, Restart, agree
+from agents.wrappers import acts
+from agents.wrappers.codec import ProgramCodec
+from agents.wrappers.frames import FramesCodec
+from agents.wrappers.lines import JsonLinesCodec, LinesCodec
+from agents.wrappers.pictures import compressed, pixels
+from agents.wrappers.program import NotAnswered, Program, ProgramEnded
+from agents.wrappers.wrapper_file import Argument, Codec, FunctionRow, Kind, PictureRow, RequestRow, WrapperFile
+from bus import Refused
+from bus.messages import CompressedImage, stamp_ns
+from configs import ConfigError
+
+KINDS: Mapping[Kind, type] = {
+    Kind.NUMBER: float,
+    Kind.INTEGER: int,
+    Kind.TEXT: str,
+    Kind.BOOLEAN: bool,
+    Kind.BYTES: str,
+}
+C_KINDS = {"float": Kind.NUMBER, "double": Kind.NUMBER, "text": Kind.TEXT, "bytes": Kind.BYTES}
+LIBRARY_READY_WITHIN = 10.0  # s
+AGAIN = Restart(first=0.2, longest=10.0)
+IMAGE = "image/compressed"
+
+
+class Wrapped(Agent):
+    """Lives as long as its container wants; its program is started with it, ended with it, and started again when it
+    ends by itself. While it is not there, requests are refused."""
+
+    def __init__(self, name: AgentName | str, wrapper: WrapperFile, file: Path) -> None:
+        """Make it ready.
+
+        Args:
+            name: The agent's.
+            wrapper: What the file says.
+            file: Where it is; paths in it are relative to its folder.
+        Raises:
+            ConfigError: The file asks for something that its language has not.
+        """
+        super().__init__(name, {"about": wrapper.about, "wrapper": file.stem})
+        self._wrapper = wrapper
+        self._file = file
+        self._program: Program | None = None
+        self._why_not = "it has not been started yet"
+        self._tried = asyncio.Event()  # whether it has been, with or without success
+        check(wrapper, file)
+
+    @property
+    def image_key(self) -> str:
+        """Where the pictures appear that a function made."""
+        return f"{self.name.platform}/agents/{self.name.local}/{IMAGE}"
+
+    def describe(self) -> dict[str, Any]:
+        """Its services are the file's."""
+        return {**super().describe(), "services": list(self._wrapper.services)}
+
+    async def setup(self) -> None:
+        """Start the program; where that fails, it is tried again later, and requests are refused until then."""
+        for row in self._wrapper.requests:
+            self.answer(row.name, self._handler(row), agrees_itself=True)
+        for function in self._wrapper.functions:
+            self.answer(function.name, self._handler(as_request(function)), agrees_itself=True)
+        self.add(OneShot(self._keep, "keep its program running"), AGAIN)
+        await self._tried.wait()
+        for result in self._wrapper.results:
+            if result.request:
+                self.every(result.every_s, lambda name=result.request: self._poll(name))  # type: ignore[misc]
+        for picture in self._wrapper.pictures:
+            self._watch(picture)
+
+    async def take_down(self) -> None:
+        """End the program."""
+        if self._program is not None:
+            await self._program.end()
+
+    async def ask(self, name: str, arguments: Mapping[str, Any], within: float) -> dict[str, Any]:
+        """Put a request to the program.
+
+        Raises:
+            NotAnswered, ProgramEnded: It was not done.
+        """
+        if self._program is None:
+            raise ProgramEnded(self._why_not)
+        return await self._program.ask(name, arguments, within)
+
+    async def _keep(self) -> None:
+        """One run of the program."""
+        part, library = self._wrapper.program, self._wrapper.library
+        command = list(part.command) if part else [sys.executable, "-m", "agents.wrappers.library_process"]
+        if library is not None:
+            command.append(str(self._file))
+        elif command and "/" in command[0]:
+            command[0] = str(self._file.parent / command[0])
+        program = Program(command, self._file.parent, part.address if part else "", codec_of(self._wrapper), self._told)
+        try:
+            await program.start(part.ready_within_s if part else LIBRARY_READY_WITHIN)
+            self._program = program
+            self._tried.set()
+            await program.run()
+        except ProgramEnded as error:
+            self._why_not = f"{error}; it is being started again"
+            raise
+        finally:
+            self._program = None
+            self._tried.set()
+            await program.end()
+
+    def _told(self, value: dict[str, Any]) -> None:
+        self.publish(_without_bytes(value))
+
+    def _handler(self, row: RequestRow) -> Callable[..., Any]:
+        """A function that the platform can check arguments against."""
+
+        async def serve(**given: Any) -> dict[str, Any]:
+            arguments = {**row.defaults, **given}
+            for key in row.takes:
+                if row.takes[key] is Kind.BYTES:
+                    arguments[key] = _bytes(key, arguments[key])
+            if self._program is None:
+                raise Refused(self._why_not)
+            agree()
+            try:
+                return _without_bytes(await self.ask(row.name, arguments, row.within_s))
+            except (NotAnswered, ProgramEnded) as error:
+                raise Refused(str(error)) from error
+
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        parameters = [
+            inspect.Parameter(key, keyword, default=row.defaults.get(key, inspect.Parameter.empty)) for key in row.takes
+        ]
+        serve.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        serve.__annotations__ = {key: KINDS[kind] for key, kind in row.takes.items()}
+        return serve
+
+    async def _poll(self, name: str) -> None:
+        """Ask for what is published; while the program is not there, there is nothing to tell."""
+        row = next(row for row in self._requests() if row.name == name)
+        if self._program is not None:
+            with contextlib.suppress(ProgramEnded):  # that is told by whoever keeps it running
+                self._told(await self.ask(name, row.defaults, row.within_s))
+
+    def _requests(self) -> list[RequestRow]:
+        return [*self._wrapper.requests, *map(as_request, self._wrapper.functions)]
+
+    def _watch(self, row: PictureRow) -> None:
+        function = next(each for each in self._wrapper.functions if each.name == row.function)
+
+        async def look(message: CompressedImage) -> None:
+            if self._program is None:
+                return
+            given = await asyncio.to_thread(pixels, bytes(message.data), row.colours)
+            found = await self.ask(row.function, {**function.defaults, **given}, function.within_s)
+            if row.out:
+                picture = await asyncio.to_thread(compressed, found.pop(row.out), given["width"], given["height"])
+                data = np.frombuffer(picture, np.uint8)
+                self.bus.put(self.image_key, CompressedImage(message.header, format="jpeg", data=data))
+            stamp = stamp_ns(message.header) * 1e-9
+            self._told({**found, "stamp": stamp, "width": given["width"], "height": given["height"]})
+
+        self.listen(f"{self.name.platform}/{row.topic}", look)
+
+
+def check(wrapper: WrapperFile, file: Path) -> None:
+    """See that the language has what the file asks for.
+
+    Raises:
+        ConfigError: It has not.
+    """
+    part = wrapper.program
+    if part is None:
+        return
+    for row in wrapper.requests:
+        if part.codec is Codec.ACTS and row.name not in acts.REQUESTS:
+            known = ", ".join(acts.REQUESTS)
+            raise ConfigError(f"{file}: ACTS has no request {row.name!r}; it has {known}")
+        if part.codec is Codec.LINES and not row.send:
+            raise ConfigError(f"{file}: request {row.name} needs `send`, the line that says it")
+    if part.codec is Codec.ACTS and part.version not in acts.VERSIONS:
+        known = ", ".join(filter(None, acts.VERSIONS))
+        raise ConfigError(f"{file}: there is no version {part.version!r} of ACTS; there are {known}")
+
+
+def codec_of(wrapper: WrapperFile) -> ProgramCodec:
+    """The language of one run."""
+    if wrapper.program is None:
+        return FramesCodec()
+    match wrapper.program.codec:
+        case Codec.ACTS:
+            return acts.ActsCodec(wrapper.program.version)
+        case Codec.JSON:
+            return JsonLinesCodec()
+        case Codec.LINES:
+            return LinesCodec(wrapper.requests, wrapper.results)
+
+
+def as_request(row: FunctionRow) -> RequestRow:
+    """A function as a request: what it writes is no argument of it."""
+    takes = {each.name: _kind(each) for each in row.arguments if each.kind != "out"}
+    return RequestRow(name=row.name, takes=takes, defaults=row.defaults, within_s=row.within_s)
+
+
+def _kind(argument: Argument) -> Kind:
+    return C_KINDS.get(argument.kind, Kind.INTEGER)
+
+
+def _bytes(name: str, value: str) -> bytes:
+    try:
+        return base64.b64decode(value, validate=True)
+    except (binascii.Error, ValueError) as error:
+        raise Refused(f"{name} must be base64: {error}") from error
+
+
+def _without_bytes(value: Mapping[str, Any]) -> dict[str, Any]:
+    """As JSON can hold it: bytes become base64."""
+    return {key: base64.b64encode(each).decode() if isinstance(each, bytes) else each for key, each in value.items()}
