@@ -30,6 +30,7 @@ from typing import Any, ClassVar
 from agents.platform.acl import AclMessage
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
 from agents.platform.desk import Desk
+from agents.platform.ends import End
 from agents.platform.errors import AclError, AgentError
 from agents.platform.handler import Handler
 from agents.platform.home import Home
@@ -64,7 +65,7 @@ class Agent(Initiator):
         self._desk = Desk(self.name, lambda: self._state, self._rouse)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
-        self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name))
+        self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, End.FAILED))
         self._home: Home | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -161,6 +162,14 @@ class Agent(Initiator):
     def offer(self, name: str, function: Callable[..., AsyncIterator[Any]]) -> None:
         """Let an async generator function answer subscriptions to a name, as `subscription` does for a method."""
         self._desk.add(SUBSCRIPTIONS, Handler(name, function))
+
+    def tell(self, name: str, function: Callable[..., Any]) -> None:
+        """Let a function answer queries of a name, as `answers` does for a method."""
+        self._desk.add(QUERIES, Handler(name, function))
+
+    def bid(self, name: str, function: Callable[..., Any]) -> None:
+        """Let a function make proposals for a request, as `proposes` does for a method."""
+        self._desk.add(CALLS, Handler(name, function))
 
     async def receive(self, template: Template = ANY) -> AclMessage:
         """The oldest message in the mailbox that the template wants; waits for one."""

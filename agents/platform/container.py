@@ -8,16 +8,17 @@ import uuid
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
 from agents.platform.control import Control
+from agents.platform.ends import End
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent
-from agents.platform.kinds import Kinds
+from agents.platform.kinds import Kinds, kind_of
 from agents.platform.life import State
 from agents.platform.names import AgentName, ContainerName
-from bus import JSON, Bus, BusUnavailable, Publisher, Subscription
+from bus import JSON, Bus, BusUnavailable, MessageError, Publisher, Subscription
 
 SETUP_TIME = 30.0  # s
 TAKE_DOWN_TIME = 1.5  # s; a program that is told to end is gone within 2 s
@@ -147,7 +148,7 @@ class Container:
                 await begin(self)
         except Exception as error:
             self.report(agent.name, "its setup failed", error)
-            await self._end(agent.name)
+            await self._end(agent.name, End.NOT_SET_UP)
             late = f"it took longer than {SETUP_TIME:g} s"
             why = late if isinstance(error, TimeoutError) else f"{type(error).__name__}: {error}"
             raise SetupFailed(f"the setup of {agent.name} failed: {why}") from error
@@ -155,9 +156,13 @@ class Container:
             await self._end(agent.name)
             raise
 
-    async def stop(self, name: AgentName | str) -> None:
+    async def stop(self, name: AgentName | str, end: End = End.STOPPED) -> None:
         """End an agent: out of the directory, answers ended, behaviours cancelled, then its `take_down`.
 
+        Args:
+            name: Whom.
+            end: Why, for whoever looks after agents: one that has failed is told of when it can be started again, any
+                other before it goes, so that nobody misses it.
         Raises:
             UnknownAgent: It does not live here.
         """
@@ -165,6 +170,8 @@ class Container:
         if agent.state is State.DELETED:
             return  # somebody is at it
         agent.mark_deleted()
+        if not end.is_failure:
+            self._tell_end(agent, end)
         try:
             await agent.finish()
             async with asyncio.timeout(TAKE_DOWN_TIME):
@@ -173,6 +180,8 @@ class Container:
             self.report(agent.name, "its take-down failed", error)
         finally:
             del self._agents[agent.name]
+            if end.is_failure:
+                self._tell_end(agent, end)
 
     def suspend(self, name: AgentName | str) -> None:
         """Make an agent rest.
@@ -208,22 +217,21 @@ class Container:
     async def close(self) -> None:
         """Stop all agents, together, and be seen no more."""
         await self._control.close()
-        await asyncio.gather(*(self.stop(name) for name in list(self._agents)))
+        await asyncio.gather(*(self.stop(name, End.CLOSED) for name in list(self._agents)))
         await asyncio.gather(*self._ending)
+        self._tell({"agent": None, "what": "the container has been closed", "ended": End.CLOSED})
         while self._shown:
             self._shown.pop().close()
 
     def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
         """Make known that something went wrong: to whoever listens on the bus, and as this container was told to."""
         text = None if error is None else f"{type(error).__name__}: {error}"[:LONGEST_ERROR]
-        if self._reports is not None:
-            with contextlib.suppress(BusUnavailable):
-                self._reports.put({"time": self.wall_time(), "agent": str(agent), "what": what, "error": text})
+        self._tell({"agent": str(agent), "what": what, "error": text})
         self._report(Report(agent, what, error))
 
-    def end(self, agent: AgentName) -> None:
+    def end(self, agent: AgentName, end: End = End.STOPPED) -> None:
         """Stop an agent soon; one that has gone already does no harm."""
-        task = asyncio.ensure_future(self._end(agent))
+        task = asyncio.ensure_future(self._end(agent, end))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
 
@@ -238,9 +246,19 @@ class Container:
         """s since 1970."""
         return self._wall_time()
 
-    async def _end(self, agent: AgentName) -> None:
+    async def _end(self, agent: AgentName, end: End = End.STOPPED) -> None:
         if agent in self._agents:
-            await self.stop(agent)
+            await self.stop(agent, end)
+
+    def _tell_end(self, agent: Agent, end: End) -> None:
+        """Say on the bus why an agent ends, with what is needed to start it again."""
+        told = {"agent": str(agent.name), "what": f"it has ended: {end}", "ended": end, "kind": kind_of(agent)}
+        self._tell({**told, "properties": agent.properties})
+
+    def _tell(self, report: dict[str, Any]) -> None:
+        if self._reports is not None:
+            with contextlib.suppress(BusUnavailable, MessageError):  # MessageError: properties that no message can hold
+                self._reports.put({"time": self.wall_time(), "error": None, **report})
 
     async def __aenter__(self) -> Self:
         self.show()

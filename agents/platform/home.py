@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from agents.platform.acl import AclMessage
+from agents.platform.ends import End
 from agents.platform.names import AgentName
 from bus import Bus
 
@@ -24,8 +25,8 @@ class Home(Protocol):
         """Make known that something went wrong."""
         ...
 
-    def end(self, agent: AgentName) -> None:
-        """Stop an agent soon."""
+    def end(self, agent: AgentName, end: End = End.STOPPED) -> None:
+        """Stop an agent soon, and say why."""
         ...
 
     def trace(self, message: AclMessage) -> None:
