@@ -58,11 +58,30 @@ def subscription(name: str) -> Callable[[Method], Method]:
     return _hooked(lambda agent, method: agent.offer(name, method))
 
 
+def answers(name: str) -> Callable[[Method], Method]:
+    """Let this method answer queries of a name: what it returns is what the other wants to know, else as `request`."""
+    return _hooked(lambda agent, method: agent.tell(name, method))
+
+
+def proposes(name: str) -> Callable[[Method], Method]:
+    """Let this method say what the agent would do the request of a name for, when somebody calls for proposals.
+
+    It takes the arguments of the request, returns the proposal, and raises `bus.Refused` to make none. Once the
+    proposal is accepted, the request is done.
+    """
+    return _hooked(lambda agent, method: agent.bid(name, method))
+
+
 def hooks_of(agent: Agent) -> list[tuple[Callable[..., Any], Hook]]:
     """The methods that decorators have marked, in the order of their definition, base classes first."""
     names = dict.fromkeys(name for kind in reversed(type(agent).__mro__) for name in vars(kind))
     methods = [getattr(agent, name) for name in names if hasattr(getattr(type(agent), name), _HOOKS)]
-    return [(method, hook) for method in methods for hook in getattr(method, _HOOKS)]
+    return [(method, hook) for method in methods for hook in marks(method)]
+
+
+def marks(function: Callable[..., Any]) -> list[Hook]:
+    """What decorators have noted on one function, the innermost first."""
+    return list(getattr(function, _HOOKS, []))
 
 
 def _hooked(begin: Callable[[Agent, Callable[..., Any]], object]) -> Callable[[Method], Method]:

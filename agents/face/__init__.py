@@ -1,0 +1,29 @@
+"""The face of the agents for people who write one thing after the other: no event loop, no bus, no messages.
+
+    from agents import Team
+
+    with Team() as team:
+        for robot in team.robots(having="laser"):
+            print(robot.name, robot.laser.nearest())
+
+`Team` (team.py) is all robots, `Robot` one of them, `Element` a part of it; `stage` is where their calls are done.
+"""
+
+from agents.face.element import Element
+from agents.face.errors import Failed, NotThere, Refused, RobotError, Stopped, TimedOut
+from agents.face.robot import Robot
+from agents.face.team import Team
+from agents.platform import request
+
+__all__ = [
+    "Element",
+    "Failed",
+    "NotThere",
+    "Refused",
+    "Robot",
+    "RobotError",
+    "Stopped",
+    "Team",
+    "TimedOut",
+    "request",
+]

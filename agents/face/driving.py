@@ -1,0 +1,53 @@
+"""Driving on and on at one velocity: a stream of it, while the program is at work."""
+
+import asyncio
+import contextlib
+
+from agents.face.stage import Stage
+from bus import Publisher, keys, messages
+
+PERIOD = 0.1  # s; half a second of silence stops the robot
+SILENCE = 0.6  # s after a stop until the gateway obeys a stream again
+
+
+class Driving:
+    """One robot that is driven so. All of it belongs to the stage's event loop."""
+
+    def __init__(self, stage: Stage, robot: str) -> None:
+        self._stage = stage
+        self._robot = robot
+        self._velocity = (0.0, 0.0)
+        self._token = ""
+        self._task: asyncio.Task[None] | None = None
+        self._obeyed_from = 0.0
+
+    async def go(self, linear: float, angular: float, token: str) -> None:
+        """Drive so from now on: m/s, rad/s."""
+        self._velocity, self._token = (linear, angular), token
+        if self._task is None or self._task.done():
+            await asyncio.sleep(self._obeyed_from - self._stage.loop.time())
+            self._task = asyncio.ensure_future(self._stream())
+
+    async def end(self) -> None:
+        """Drive no more; the robot comes to rest."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+            self._task = None
+
+    def has_stopped(self) -> None:
+        """The robot has been told to stop, and will obey no stream until that has been silent for a while."""
+        self._obeyed_from = self._stage.loop.time() + SILENCE
+
+    async def _stream(self) -> None:
+        with self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name) as wheels:
+            try:
+                while self._stage.is_attended:
+                    self._say(wheels, *self._velocity)
+                    await asyncio.sleep(PERIOD)
+            finally:
+                self._say(wheels, 0.0, 0.0)
+
+    def _say(self, wheels: Publisher, linear: float, angular: float) -> None:
+        wheels.put(messages.twist(linear, angular), self._token.encode())

@@ -1,0 +1,102 @@
+"""One element of a robot, as a program sees it: something to ask, to read and to watch."""
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from typing import Any, ClassVar, Generic, TypeVar
+
+from agents.face.errors import NotThere, TimedOut, error_of
+from agents.face.readings import OtherReading, Reading
+from agents.face.stage import Stage
+from agents.platform import AgentName
+from agents.platform.talk import hand_over
+from bus import MessageError, Sample, Subscription
+from bus.messages import decode_json
+
+PATIENCE = 10.0  # s for an answer, and for the next result of a stream
+
+R = TypeVar("R", bound=Reading)
+
+
+class Element(Generic[R]):
+    """Any element of a robot.
+
+    agent: the name of the agent that stands for it, `laser@happy`.
+    """
+
+    reading: ClassVar[type[Reading]] = OtherReading
+
+    def __init__(self, stage: Stage, agent: AgentName) -> None:
+        self.agent = agent
+        self._stage = stage
+
+    def ask(self, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:
+        """Ask for anything that its agent does, and wait for the end; `acromovi directory` shows what it does.
+
+        Args:
+            request: Its name, `read` for example.
+            within: s to wait.
+            arguments: JSON values by name.
+        Returns:
+            What the agent answers, made of JSON.
+        Raises:
+            RobotError: It was not done; which one says how that came.
+        """
+        outcome = self._stage.call(self._stage.agent.request(self.agent, request, reply_within=within, **arguments))
+        if not outcome.is_done:
+            raise error_of(outcome, self.agent, request)
+        return outcome.result
+
+    def read(self) -> R:
+        """The latest reading; waits a little for the first.
+
+        Raises:
+            RobotError: There is none, or none that is fresh.
+        """
+        return self._read(self.ask("read"))
+
+    def watch(self, within: float = PATIENCE) -> Iterator[R]:
+        """Every reading as it comes, for a `for` loop; older ones are left out while the loop is busy.
+
+        Args:
+            within: s to wait for the next.
+        Raises:
+            NotThere: The element has gone.
+            TimedOut: It has fallen silent.
+        """
+        latest: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        with closing(self._stage.call(self._listen(latest))):
+            while True:
+                yield self._read(self._stage.call(self._next(latest, within)))
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.agent}>"
+
+    async def _listen(self, latest: "asyncio.Queue[dict[str, Any]]") -> Subscription:
+        bus = self._stage.agent.bus
+        return bus.subscribe(self.agent.results_key, lambda sample: self._take(sample, latest), urgent=True)
+
+    def _take(self, sample: Sample, latest: "asyncio.Queue[dict[str, Any]]") -> None:
+        with suppress(MessageError):  # the next one will be better
+            hand_over(self._stage.loop, _replace, latest, decode_json(sample.payload))
+
+    async def _next(self, latest: "asyncio.Queue[dict[str, Any]]", within: float) -> dict[str, Any]:
+        try:
+            async with asyncio.timeout(within):
+                return await latest.get()
+        except TimeoutError as err:
+            outcome = await self._stage.agent.request(self.agent, "read", reply_within=PATIENCE)
+            if not outcome.is_done:
+                raise error_of(outcome, self.agent, "read") from err
+            raise TimedOut(f"{self.agent} has sent nothing for {within:g} s") from err
+
+    def _read(self, result: Any) -> R:
+        if not isinstance(result, dict):
+            raise NotThere(f"{self.agent} says nothing that can be read")
+        return self.reading.of(result, self.agent)  # type: ignore[return-value]
+
+
+def _replace(latest: "asyncio.Queue[dict[str, Any]]", result: dict[str, Any]) -> None:
+    while not latest.empty():
+        latest.get_nowait()
+    latest.put_nowait(result)

@@ -1,0 +1,54 @@
+"""What can go wrong between a program and its robots.
+
+RobotError
+ +-- NotThere                 no such robot, element or agent, or not any more
+ +-- Refused                  the other said no, and has done nothing
+ +-- Failed                   it tried, in vain
+ +-- TimedOut (TimeoutError)  it has not come to an end in time
+
+Every message says in one sentence what happened and, where there is a way out, which.
+
+`Stopped` stands apart, as KeyboardInterrupt does: it is no error but the wish that the program ends, and `except
+RobotError` or `except Exception` must not hold it up.
+"""
+
+from agents.platform import Ending, Outcome
+
+
+class RobotError(Exception):
+    """The root: whatever can go wrong between a program and its robots."""
+
+
+class NotThere(RobotError):
+    """No such robot, element or agent, or not any more."""
+
+
+class Refused(RobotError):
+    """The other said no, and has done nothing."""
+
+
+class Failed(RobotError):
+    """It was tried, in vain."""
+
+
+class TimedOut(RobotError, TimeoutError):
+    """It has not come to an end in time; it may still be done."""
+
+
+class Stopped(BaseException):
+    """The program is told to end, by whoever runs it."""
+
+
+_BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
+    Ending.REFUSED: (Refused, "{peer} refuses {request}: {why}"),
+    Ending.NOT_UNDERSTOOD: (Refused, "{peer} does not understand {request}: {why}"),
+    Ending.FAILED: (Failed, "{peer} could not {request}: {why}"),
+    Ending.TIMED_OUT: (TimedOut, "{request}: {why}"),
+    Ending.DIED: (NotThere, "{why}; see `acromovi ps` for who is there"),
+}
+
+
+def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
+    """The error that a request's end is to whoever asked."""
+    kind, sentence = _BY_ENDING[outcome.ending]
+    return kind(sentence.format(peer=peer, request=request, why=outcome.why))

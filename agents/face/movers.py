@@ -1,0 +1,191 @@
+"""The elements that move. What a program has set going stops when the program does."""
+
+from collections.abc import Mapping
+from typing import Any, Generic
+
+from agents.face.driving import Driving
+from agents.face.element import Element, R
+from agents.face.errors import RobotError, TimedOut
+from agents.face.readings import ArmReading, BaseReading, OtherReading, PtzReading
+from agents.face.stage import Stage
+from agents.platform import AgentName
+from geometry import Pose2D
+
+MOTION = 300.0  # s for the longest motion; what is stuck or dead says so earlier
+
+
+class Mover(Element[R], Generic[R]):
+    """An element that moves, and so can be leased, and stopped.
+
+    token: of the lease, while the program holds one; empty otherwise.
+    """
+
+    def __init__(self, stage: Stage, agent: AgentName) -> None:
+        super().__init__(stage, agent)
+        self.token = ""
+
+    def stop(self) -> None:
+        """Stop."""
+        self.ask("stop")
+
+    def _move(self, request: str, /, **arguments: Any) -> Any:
+        """Ask for a motion and wait for its end; a wait that is broken off stops it."""
+        if self.token:
+            arguments["token"] = self.token
+        self._stage.moving[self] = self._halt
+        try:
+            result = self.ask(request, within=MOTION, **arguments)
+        except TimedOut:
+            self._stop_at_once()
+            raise
+        except RobotError:
+            self._stage.moving.pop(self, None)  # it has not begun, or has ended
+            raise
+        except BaseException:  # Ctrl-C, or the program is to end
+            self._stop_at_once()
+            raise
+        self._stage.moving.pop(self, None)
+        return result
+
+    def _stop_at_once(self) -> None:
+        self._stage.last(self._halt())
+        self._stage.moving.pop(self, None)
+
+    async def _halt(self) -> None:
+        await self._stage.agent.request(self.agent, "stop", reply_within=1.0)
+
+
+class Base(Mover[BaseReading]):
+    """Wheels and odometry. Poses are in the robot's frame `odom`, which begins where the robot was switched on."""
+
+    reading = BaseReading
+
+    def __init__(self, stage: Stage, agent: AgentName) -> None:
+        super().__init__(stage, agent)
+        self._driving = Driving(stage, agent.platform)
+
+    def pose(self) -> Pose2D:
+        """Where the robot believes it is: m, m, rad."""
+        return self.read().pose
+
+    def move(self, distance: float, speed: float | None = None) -> Pose2D:
+        """Drive so many m straight on, backward if negative; returns where it ended."""
+        return self._go("move", distance=distance, **_given(speed=speed))
+
+    def turn(self, angle: float) -> Pose2D:
+        """Turn on the spot by so many rad, counter-clockwise; returns where it ended."""
+        return self._go("turn", angle=angle)
+
+    def heading(self, heading: float) -> Pose2D:
+        """Turn to a heading, rad; returns where it ended."""
+        return self._go("heading", heading=heading)
+
+    def go_to(self, x: float, y: float, heading: float | None = None, speed: float | None = None) -> Pose2D:
+        """Drive to a place, m and m, and there to a heading if one is given; returns where it ended."""
+        return self._go("go_to", x=x, y=y, **_given(heading=heading, speed=speed))
+
+    def drive(self, linear: float, angular: float = 0.0, seconds: float | None = None) -> None:
+        """Drive at m/s forward and rad/s counter-clockwise.
+
+        Without `seconds` it returns at once and the robot goes on so until the next call that moves it, until `stop`,
+        or until the program ends or makes no call for a second.
+        """
+        if seconds is None:
+            self._stage.moving[self] = self._halt
+            self._stage.call(self._driving.go(linear, angular, self.token))
+        else:
+            self._go("drive", linear=linear, angular=angular, seconds=seconds)
+
+    def stop(self) -> None:
+        """Stop."""
+        self._stage.call(self._driving.end())
+        self.ask("stop")
+        self._stage.moving.pop(self, None)
+        self._driving.has_stopped()
+
+    def enable(self, on: bool = True) -> None:
+        """Switch the motors."""
+        self.ask("enable", on=on)
+
+    def estop(self, on: bool = True) -> None:
+        """Stop at once, and let nothing move until `estop(False)` and `enable()`."""
+        self.ask("estop", on=on)
+
+    def _go(self, request: str, /, **arguments: Any) -> Pose2D:
+        self._stage.call(self._driving.end())
+        return self._read(self._move(request, **arguments)).pose
+
+    async def _halt(self) -> None:
+        await self._driving.end()
+        await super()._halt()
+        self._driving.has_stopped()
+
+
+class Gripper(Mover[OtherReading]):
+    """Two paddles on a lift. Each motion returns when it has ended."""
+
+    def open(self) -> None:
+        """Open the paddles."""
+        self._move("open")
+
+    def close(self) -> None:
+        """Close the paddles, until they hold something or meet."""
+        self._move("close")
+
+    def up(self) -> None:
+        """Lift."""
+        self._move("up")
+
+    def down(self) -> None:
+        """Lower."""
+        self._move("down")
+
+    def store(self) -> None:
+        """Close and lift, for driving."""
+        self._move("store")
+
+    def deploy(self) -> None:
+        """Lower and open, for gripping."""
+        self._move("deploy")
+
+
+class Arm(Mover[ArmReading]):
+    """An arm. Each motion returns when it has ended."""
+
+    reading = ArmReading
+
+    def move(self, joints: Mapping[str, float], speed: float | None = None) -> ArmReading:
+        """Move joints, by name, to angles, rad, at rad/s."""
+        self._move("move", joints=dict(joints), **_given(speed=speed))
+        return self.read()
+
+    def home(self) -> None:
+        """Move to the pose where it finds its zeros."""
+        self._move("home")
+
+    def park(self) -> None:
+        """Move to the pose for driving, and rest."""
+        self._move("park")
+
+    def power(self, on: bool = True) -> None:
+        """Switch its motors."""
+        self._move("power", on=on)
+
+
+class Ptz(Element[PtzReading]):
+    """A head that points the camera."""
+
+    reading = PtzReading
+
+    def look(self, pan: float | None = None, tilt: float | None = None, zoom: float | None = None) -> None:
+        """Point it, rad to the left and rad up, and zoom; what is left out stays as it is."""
+        self.ask("look", **_given(pan=pan, tilt=tilt, zoom=zoom))
+
+    def centre(self) -> None:
+        """Look straight ahead, at the widest."""
+        self.ask("centre")
+
+
+def _given(**arguments: float | None) -> dict[str, Any]:
+    """The arguments that were given."""
+    return {name: value for name, value in arguments.items() if value is not None}

@@ -1,0 +1,173 @@
+"""An application before it runs: a file, or a module of the package `apps`, with a function `main(team)`.
+
+    from agents import Team, request
+
+    def main(team: Team, speed: float = 0.2):
+        ...
+
+    @request("laps")
+    def laps():
+        return 3
+
+As an agent it offers the services that it lists (`SERVICES = ("patrol",)`), and begins again after a failure if it says
+so (`RESTART = True`).
+"""
+
+import difflib
+import importlib
+import importlib.util
+import inspect
+import pkgutil
+import sys
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from agents.face.errors import RobotError
+from agents.platform.handler import Handler, NotUnderstood
+
+PACKAGE = "apps"
+
+
+class ProgramNotValid(RobotError):
+    """There is no such application, it cannot be loaded, or it does not take what it is given."""
+
+
+class ProgramFailed(RobotError):
+    """An application raised something of its own; says what and in which line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """An application that has been loaded.
+
+    name: for people and for its agent.
+    """
+
+    name: str
+    module: ModuleType
+
+    @property
+    def services(self) -> tuple[str, ...]:
+        """What it offers as an agent."""
+        return tuple(getattr(self.module, "SERVICES", ()))
+
+    @property
+    def begins_again(self) -> bool:
+        """Whether it does so after a failure."""
+        return bool(getattr(self.module, "RESTART", False))
+
+    @property
+    def functions(self) -> list[Callable[..., Any]]:
+        """All that the file itself defines."""
+        found = [value for _, value in inspect.getmembers(self.module, inspect.isfunction)]
+        return [value for value in found if value.__module__ == self.module.__name__]
+
+    def check(self, arguments: Mapping[str, Any]) -> None:
+        """See whether `main` takes these arguments beside the team.
+
+        Raises:
+            ProgramNotValid: It does not; says what it takes.
+        """
+        signature = inspect.signature(self.module.main)
+        team, *others = signature.parameters
+        if team in arguments:
+            raise ProgramNotValid(f"{team} in main of {self.name} is its team; {_takes(others)}")
+        try:
+            Handler("main", self.module.main).check({team: None, **arguments})
+        except NotUnderstood as err:
+            raise ProgramNotValid(f"{self.name}: {err}; {_takes(others)}") from err
+
+    def run(self, team: Any, arguments: Mapping[str, Any]) -> None:
+        """Run it to its end.
+
+        Raises:
+            RobotError: Something went wrong, with a robot or in the program.
+        """
+        try:
+            self.module.main(team, **arguments)
+        except RobotError:
+            raise
+        except Exception as err:
+            raise ProgramFailed(complaint(err, Path(str(self.module.__file__)))) from err
+
+
+def find_program(name: str, folders: Sequence[Path] = ()) -> Program:
+    """Load an application.
+
+    Args:
+        name: A file that ends in `.py`, or a name: of a file in one of the folders, or of a module in `apps`.
+        folders: Where to look first for a name.
+    Raises:
+        ProgramNotValid: There is none, or it cannot be loaded.
+    """
+    places = [Path(name)] if name.endswith(".py") else [folder / f"{name}.py" for folder in folders]
+    file = next((place for place in places if place.is_file()), None)
+    if file is None and (name.endswith(".py") or name not in _names_in_package()):
+        raise ProgramNotValid(f"there is no application {name!r}{_advice(name, folders)}")
+    module = _load_file(file) if file is not None else _load_module(f"{PACKAGE}.{name}")
+    main = getattr(module, "main", None)
+    if not callable(main) or not inspect.signature(main).parameters:
+        raise ProgramNotValid(f"{file or name} has no function main(team); an application begins there")
+    return Program(file.stem if file else name, module)
+
+
+def complaint(error: BaseException, file: Path) -> str:
+    """An exception of a program in one sentence: file, line, and what was raised."""
+    if isinstance(error, SyntaxError) and error.filename == str(file):
+        return f"{file.name}, line {error.lineno}: {error.msg}"
+    frames = traceback.extract_tb(error.__traceback__)
+    line = next((frame.lineno for frame in reversed(frames) if frame.filename == str(file)), None)
+    where = file.name if line is None else f"{file.name}, line {line}"
+    return f"{where}: {type(error).__name__}: {error}"
+
+
+def _load_file(file: Path) -> ModuleType:
+    file = file.resolve()
+    name = f"application_{file.stem}"
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses and pickles look there
+    beside = str(file.parent)
+    if beside not in sys.path:
+        sys.path.append(beside)  # it may import what lies beside it
+    try:
+        spec.loader.exec_module(module)
+    except RobotError:
+        raise
+    except Exception as err:
+        del sys.modules[name]
+        raise ProgramNotValid(complaint(err, file)) from err
+    return module
+
+
+def _load_module(name: str) -> ModuleType:
+    try:
+        return importlib.import_module(name)
+    except Exception as err:
+        raise ProgramNotValid(f"the module {name} cannot be loaded: {type(err).__name__}: {err}") from err
+
+
+def _names_in_package() -> list[str]:
+    return [module.name for module in pkgutil.iter_modules(importlib.import_module(PACKAGE).__path__)]
+
+
+def _advice(name: str, folders: Sequence[Path]) -> str:
+    """What may have been meant."""
+    if name.endswith(".py"):
+        known = [str(path) for path in Path(name).parent.glob("*.py")] if Path(name).parent.is_dir() else []
+    else:
+        known = [*_names_in_package(), *(path.stem for folder in folders for path in folder.glob("*.py"))]
+        if Path(f"{name}.py").is_file():
+            return f"; did you mean the file {name}.py?"
+    near = difflib.get_close_matches(name, known, 1)
+    return f"; did you mean {near[0]}?" if near else f"; write one with `acromovi new {Path(name).stem}`"
+
+
+def _takes(names: Sequence[str]) -> str:
+    return f"it takes {', '.join(names)}" if names else "it takes nothing"

@@ -1,0 +1,208 @@
+"""What elements say, as a program sees it: metres, seconds and radians; x forward, y left, angles counter-clockwise.
+
+A distance where nothing answered is infinite, so that `nearest < 0.5` needs no special case. Every reading has `stamp`,
+s since 1970 on the clock of the robot's gateway.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, Self
+
+from agents.face.errors import RobotError
+from geometry import Pose2D
+
+
+def _metres(value: Any) -> float:
+    return math.inf if value is None else float(value)
+
+
+def _ring(value: Any) -> dict[int, float]:
+    return {int(number): _metres(distance) for number, distance in value.items()}
+
+
+def _row(value: Any) -> tuple[float, ...]:
+    return tuple(_metres(distance) for distance in value)
+
+
+def _maybe(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def _angle(value: Any) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _any(value: Any) -> bool:
+    return any(value) if isinstance(value, list) else bool(value)
+
+
+# How a field is read that is not taken as it is.
+METRES, RING, ROW, MAYBE, ANGLE, TUPLE, ANY = (
+    {"reader": each} for each in (_metres, _ring, _row, _maybe, _angle, tuple, _any)
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What an element said last. stamp: when, s since 1970."""
+
+    stamp: float
+
+    @classmethod
+    def of(cls, result: Mapping[str, Any], said_by: object) -> Self:
+        """Read a result; what it says beyond the fields here is left out.
+
+        Raises:
+            RobotError: It cannot be read.
+        """
+        given: dict[str, Any] = {}
+        try:
+            for each in fields(cls):
+                if each.name in result or each.default is MISSING:
+                    reader: Callable[[Any], Any] = each.metadata.get("reader", lambda value: value)
+                    given[each.name] = reader(result[each.name])
+            return cls(**given)
+        except (KeyError, TypeError, ValueError, AttributeError) as err:
+            raise RobotError(f"what {said_by} says cannot be read: {type(err).__name__}: {err}") from err
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaseReading(Reading):
+    """Where the robot believes it is, in its frame `odom`, and how fast it is."""
+
+    x: float
+    y: float
+    heading: float
+    linear: float
+    angular: float
+
+    @property
+    def pose(self) -> Pose2D:
+        """Place and heading."""
+        return Pose2D(self.x, self.y, self.heading)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RangesReading(Reading):
+    """Ranges of sonar discs or infrared sensors. ranges: by the sensor's number, from 0."""
+
+    ranges: dict[int, float] = field(metadata=RING)
+    nearest: float = field(metadata=METRES)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SonarReading(RangesReading):
+    """Ranges of the sonar discs. bearing: of the nearest, from straight ahead, rad; NaN when nothing is near."""
+
+    bearing: float = field(metadata=ANGLE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserReading(Reading):
+    """One sweep of the laser. ranges: from the right to the left, `angle_increment` apart."""
+
+    angle_min: float
+    angle_increment: float
+    ranges: tuple[float, ...] = field(metadata=ROW)
+    nearest: float = field(metadata=METRES)
+    bearing: float = field(metadata=ANGLE)
+
+    def within(self, left: float, right: float) -> float:
+        """The nearest thing between two bearings: `within(0.3, -0.3)` is ahead; infinite when nothing is there."""
+        bearings = (self.angle_min + number * self.angle_increment for number in range(len(self.ranges)))
+        seen = zip(bearings, self.ranges, strict=True)
+        return min((distance for bearing, distance in seen if right <= bearing <= left), default=math.inf)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BumpersReading(Reading):
+    """What touches the robot. front, rear: one for each segment. pressed: any of them."""
+
+    front: tuple[bool, ...] = field(metadata=TUPLE)
+    rear: tuple[bool, ...] = field(metadata=TUPLE)
+    stall_left: bool
+    stall_right: bool
+    pressed: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatteryReading(Reading):
+    """voltage: V. fraction: how full, 0 to 1; None where the robot does not say."""
+
+    voltage: float
+    fraction: float | None = field(metadata=MAYBE)
+    charging: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IoReading(Reading):
+    """The user's inputs and outputs. analog_in: V."""
+
+    digital_in: tuple[bool, ...] = field(metadata=TUPLE)
+    digital_out: tuple[bool, ...] = field(metadata=TUPLE)
+    analog_in: tuple[float, ...] = field(metadata=TUPLE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PtzReading(Reading):
+    """Where the camera looks. pan: to the left. tilt: up. zoom: magnification, 1 at the widest."""
+
+    pan: float
+    tilt: float
+    zoom: float
+    moving: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArmReading(Reading):
+    """Where the arm is. joints: by name, rad."""
+
+    joints: dict[str, float]
+    powered: bool
+    homed: bool
+    moving: bool = field(metadata=ANY)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraReading(Reading):
+    """What the camera delivers. rate: pictures a second."""
+
+    width: int
+    height: int
+    format: str
+    frames: int
+    rate: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JoystickReading(Reading):
+    """The joystick on the robot. axes: -1 to 1."""
+
+    axes: tuple[float, ...] = field(metadata=TUPLE)
+    buttons: tuple[int, ...] = field(metadata=TUPLE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """One picture. format: `jpeg` or `png`. data: the bytes of such a file."""
+
+    format: str
+    width: int
+    height: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OtherReading(Reading):
+    """What an element says for which there is no class of its own: `reading["voltage"]`."""
+
+    result: dict[str, Any]
+
+    @classmethod
+    def of(cls, result: Mapping[str, Any], said_by: object) -> Self:
+        """Keep a result as it is."""
+        return cls(stamp=float(result.get("stamp", math.nan)), result=dict(result))
+
+    def __getitem__(self, name: str) -> Any:
+        return self.result[name]

@@ -1,0 +1,128 @@
+"""Where the calls of a program are done: by an agent, in its event loop, while the program's own thread waits."""
+
+import asyncio
+import concurrent.futures
+import threading
+import time
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any, TypeVar
+
+from agents.face.errors import RobotError, Stopped
+from agents.platform import Agent, AgentError
+from bus import BusError
+
+ATTENTION = 1.0  # s after its last call for which a program counts as being at work
+LAST_WORDS = 2.0  # s for what is done while a program ends
+
+Result = TypeVar("Result")
+Halt = Callable[[], Awaitable[object]]
+
+
+class Stage:
+    """One agent that speaks for a program.
+
+    agent: who asks. loop: where it lives; calls come from any other thread.
+    moving: how to stop what the program has set going and has not seen the end of.
+    """
+
+    def __init__(self, agent: Agent, loop: asyncio.AbstractEventLoop) -> None:
+        self.agent = agent
+        self.loop = loop
+        self.moving: dict[object, Halt] = {}
+        self._changed = threading.Condition()
+        self._under_way: set[concurrent.futures.Future[Any]] = set()
+        self._last_call = time.monotonic()
+        self._is_suspended = False
+        self._why_stopped = ""
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the program is to end."""
+        return bool(self._why_stopped)
+
+    @property
+    def is_attended(self) -> bool:
+        """Whether the program is at work: within a call, or not long after one.
+
+        What goes on by itself, as driving does, ends with that: nobody would notice a wall.
+        """
+        if self._is_suspended or self.is_stopped:
+            return False
+        return bool(self._under_way) or time.monotonic() - self._last_call < ATTENTION
+
+    def call(self, work: Coroutine[Any, Any, Result]) -> Result:
+        """Have something done, and wait for its result. Ctrl-C interrupts the wait, and what is being done as well.
+
+        Raises:
+            RobotError: It was not done.
+            Stopped: The program is to end.
+        """
+        try:
+            self._enter()
+        except BaseException:
+            work.close()
+            raise
+        return self._wait(work)
+
+    def last(self, work: Coroutine[Any, Any, Result]) -> Result:
+        """The same for what must be done even when the program is to end."""
+        return self._wait(_in_time(work))
+
+    def suspend(self) -> None:
+        """Let calls wait until `resume`; those under way are finished."""
+        with self._changed:
+            self._is_suspended = True
+
+    def resume(self) -> None:
+        """Let calls go on."""
+        with self._changed:
+            self._is_suspended = False
+            self._changed.notify_all()
+
+    def stop(self, why: str) -> None:
+        """End the program: each of its calls raises `Stopped`, those under way as well."""
+        with self._changed:
+            self._why_stopped = self._why_stopped or why
+            self._changed.notify_all()
+            under_way = list(self._under_way)
+        for future in under_way:
+            future.cancel()
+
+    async def halt(self) -> None:
+        """Stop all that moves, at once and together."""
+        halts = list(self.moving.values())
+        self.moving.clear()
+        await asyncio.gather(*(_in_time(halt()) for halt in halts), return_exceptions=True)
+
+    def _enter(self) -> None:
+        if asyncio._get_running_loop() is self.loop:
+            raise RobotError("a team waits for its robots and so cannot be used in a coroutine; use a plain function")
+        with self._changed:
+            self._changed.wait_for(lambda: self.is_stopped or not self._is_suspended)
+            if self.is_stopped:
+                raise Stopped(self._why_stopped)
+
+    def _wait(self, work: Coroutine[Any, Any, Result]) -> Result:
+        try:
+            future = asyncio.run_coroutine_threadsafe(work, self.loop)
+        except RuntimeError as err:  # the loop has ended
+            work.close()
+            raise RobotError("this team is closed; open another with `with Team() as team:`") from err
+        with self._changed:
+            self._under_way.add(future)
+        try:
+            return future.result()
+        except concurrent.futures.CancelledError as err:
+            raise Stopped(self._why_stopped or "the program has ended") from err
+        except (BusError, AgentError) as err:
+            raise RobotError(str(err)) from err
+        finally:
+            future.cancel()
+            with self._changed:
+                self._under_way.discard(future)
+                self._last_call = time.monotonic()
+
+
+async def _in_time(work: Awaitable[Result]) -> Result:
+    async with asyncio.timeout(LAST_WORDS):
+        return await work

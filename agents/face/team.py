@@ -1,0 +1,150 @@
+"""All robots on a bus, for a program that does one thing after the other."""
+
+import asyncio
+import atexit
+from collections.abc import Iterator
+from types import TracebackType
+from typing import Any, Self
+
+from agents.face.backstage import Backstage
+from agents.face.element import PATIENCE
+from agents.face.errors import RobotError, Stopped, error_of
+from agents.face.horizon import Horizon
+from agents.face.robot import Robot
+from agents.face.stage import Stage
+from agents.platform import AgentName, NameNotValid
+from bus import Bus, BusError
+from bus.keys import robot_name
+
+
+class Team:
+    """All robots on a bus.
+
+        with Team() as team:
+            robot = team.robot("happy")
+            robot.base.move(1.0)
+
+    At the end of the block, and at the end of the program in any case, what it moves is stopped and what it holds is
+    released. Everything that goes wrong is a `RobotError`.
+    """
+
+    def __init__(self, bus: Bus | str = "local") -> None:
+        """Join a bus.
+
+        Args:
+            bus: How to reach it: a profile as of `acromovi --bus`, or a bus that is open.
+        Raises:
+            RobotError: It cannot be reached.
+        """
+        backstage = Backstage(bus)
+        self._backstage: Backstage | None = backstage
+        self._begin(backstage.stage, backstage.stage.call(look(backstage.stage)))
+        atexit.register(self.close)
+
+    @classmethod
+    def of(cls, stage: Stage, horizon: Horizon) -> Self:
+        """A team for a program whose agent lives in somebody else's container."""
+        team = cls.__new__(cls)
+        team._backstage = None
+        team._begin(stage, horizon)
+        return team
+
+    def robots(self, having: str | tuple[str, ...] = ()) -> list[Robot]:
+        """All robots, or those that have an element, or several, in the order of the alphabet."""
+        return [self._robot(name) for name in self._stage.call(self._horizon.robots(_tuple(having)))]
+
+    def robot(self, name: str = "", having: str | tuple[str, ...] = ()) -> Robot:
+        """One robot; waits a little for one that is about to come.
+
+        Args:
+            name: Its name; without one, the first that has what is wanted.
+            having: An element that it must have, or several.
+        Raises:
+            NotThere: It is not there; says which robots are.
+        """
+        if not name:
+            return self._robot(self._stage.call(self._horizon.any_robot(_tuple(having))))
+        try:
+            robot_name(name)
+        except BusError as err:
+            raise RobotError(str(err)) from err
+        self._stage.call(self._horizon.robot(name, _tuple(having)))
+        return self._robot(name)
+
+    def ask(self, agent: str, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:
+        """Ask any agent on the bus to do something, and wait for the end: `team.ask("wander@apps", "state")`.
+
+        Args:
+            agent: Its name.
+            request: What to do; `acromovi directory` shows what it does.
+            within: s to wait.
+            arguments: JSON values by name.
+        Returns:
+            What the agent answers, made of JSON.
+        Raises:
+            RobotError: It was not done; which one says how that came.
+        """
+        try:
+            peer = AgentName.parse(agent)
+        except NameNotValid as err:
+            raise RobotError(str(err)) from err
+        outcome = self._stage.call(self._stage.agent.request(peer, request, reply_within=within, **arguments))
+        if not outcome.is_done:
+            raise error_of(outcome, agent, request)
+        return outcome.result
+
+    def sleep(self, seconds: float) -> None:
+        """Wait; what drives goes on driving."""
+        self._stage.call(asyncio.sleep(seconds))
+
+    def every(self, period: float) -> Iterator[float]:
+        """Beats for a `for` loop, every `period` seconds, each with the s since the first; beats missed are left out.
+
+        The loop ends when the program is to end, and waits while it is suspended.
+        """
+        clock = self._stage.loop.time
+        start, beat = clock(), 0
+        while True:
+            try:
+                self.sleep(start + beat * period - clock())
+            except Stopped:
+                return
+            yield clock() - start
+            beat = max(beat + 1, int((clock() - start) / period))
+
+    def close(self) -> None:
+        """Stop what it moves, release what it holds, and leave the bus. Closing twice does no harm."""
+        backstage, self._backstage = self._backstage, None
+        if backstage is None:
+            return
+        atexit.unregister(self.close)
+        try:
+            self._stage.last(self._stage.halt())
+        finally:
+            self._horizon.close()
+            backstage.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _begin(self, stage: Stage, horizon: Horizon) -> None:
+        self._stage = stage
+        self._horizon = horizon
+        self._robots: dict[str, Robot] = {}
+
+    def _robot(self, name: str) -> Robot:
+        return self._robots.setdefault(name, Robot(self._stage, self._horizon, name))
+
+
+def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else names
+
+
+async def look(stage: Stage) -> Horizon:
+    """Begin to look round from a stage."""
+    return Horizon(stage.agent.bus)

@@ -1,0 +1,276 @@
+"""A team as a student uses it: robots found, elements read and moved, and what one is told when something is wrong."""
+
+import asyncio
+import math
+import threading
+from typing import Any
+
+import pytest
+
+from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
+from agents.platform import AgentName
+from bus import MemoryBus
+from tests.agents.face.conftest import BasePart, Part, World
+from tests.waiting import wait_until
+
+
+def test_robots_are_found_by_what_they_have(team: Team) -> None:
+    assert [robot.name for robot in team.robots()] == ["grumpy", "happy"]
+    assert [robot.name for robot in team.robots(having="laser")] == ["happy"]
+    assert [robot.name for robot in team.robots(having=("laser", "base"))] == ["happy"]
+    assert team.robots(having="arm") == []
+
+
+def test_a_robot_tells_what_it_has(team: Team) -> None:
+    happy = team.robot("happy")
+    assert happy.elements == ["base", "laser"]
+    assert happy.has("laser")
+    assert not happy.has("arm")
+    assert team.robot("happy") is happy
+
+
+def test_any_robot_will_do(team: Team) -> None:
+    assert team.robot().name == "grumpy"
+    assert team.robot(having="laser").name == "happy"
+    with pytest.raises(NotThere, match="no robot has arm; there are grumpy and happy"):
+        team.robot(having="arm")
+
+
+def test_a_robot_that_comes_late_is_waited_for(world: World, team: Team) -> None:
+    with world.team() as team:
+        late = threading.Timer(0.1, lambda: world.add(BasePart("base@doc")))
+        late.start()
+        assert team.robot("doc").name == "doc"
+        late.join()
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("hapy", "there is no robot 'hapy'; did you mean 'happy'? There are grumpy and happy"),
+        ("doc", "there is no robot 'doc'; there are grumpy and happy"),
+    ],
+)
+def test_who_asks_for_a_robot_that_is_not_there_is_told_which_are(team: Team, name: str, told: str) -> None:
+    with pytest.raises(NotThere) as caught:
+        team.robot(name)
+    assert str(caught.value) == told
+
+
+def test_who_has_no_robots_at_all_is_told_how_to_start_some() -> None:
+    with Team(MemoryBus()) as team:
+        with pytest.raises(NotThere, match="there is no robot 'happy', nor any other: start a team with `acromovi up"):
+            team.robot("happy")
+        with pytest.raises(NotThere, match="there is no robot: start a team with `acromovi up"):
+            team.robot()
+        assert team.robots() == []
+
+
+def test_who_asks_for_an_element_that_is_not_there_is_told_which_are(team: Team) -> None:
+    with pytest.raises(NotThere) as caught:
+        _ = team.robot("happy").gripper
+    assert str(caught.value) == "happy has no gripper; it has base and laser"
+    with pytest.raises(NotThere, match="grumpy has no laser; it has base"):
+        team.robot("grumpy", having="laser")
+
+
+def test_a_name_that_can_name_no_robot_is_a_robot_error(team: Team) -> None:
+    with pytest.raises(RobotError, match="cannot name a robot"):
+        team.robot("a robot")
+    with pytest.raises(RobotError, match="names no agent; a name is written like base@happy"):
+        team.ask("happy", "read")
+
+
+def test_readings_have_types_and_what_is_not_seen_is_far(world: World, team: Team) -> None:
+    laser = team.robot("happy").laser
+    assert laser.nearest() == 0.7
+    assert laser.read().ranges == (2.0, math.inf, 0.7)
+    assert laser.read().within(0.5, -0.5) == math.inf
+    assert laser.read().within(0.5, -1.5) == 2.0
+    world.agent("laser@happy").result.update(nearest=None, bearing=None)
+    assert laser.nearest() == math.inf
+    assert math.isnan(laser.read().bearing)
+
+
+def test_what_cannot_be_read_is_told(world: World, team: Team) -> None:
+    del world.agent("laser@happy").result["ranges"]
+    with pytest.raises(RobotError, match="what laser@happy says cannot be read: KeyError: 'ranges'"):
+        team.robot("happy").laser.nearest()
+
+
+def test_an_element_without_a_class_of_its_own_is_read_all_the_same(world: World, team: Team) -> None:
+    world.add(Part("gyro@happy", {"rate": 0.1}))
+    gyro = team.robot("happy").element("gyro")
+    assert gyro.read()["rate"] == 0.1  # type: ignore[index]
+    assert gyro.ask("read") == {"stamp": 1.0, "rate": 0.1}
+
+
+def test_a_base_moves_and_says_where_it_is(team: Team) -> None:
+    base = team.robot("happy").base
+    base.move(1.0)
+    end = base.turn(math.pi / 2)
+    assert (end.x, end.heading) == (1.0, math.pi / 2)
+    assert base.pose() == end
+
+
+@pytest.mark.parametrize(
+    ("distance", "error", "told"),
+    [
+        (101.0, Refused, "base@happy refuses move: 100 m at a time are enough"),
+        (-1.0, Failed, "base@happy could not move: the robot is stalled"),
+    ],
+)
+def test_what_is_not_done_is_an_error_that_says_why(
+    team: Team, distance: float, error: type[Exception], told: str
+) -> None:
+    with pytest.raises(RobotError) as caught:
+        team.robot("happy").base.move(distance)
+    assert type(caught.value) is error
+    assert str(caught.value) == told
+
+
+def test_a_request_that_is_not_known_is_refused(team: Team) -> None:
+    with pytest.raises(Refused, match="does not understand fly: there is no request 'fly' here"):
+        team.robot("happy").base.ask("fly")
+
+
+def test_arguments_without_a_json_form_are_a_robot_error(team: Team) -> None:
+    with pytest.raises(RobotError, match="JSON"):
+        team.robot("happy").base.ask("move", distance=math.inf)
+
+
+def test_an_agent_that_goes_is_not_there(world: World, team: Team) -> None:
+    laser = team.robot("happy").laser
+    world.run(world.container.stop("laser@happy"))
+    with pytest.raises(NotThere, match="nobody answers as laser@happy"):
+        laser.read()
+
+
+def test_patience_ends(team: Team) -> None:
+    with pytest.raises(TimedOut, match=r"within 0\.05 s"):
+        team.robot("happy").base.ask("move", distance=99.0, within=0.05)
+
+
+def test_any_agent_can_be_asked(team: Team) -> None:
+    assert team.ask("laser@happy", "read")["nearest"] == 0.7
+
+
+def test_results_are_watched_as_they_come_and_the_newest_wins(world: World, team: Team) -> None:
+    laser = world.agent("laser@happy")
+
+    def publish(nearest: float) -> None:
+        world.loop.call_soon_threadsafe(laser.publish, {**laser.result, "nearest": nearest})
+
+    readings = team.robot("happy").laser.watch()
+    threading.Timer(0.1, publish, [0.5]).start()
+    assert next(readings).nearest == 0.5
+    for nearest in (0.4, 0.3, 0.2):
+        publish(nearest)
+    world.run(asyncio.sleep(0.1))
+    assert next(readings).nearest == 0.2
+
+
+def test_a_stream_that_falls_silent_or_ends_is_told(world: World, team: Team) -> None:
+    laser = team.robot("happy").laser
+    with pytest.raises(TimedOut, match="laser@happy has sent nothing"):
+        next(laser.watch(within=0.05))
+    world.run(world.container.stop("laser@happy"))
+    with pytest.raises(NotThere):
+        next(laser.watch(within=0.05))
+
+
+def test_driving_goes_on_until_it_is_stopped(world: World, team: Team) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    base = team.robot("happy").base
+    base.drive(0.2, 0.1)
+    team.sleep(0.5)
+    assert wheels.velocities[:3] == [(0.2, 0.1)] * 3
+    base.drive(0.1)
+    wait_until(lambda: (0.1, 0.0) in wheels.velocities)
+    base.stop()
+    assert "stop" in wheels.asked
+    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+
+
+def test_driving_ends_when_the_program_makes_no_call_any_more(
+    world: World, team: Team, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.face.stage.ATTENTION", 0.2)
+    wheels: BasePart = world.agent("base@happy")
+    team.robot("happy").base.drive(0.2)
+    wait_until(lambda: wheels.velocities and wheels.velocities[-1] == (0.0, 0.0))
+
+
+def test_the_end_of_the_block_stops_what_drives(world: World) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    with world.team() as team:
+        team.robot("happy").base.drive(0.2)
+        team.robot("grumpy").base.move(1.0)
+    assert "stop" in wheels.asked
+    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+    assert "stop" not in world.agent("base@grumpy").asked  # it has ended by itself
+
+
+def test_a_team_that_is_closed_says_so(team: Team) -> None:
+    base = team.robot("happy").base
+    team.close()
+    team.close()
+    with pytest.raises(RobotError, match="this team is closed; open another with `with Team"):
+        base.move(1.0)
+
+
+def test_a_team_cannot_be_used_in_its_own_loop(team: Team) -> None:
+    async def wrong() -> None:
+        team.robots()
+
+    with pytest.raises(RobotError, match="cannot be used in a coroutine"):
+        team._stage.call(wrong())
+
+
+def test_who_is_stopped_stops_at_the_next_call_and_in_the_midst_of_one(world: World, team: Team) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    base = team.robot("happy").base
+    ends: list[Any] = []
+
+    def go() -> None:
+        try:
+            base.move(99.0)
+        except Stopped as stopped:
+            ends.append(str(stopped))
+
+    thread = threading.Thread(target=go)
+    thread.start()
+    wait_until(lambda: wheels.asked)
+    team._stage.stop("enough")
+    thread.join()
+    assert ends == ["enough"]
+    assert "stop" in wheels.asked
+    with pytest.raises(Stopped):
+        base.pose()
+
+
+def test_a_loop_keeps_its_beat_and_ends_when_the_program_is_to_end(team: Team) -> None:
+    threading.Timer(0.3, team._stage.stop, ["enough"]).start()
+    beats = list(team.every(0.05))
+    assert 2 <= len(beats) <= 7
+    assert beats == sorted(beats)
+
+
+def test_a_program_that_is_suspended_waits_at_its_next_call(world: World, team: Team) -> None:
+    beats: list[float] = []
+    thread = threading.Thread(target=lambda: beats.extend(team.every(0.02)))
+    team._stage.suspend()
+    thread.start()
+    team._stage.loop.call_soon_threadsafe(lambda: None)
+    assert not beats
+    team._stage.resume()
+    world.run(asyncio.sleep(0.1))
+    team._stage.stop("enough")
+    thread.join()
+    assert beats
+
+
+def test_its_agent_is_in_the_directory_and_goes_with_it(world: World, team: Team) -> None:
+    name: AgentName = team._stage.agent.name
+    assert name.platform == "apps"
+    assert team.ask(str(world.agent("laser@happy").name), "read")
