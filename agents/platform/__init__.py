@@ -28,10 +28,11 @@ from agents.platform.errors import (
     SetupFailed,
     UnknownAgent,
 )
+from agents.platform.fipa_contract_net import Bid, Tender
 from agents.platform.fipa_request import Request
 from agents.platform.fipa_subscribe import Values
 from agents.platform.home import Home
-from agents.platform.hooks import every, on, request, subscription
+from agents.platform.hooks import answers, every, on, proposes, request, subscription
 from agents.platform.kinds import Kinds, UnknownKind
 from agents.platform.life import State, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
@@ -50,6 +51,7 @@ __all__ = [
     "AgentName",
     "AlreadyThere",
     "Behaviour",
+    "Bid",
     "Container",
     "ContainerName",
     "Cyclic",
@@ -81,6 +83,7 @@ __all__ = [
     "State",
     "Step",
     "Template",
+    "Tender",
     "Ticker",
     "UnknownAgent",
     "UnknownKind",
@@ -88,9 +91,11 @@ __all__ = [
     "Values",
     "Waker",
     "agree",
+    "answers",
     "asker",
     "every",
     "on",
+    "proposes",
     "request",
     "subscription",
 ]

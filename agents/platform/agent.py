@@ -159,15 +159,15 @@ class Agent(Initiator):
         """Let a function answer requests of a name, as `request` does for a method."""
         self._desk.add(REQUESTS, Handler(name, function, agrees_itself))
 
-    def offer(self, name: str, function: Callable[..., AsyncIterator[Any]]) -> None:
+    def answer_subscriptions(self, name: str, function: Callable[..., AsyncIterator[Any]]) -> None:
         """Let an async generator function answer subscriptions to a name, as `subscription` does for a method."""
         self._desk.add(SUBSCRIPTIONS, Handler(name, function))
 
-    def tell(self, name: str, function: Callable[..., Any]) -> None:
+    def answer_queries(self, name: str, function: Callable[..., Any]) -> None:
         """Let a function answer queries of a name, as `answers` does for a method."""
         self._desk.add(QUERIES, Handler(name, function))
 
-    def bid(self, name: str, function: Callable[..., Any]) -> None:
+    def answer_calls(self, name: str, function: Callable[..., Any]) -> None:
         """Let a function make proposals for a request, as `proposes` does for a method."""
         self._desk.add(CALLS, Handler(name, function))
 

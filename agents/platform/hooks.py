@@ -55,12 +55,12 @@ def subscription(name: str) -> Callable[[Method], Method]:
     Its arguments are checked, and it refuses, as with `request`. It is closed when the subscriber cancels or dies, and
     when this agent ends.
     """
-    return _hooked(lambda agent, method: agent.offer(name, method))
+    return _hooked(lambda agent, method: agent.answer_subscriptions(name, method))
 
 
 def answers(name: str) -> Callable[[Method], Method]:
     """Let this method answer queries of a name: what it returns is what the other wants to know, else as `request`."""
-    return _hooked(lambda agent, method: agent.tell(name, method))
+    return _hooked(lambda agent, method: agent.answer_queries(name, method))
 
 
 def proposes(name: str) -> Callable[[Method], Method]:
@@ -69,7 +69,7 @@ def proposes(name: str) -> Callable[[Method], Method]:
     It takes the arguments of the request, returns the proposal, and raises `bus.Refused` to make none. Once the
     proposal is accepted, the request is done.
     """
-    return _hooked(lambda agent, method: agent.bid(name, method))
+    return _hooked(lambda agent, method: agent.answer_calls(name, method))
 
 
 def hooks_of(agent: Agent) -> list[tuple[Callable[..., Any], Hook]]:

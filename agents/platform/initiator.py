@@ -1,11 +1,14 @@
-"""What an agent may begin with others: messages, requests, queries of the bus."""
+"""What an agent may begin with others: messages, conversations, queries of the bus."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.dialogue import Dialogue
+from agents.platform.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
+from agents.platform.fipa_contract_net import PROTOCOL as CALLS
+from agents.platform.fipa_query import PROTOCOL as QUERIES
 from agents.platform.fipa_request import PROTOCOL as REQUESTS
 from agents.platform.fipa_request import Request, ask_to
 from agents.platform.fipa_subscribe import FOREVER, KEEP, Values
@@ -70,6 +73,52 @@ class Initiator(ABC):
         return Request(
             self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
         )
+
+    async def query_ref(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Ask another agent what something is; in all else as `request`."""
+        return await ask_to(
+            self._dialogue(agent, Performative.QUERY_REF, QUERIES, name, arguments, reply_within, reply_within)
+        )
+
+    async def query_if(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Ask another agent whether something is so; the result is true or false, in all else as `request`."""
+        return await ask_to(
+            self._dialogue(agent, Performative.QUERY_IF, QUERIES, name, arguments, reply_within, reply_within)
+        )
+
+    async def call_for_proposals(
+        self,
+        agents: Iterable[AgentName | str],
+        name: str,
+        /,
+        *,
+        choose: Choose,
+        bids_within: float = BIDS_WITHIN,
+        reply_within: float = PATIENCE,
+        **arguments: Any,
+    ) -> Tender:
+        """Ask several agents for what they would do something, and have it done by those that are chosen.
+
+        Args:
+            agents: Who is asked.
+            name: What to do.
+            choose: Gets the bids in the order of arrival, and returns which to accept: one, several or None. Not called
+                when there are none.
+            bids_within: s to wait for bids; who comes later is rejected.
+            reply_within: s to wait for the end, from the choice on.
+            arguments: JSON values by name.
+        Raises:
+            ValueError: `choose` has returned what is none of the bids.
+            AclError, BusUnavailable: As for `request`.
+        """
+        peers = dict.fromkeys(AgentName.parse(agent) if isinstance(agent, str) else agent for agent in agents)
+        within = bids_within + reply_within
+        calls = [self._dialogue(peer, Performative.CFP, CALLS, name, arguments, within, bids_within) for peer in peers]
+        return await call_for(calls, choose, bids_within)
 
     def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
         """Subscribe to what another agent tells: a block with a loop in it, in which the values come.

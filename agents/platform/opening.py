@@ -11,10 +11,14 @@ from agents.platform.handler import Handler, NotUnderstood
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """A conversation that may begin."""
+    """A conversation that may begin.
+
+    task: what does it, when the handler only says what it would do it for.
+    """
 
     handler: Handler
     arguments: Mapping[str, Any]
+    task: Handler | None = None
 
 
 def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mapping[str, Handler]) -> Opening:

@@ -1,10 +1,10 @@
 """The protocols in which an agent answers: how each begins, and what carries it out."""
 
 from collections.abc import Callable, Coroutine, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from agents.platform import fipa_request, fipa_subscribe
+from agents.platform import fipa_contract_net, fipa_query, fipa_request, fipa_subscribe
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.handler import Handler, NotUnderstood
 from agents.platform.opening import Opening, read_opening
@@ -12,8 +12,8 @@ from agents.platform.serving import Serving
 
 REQUESTS = fipa_request.PROTOCOL
 SUBSCRIPTIONS = fipa_subscribe.PROTOCOL
-QUERIES = "fipa-query"
-CALLS = "fipa-contract-net"
+QUERIES = fipa_query.PROTOCOL
+CALLS = fipa_contract_net.PROTOCOL
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +34,9 @@ class Protocol:
 PROTOCOLS = {
     Performative.REQUEST: Protocol(REQUESTS, "request", fipa_request.do),
     Performative.SUBSCRIBE: Protocol(SUBSCRIPTIONS, "subscription", fipa_subscribe.inform),
+    Performative.QUERY_REF: Protocol(QUERIES, "query", fipa_request.do),
+    Performative.QUERY_IF: Protocol(QUERIES, "query", fipa_query.tell_whether),
+    Performative.CFP: Protocol(CALLS, "proposal", fipa_contract_net.propose, agrees_itself=True),
 }
 
 
@@ -49,4 +52,12 @@ def read(message: AclMessage, handlers: Mapping[str, Mapping[str, Handler]]) -> 
     if message.performative not in PROTOCOLS:
         raise NotUnderstood(f"{message.performative} begins no conversation that is known here")
     protocol = PROTOCOLS[message.performative]
-    return protocol, read_opening(message, protocol.name, protocol.noun, handlers.get(protocol.name, {}))
+    opening = read_opening(message, protocol.name, protocol.noun, handlers.get(protocol.name, {}))
+    if protocol.name != CALLS:
+        return protocol, opening
+    task = handlers.get(REQUESTS, {}).get(opening.handler.name)
+    if task is None:
+        raise NotUnderstood(
+            f"there is a proposal {opening.handler.name!r} here, and no request of this name to go with it"
+        )
+    return protocol, replace(opening, task=task)

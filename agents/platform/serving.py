@@ -24,9 +24,9 @@ class Serving:
         self._conversation = conversation
         self._trace = trace
         self._has_agreed = False
-        self._more: asyncio.Queue[AclMessage] = asyncio.Queue()
+        self._more: asyncio.Queue[AclMessage] = asyncio.Queue(maxsize=1)
         self._work: asyncio.Task[None] | None = None
-        self._why_cancelled = ""
+        self._why_cancelled: str | None = None  # empty when there is nobody to be told
 
     @property
     def has_agreed(self) -> bool:
@@ -59,7 +59,9 @@ class Serving:
         """What the initiator says later."""
         if more.performative is Performative.CANCEL:
             self.cancel(f"{more.sender} has cancelled it")
-        else:
+        elif more.performative is Performative.REJECT_PROPOSAL:
+            self.cancel("")
+        elif not self._more.full():
             self._more.put_nowait(more)
 
     async def heard(self) -> AclMessage:
@@ -68,7 +70,7 @@ class Serving:
 
     def cancel(self, why: str) -> None:
         """Stop what is being done; the handler gets a `CancelledError`."""
-        self._why_cancelled = self._why_cancelled or why
+        self._why_cancelled = why if self._why_cancelled is None else self._why_cancelled
         if self._work is not None:
             self._work.cancel()
 
@@ -87,7 +89,7 @@ class Serving:
         """
         if self._was_cancelled():
             work.close()
-            self.turn_away(self._why_cancelled)
+            self.turn_away(self._why_cancelled or "")
             return None
         token = _SERVING.set(self)
         try:
@@ -101,7 +103,7 @@ class Serving:
             await self._work
         except asyncio.CancelledError:
             if self._was_cancelled() and not _is_being_cancelled():
-                self._say_no(self._why_cancelled)
+                self._say_no(self._why_cancelled or "")
                 return None
             self._work.cancel()
             await asyncio.gather(self._work, return_exceptions=True)
@@ -127,10 +129,11 @@ class Serving:
         self._conversation.close()
 
     def _was_cancelled(self) -> bool:
-        return bool(self._why_cancelled)
+        return self._why_cancelled is not None
 
     def _say_no(self, why: str) -> None:
-        self.say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": why[:LONGEST_REASON]})
+        if why:
+            self.say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": why[:LONGEST_REASON]})
 
 
 def _is_being_cancelled() -> bool:

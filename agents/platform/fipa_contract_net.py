@@ -1,0 +1,184 @@
+"""FIPA's contract net (SC00029H), both ends: cfp, propose or refuse, accept or reject the proposal, inform or failure.
+
+A call is one conversation with each peer. A proposal that comes too late is rejected unread; who dies has made none.
+The bidder computes a proposal in what `proposes` marks, and once that is accepted does the request of the same name.
+"""
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import aclosing
+from dataclasses import dataclass
+from typing import Any
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.dialogue import Dialogue, Over
+from agents.platform.names import AgentName
+from agents.platform.opening import Opening
+from agents.platform.outcome import Ending, Outcome
+from agents.platform.serving import Serving
+from bus import Refused
+
+PROTOCOL = "fipa-contract-net"
+BIDS_WITHIN = 2.0  # s for proposals, unless the one who calls for them says otherwise
+PROPOSAL_TIME = 60.0  # s that a bidder is bound by its proposal
+
+
+@dataclass(frozen=True, slots=True)
+class Bid:
+    """A proposal: what `bidder` would do it for."""
+
+    bidder: AgentName
+    proposal: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Tender:
+    """The end of a call for proposals.
+
+    bids: what was proposed in time, in the order of arrival.
+    outcomes: how it ended with each peer: `DONE` or not, of those whose proposals were accepted, `REJECTED` of the
+        others, and of who proposed nothing why not: `REFUSED`, `DIED`, `TIMED_OUT`, `NOT_UNDERSTOOD`.
+    """
+
+    bids: Sequence[Bid]
+    outcomes: Mapping[AgentName, Outcome]
+
+    @property
+    def done(self) -> dict[AgentName, Any]:
+        """The results of those who have done it."""
+        return {peer: outcome.result for peer, outcome in self.outcomes.items() if outcome.is_done}
+
+
+Choose = Callable[[list[Bid]], Bid | Iterable[Bid] | None]
+
+
+async def call_for(dialogues: Sequence[Dialogue], choose: Choose, bids_within: float) -> Tender:
+    """Call for proposals, accept some, and wait until those who made them have done it.
+
+    Args:
+        dialogues: One with each peer.
+        choose: Says which bids to accept; not called when there are none.
+        bids_within: s to wait for them.
+    Raises:
+        ValueError: `choose` has returned what is not one of the bids.
+        AclError: The arguments have no JSON form, or are too many.
+        BusUnavailable: The bus is closed.
+    """
+    bids: list[Bid] = []
+    callers = [_Caller(dialogue, bids) for dialogue in dialogues]
+    try:
+        await _all_answered(callers, bids_within)
+        in_time = tuple(bids)
+        accepted = _accepted(choose, in_time)
+        for caller in callers:
+            caller.decide(caller.bid in accepted, bids_within)
+        return Tender(in_time, {caller.peer: await caller.outcome() for caller in callers})
+    finally:
+        await asyncio.gather(*(caller.leave() for caller in callers))
+
+
+async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(within):
+            for caller in callers:
+                await caller.answered.wait()
+
+
+async def propose(serving: Serving, opening: Opening) -> None:
+    """Make a proposal, and do what it is about if it is accepted."""
+    assert opening.task is not None
+    serving.say(Performative.PROPOSE, await opening.handler.call(opening.arguments))
+    try:
+        async with asyncio.timeout(PROPOSAL_TIME):
+            answer = await serving.heard()
+    except TimeoutError:
+        serving.commit()
+        raise Refused(f"nobody has accepted this proposal within {PROPOSAL_TIME:g} s") from None
+    if answer.performative is Performative.ACCEPT_PROPOSAL:
+        serving.commit()
+        serving.say(Performative.INFORM, await opening.task.call(opening.arguments))
+
+
+class _Caller:
+    """The call to one peer.
+
+    bid: what it has proposed. answered: set once it has, or will not.
+    """
+
+    def __init__(self, dialogue: Dialogue, bids: list[Bid]) -> None:
+        self.peer = dialogue.peer
+        self.bid: Bid | None = None
+        self.answered = asyncio.Event()
+        self._dialogue = dialogue
+        self._bids = bids
+        self._is_accepted = False
+        self._turned_down: Outcome | None = None
+        self._hearing = asyncio.ensure_future(self._hear())
+
+    def decide(self, accept: bool, within: float) -> None:
+        """Accept or reject its proposal, or what it may still propose."""
+        if self._hearing.done():
+            return
+        if accept:
+            self._is_accepted = True
+            self._dialogue.say(Performative.ACCEPT_PROPOSAL)
+            return
+        self._dialogue.say(Performative.REJECT_PROPOSAL)
+        self._dialogue.end()
+        why = f"{self.peer} has proposed nothing within {within:g} s"
+        self._turned_down = (
+            Outcome(Ending.REJECTED, why="another proposal was accepted, or none")
+            if self.bid is not None
+            else Outcome(Ending.TIMED_OUT, why=why)
+        )
+
+    async def outcome(self) -> Outcome:
+        """How it has ended."""
+        return self._turned_down or await self._hearing
+
+    async def leave(self) -> None:
+        """Hear no more; a conversation that has not ended is cancelled."""
+        self._hearing.cancel()
+        await asyncio.gather(self._hearing, return_exceptions=True)
+
+    async def _hear(self) -> Outcome:
+        try:
+            async with aclosing(self._dialogue.replies()) as heard:
+                async for reply in heard:
+                    if reply.performative is Performative.PROPOSE and self.bid is None:
+                        self._note(reply)
+                    elif reply.performative is Performative.INFORM and self._is_accepted:
+                        return self._dialogue.done(reply.content)
+                    else:
+                        raise self._dialogue.misplaced(reply)
+        except Over as over:
+            self._withdraw()
+            return over.outcome
+        finally:
+            self.answered.set()
+        raise AssertionError("a dialogue ends with a reply or with Over")
+
+    def _note(self, reply: AclMessage) -> None:
+        self.bid = Bid(self.peer, reply.content)
+        self._bids.append(self.bid)
+        self.answered.set()
+
+    def _withdraw(self) -> None:
+        """Who has gone has proposed nothing, if nothing has been decided yet."""
+        if self.bid is not None and not self._is_accepted:
+            self._bids.remove(self.bid)
+
+
+def _accepted(choose: Choose, bids: Sequence[Bid]) -> list[Bid]:
+    """The bids that are chosen.
+
+    Raises:
+        ValueError: One that is chosen has not been made.
+    """
+    chosen = choose(list(bids)) if bids else None
+    accepted = [] if chosen is None else [chosen] if isinstance(chosen, Bid) else list(chosen)
+    for one in accepted:
+        if one not in bids:
+            raise ValueError(f"{one} is none of the bids; choose among {', '.join(map(str, bids))}")
+    return accepted
