@@ -13,9 +13,13 @@ from types import FrameType
 COMMANDS = {
     "echo": ("acromovi.echo", "Print what flows on a key"),
     "topics": ("acromovi.topics", "List the robots, and what flows now and how often"),
+    "up": ("acromovi.up", "Bring a whole team up from one file, and end it with Ctrl-C"),
     "ps": ("acromovi.ps", "List the agents: where they live, and in which state"),
     "directory": ("acromovi.yellow_pages", "Find agents by service, robot or property"),
     "ask": ("acromovi.ask", "Ask an agent to do something"),
+    "agent": ("acromovi.agent", "Start, stop, suspend, resume or move an agent"),
+    "introspect": ("acromovi.introspect", "Look into a live agent: its mailbox, behaviours and conversations"),
+    "container": ("acromovi.container", "Run a container: a robot's agents, a team's services, or an empty one"),
     "teleop": ("acromovi.teleop", "Drive a robot with the keys of this terminal"),
     "command": ("acromovi.command", "Tell a robot something: stop, move, gripper, ptz and more"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),

@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 import argparse
+from pathlib import Path
 
 
 def add_bus(parser: argparse.ArgumentParser) -> None:
@@ -12,6 +13,26 @@ def add_bus(parser: argparse.ArgumentParser) -> None:
         help="how to reach the bus: local (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
         "(default: %(default)s)",
     )
+
+
+def add_apps(parser: argparse.ArgumentParser) -> None:
+    """Add `--apps`."""
+    parser.add_argument(
+        "--apps",
+        metavar="DIR",
+        action="append",
+        type=folder,
+        default=[],
+        help="a folder of applications that may be started as agents: follow.py is the module follow; repeatable",
+    )
+
+
+def folder(text: str) -> Path:
+    """A folder that is there."""
+    path = Path(text).expanduser()
+    if not path.is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder {text}")
+    return path
 
 
 def seconds(text: str) -> float:

@@ -82,7 +82,8 @@ class Container:
         self._wall_time = wall_time
         self._agents: dict[AgentName, Agent] = {}
         self._ending: set[asyncio.Task[None]] = set()
-        self._control = Control(self, kinds or Kinds())
+        self._kinds = kinds or Kinds()
+        self._control = Control(self)
         self._shown: list[Subscription] = []
         self._reports: Publisher | None = None
         self._said: Publisher | None = None
@@ -101,6 +102,16 @@ class Container:
     def called(self) -> ContainerName:
         """Its name with its platform, and its keys."""
         return self._called
+
+    @property
+    def identity(self) -> str:
+        """What tells it from another container that has taken the same name."""
+        return self._control.identity
+
+    @property
+    def kinds(self) -> Kinds:
+        """Which agents it may be told to start."""
+        return self._kinds
 
     @property
     def agents(self) -> list[Agent]:

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from agents.platform.errors import AgentError
 from agents.platform.introspection import introspect
-from agents.platform.kinds import Kinds, kind_of
+from agents.platform.kinds import kind_of
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
 from bus import BusError, BusUnavailable, Conversation, Subscription
@@ -43,10 +43,10 @@ class OrderNotValid(AgentError, ValueError):
 class Control:
     """Does for a container what it is told from outside. Orders run side by side, in the container's event loop."""
 
-    def __init__(self, container: "Container", kinds: Kinds) -> None:
+    def __init__(self, container: "Container") -> None:
         self._container = container
-        self._kinds = kinds
         self._identity = uuid.uuid4().hex
+        self._since = container.wall_time()
         self._tasks: set[asyncio.Task[None]] = set()
         self._orders: dict[str, Callable[[Given], Awaitable[dict[str, Any]]]] = {
             "list": self._list,
@@ -111,6 +111,7 @@ class Control:
             "platform": called.platform,
             "process": os.getpid(),
             "identity": self._identity,
+            "since": self._since,
             "agents": [
                 {"name": str(agent.name), "kind": kind_of(agent), "state": str(agent.state)}
                 for agent in self._container.agents
@@ -118,7 +119,7 @@ class Control:
         }
 
     async def _start(self, given: Given) -> dict[str, Any]:
-        agent = self._kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
+        agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
         await self._container.bring_up(agent, agent.begin)
         return {"name": str(agent.name), "state": str(agent.state)}
 

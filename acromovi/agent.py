@@ -1,0 +1,78 @@
+"""`acromovi agent`: start an agent in a container, stop it, let it rest and go on, or move it elsewhere."""
+
+import argparse
+import json
+from typing import Any
+
+from acromovi.command import argument
+from acromovi.options import add_bus
+
+EPILOG = """\
+examples:
+  acromovi agent start follow@happy follow:Follow speed=0.3 --in workshop
+      an agent of the class Follow in follow.py, which is in a folder that the container was given with --apps; a class
+      that comes with Acromovi is named alike: agents.components.generic:Generic
+  acromovi agent suspend follow@happy
+  acromovi agent resume follow@happy
+  acromovi agent move follow@happy --to happy
+      with what it keeps and the messages that wait for it
+  acromovi agent stop follow@happy
+
+With --json one line is printed: {"name": AGENT, "state": STATE, "container": NAME}
+
+Exit codes: 0 done, 1 refused, or no such agent, container or kind (the reason is on stderr), 2 wrong usage.
+"""
+SUMMARIES = {
+    "start": "start an agent in a container",
+    "stop": "end an agent",
+    "suspend": "let an agent rest: it does nothing, refuses requests, and keeps messages",
+    "resume": "let a suspended agent go on",
+    "move": "move an agent into another container, with its state",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    actions = parser.add_subparsers(dest="action", metavar="|".join(SUMMARIES), required=True)
+    for name, summary in SUMMARIES.items():
+        action = actions.add_parser(name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.")
+        action.add_argument("agent", metavar="NAME", help="the agent's, such as follow@happy")
+        if name == "start":
+            action.add_argument("kind", metavar="KIND", help="module:Class, such as follow:Follow")
+            action.add_argument(
+                "properties", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="JSON, or else text"
+            )
+            action.add_argument(
+                "--in", dest="container", metavar="CONTAINER", required=True, help="where it is to live"
+            )
+        if name == "move":
+            action.add_argument(
+                "--to", dest="container", metavar="CONTAINER", required=True, help="where it is to live"
+            )
+        action.add_argument("--json", action="store_true", help="one line of JSON")
+        add_bus(action)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Tell the container, and say what became of the agent."""
+    from acromovi.known_containers import find_container, home_of, tell
+    from agents.platform.names import AgentName
+    from bus.session import ZenohBus
+
+    agent = AgentName.parse(arguments.agent)
+    with ZenohBus.open(arguments.bus) as bus:
+        given: dict[str, Any] = {"name": str(agent)}
+        if arguments.action == "start":
+            there = find_container(bus, arguments.container)
+            given |= {"kind": arguments.kind, "properties": dict(arguments.properties)}
+        else:
+            there = find_container(bus, home_of(bus, agent))
+        if arguments.action == "move":
+            given |= {"to": find_container(bus, arguments.container).name}
+        answer = {"container": there.name, **tell(bus, there, arguments.action, **given)}
+    if arguments.json:
+        print(json.dumps(answer))
+    else:
+        print(f"{answer['name']} is {answer['state']} in {answer['container']}")
+    return 0

@@ -1,0 +1,165 @@
+"""`acromovi container`: a process in which agents live: a robot's, a team's, or whoever is started there."""
+
+import argparse
+import asyncio
+import json
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from acromovi.options import add_apps, add_bus
+
+if TYPE_CHECKING:
+    from agents.platform import Container
+
+GRACE = 1.8  # s for all agents to end; what has not ended then is cut off
+MEETING_TIME = 1.0  # s in which sessions on one machine have met
+LOOK_FOR_OTHERS = 2.0  # s to wait for a container of the same name that is slow to answer
+SERVICES = "services"  # the name of the container with a team's services
+EPILOG = """\
+examples:
+  acromovi container --robot happy
+      the agents of the robot happy, one for each element that it has; it may come and go
+  acromovi container --services acromovi
+      the services of the team acromovi: monitor, subscription, arbiter, loader
+  acromovi container workshop --apps ~/robots
+      an empty one; acromovi agent start NAME KIND --in workshop starts agents there, of kinds that Acromovi brings or
+      that the folder has
+
+With --json it prints one line once it serves: {"container": NAME}
+
+It runs until stopped, and its agents end with it, within 2 s. Exit codes: 1 not possible (the reason is on stderr),
+2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    which = parser.add_mutually_exclusive_group(required=True)
+    which.add_argument("name", metavar="NAME", nargs="?", help="an empty container of this name")
+    which.add_argument("--robot", metavar="ROBOT", help="the container of a robot's agents")
+    which.add_argument("--services", metavar="TEAM", help="the container of a team's services")
+    add_apps(parser)
+    parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Let agents live until a signal comes."""
+    from agents.platform import Container, Kinds
+    from bus.session import ZenohBus
+
+    name = arguments.name or arguments.robot or SERVICES
+    platform = arguments.name or arguments.robot or arguments.services
+    with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
+        container = Container(bus, name, platform=platform, kinds=Kinds(arguments.apps))
+        asyncio.run(live(container, arguments, end))
+    return end.code
+
+
+class End:
+    """Whether this program has been told to end, and how.
+
+    code: the exit code.
+    """
+
+    def __init__(self) -> None:
+        self.code = 0
+        self._called = asyncio.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def tell(self, code: int) -> None:
+        """End; from a signal handler or from the loop."""
+        self.code = self.code or code
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._called.set)
+
+    async def wait(self) -> None:
+        """Wait until it has been told."""
+        self._loop = asyncio.get_running_loop()
+        if not self.code:
+            await self._called.wait()
+
+
+@contextmanager
+def ending_in_time() -> Iterator[End]:
+    """Let SIGINT and SIGTERM end this program in order, and by force when that takes too long.
+
+    The handlers run even while an agent blocks the event loop.
+    """
+    end = End()
+
+    def told(number: int, frame: FrameType | None) -> None:
+        if not end.code:
+            force = threading.Timer(GRACE, os._exit, (128 + number,))
+            force.daemon = True
+            force.start()
+        end.tell(128 + number)
+
+    before = {number: signal.signal(number, told) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield end
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+async def live(container: "Container", arguments: argparse.Namespace, end: End) -> None:
+    """Have the agents live that are asked for, until the end."""
+    async with container:
+        tasks = [asyncio.ensure_future(leave_if_second(container, end))]
+        if arguments.robot:
+            tasks.append(asyncio.ensure_future(follow_robot(container, arguments.robot, end)))
+        if arguments.services:
+            await start_services(container, arguments.services)
+        if arguments.json:
+            print(json.dumps({"container": container.name}), flush=True)
+        else:
+            print(f"the container {container.name} serves; stop with Ctrl-C", flush=True)
+        await end.wait()
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def follow_robot(container: "Container", robot: str, end: End) -> None:
+    """Keep the container's agents the same as the robot's elements."""
+    from agents.components.robot_agents import RobotAgents
+
+    try:
+        await RobotAgents(container, robot).run()
+    except Exception as err:  # without it the container is of no use; whoever watches over it starts another
+        print(f"acromovi container: {robot} cannot be followed: {type(err).__name__}: {err}", file=sys.stderr)
+        end.tell(1)
+
+
+async def start_services(container: "Container", team: str) -> None:
+    """Start the agents of a team's upper layer; one that fails is reported and holds up no other."""
+    from agents.platform import AgentName
+
+    kinds = import_module("agents.services.all_services").SERVICES
+    await asyncio.gather(*(container.start(kind(AgentName(local, team))) for local, kind in kinds.items()))
+
+
+async def leave_if_second(container: "Container", end: End) -> None:
+    """End if there is a container of this name already: two would double every agent."""
+    from agents.platform.talk import query
+    from bus import BusError
+
+    await asyncio.sleep(MEETING_TIME)  # else only this one answers
+    try:
+        found = await query(container.bus, f"*/containers/{container.name}/control", {"do": "list"}, LOOK_FOR_OTHERS)
+    except (BusError, TimeoutError):
+        return  # someone who does not answer is frozen, and cannot be judged
+    elder = min(found, key=lambda answer: (answer.value["since"], answer.value["identity"])).value
+    if elder["identity"] != container.identity:
+        why = f"there is a container {container.name} already, process {elder['process']}; give this one another name"
+        print(f"acromovi container: {why}", file=sys.stderr)
+        end.tell(1)

@@ -1,0 +1,81 @@
+"""`acromovi introspect`: look into a live agent."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from acromovi.options import add_bus
+
+EPILOG = """\
+examples:
+  acromovi introspect base@happy
+  acromovi introspect base@happy --json
+
+It shows where the agent lives and in which state, the messages that wait in its mailbox, its behaviours and how often
+each has failed, the streams that it hears, and the conversations that it is answering. With --json it is one object:
+{"name", "state", "kind", "container", "services", "requests", "properties", "malformed",
+ "mailbox": {"waiting", "delivered", "dropped", "oldest": [...]}, "behaviours": [...], "streams": [...],
+ "in_flight": [...], ...}
+
+Exit codes: 0 done, 1 no such agent, or it does not answer (the reason is on stderr), 2 wrong usage.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("agent", metavar="AGENT", help="its name, such as base@happy")
+    parser.add_argument("--json", action="store_true", help="one JSON object")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask the agent's container, and print what it says."""
+    from acromovi.known_containers import find_container, home_of, tell
+    from agents.platform.names import AgentName
+    from bus.session import ZenohBus
+
+    agent = AgentName.parse(arguments.agent)
+    with ZenohBus.open(arguments.bus) as bus:
+        seen = tell(bus, find_container(bus, home_of(bus, agent)), "introspect", name=str(agent))
+    if arguments.json:
+        print(json.dumps(seen, ensure_ascii=False))
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in lines(seen))
+    return 0
+
+
+def lines(seen: Mapping[str, Any]) -> Iterator[str]:
+    """What was seen of an agent, for people."""
+    yield f"{seen['name']} is {seen['state']} in {seen['container']}, a {seen['kind']}"
+    for title, of_what in (("services", "services"), ("requests", "requests")):
+        yield f"{title}: {', '.join(seen[of_what]) or 'none'}"
+    for key, value in seen["properties"].items():
+        yield f"property {key}: {json.dumps(value, ensure_ascii=False)}"
+    box = seen["mailbox"]
+    yield (
+        f"mailbox: {box['waiting']} waiting, {box['delivered']} delivered, {box['dropped']} dropped for want of room, "
+        f"{seen['malformed']} malformed"
+    )
+    yield from _rows(map(_said, box["oldest"]))
+    yield "behaviours:" if seen["behaviours"] else "behaviours: none"
+    yield from _rows(f"{each['name']} ({each['kind']}), {_failures(each)}" for each in seen["behaviours"])
+    yield "streams:" if seen["streams"] else "streams: none"
+    yield from _rows(f"{each['key']}, {each['skipped']} skipped, {_failures(each)}" for each in seen["streams"])
+    yield "answering:" if seen["in_flight"] else "answering: nobody"
+    yield from _rows(f"{_said(each)}{', agreed' if each['agreed'] else ''}" for each in seen["in_flight"])
+
+
+def _rows(texts: Iterator[str] | Sequence[str]) -> Iterator[str]:
+    return (f"  {text}" for text in texts)
+
+
+def _said(message: Mapping[str, Any]) -> str:
+    return f"{message['performative']} of {message['sender']}: {message['content'] or 'nothing'}"
+
+
+def _failures(row: Mapping[str, Any]) -> str:
+    count = row["failures"]
+    return "no failures" if not count else f"{count} failure{'s' if count > 1 else ''}"

@@ -1,0 +1,71 @@
+"""Which containers are there, by the tokens that they show, and how they are told something."""
+
+import difflib
+from collections.abc import Mapping
+from threading import Condition
+from typing import Any
+
+from acromovi.known_agents import KnownAgents
+from acromovi.presence import MEETING_TIME
+from agents.platform.errors import AgentError
+from agents.platform.names import ALL_CONTAINERS, AgentName, ContainerName
+from bus.bus import Bus
+
+ORDER_TIME = 60.0  # s; longer than a setup may take, or a move
+
+
+class NoSuchContainer(AgentError, LookupError):
+    """A container is asked for that nobody knows."""
+
+
+def find_container(bus: Bus, name: str, timeout: float = MEETING_TIME) -> ContainerName:
+    """The container that has a name.
+
+    Raises:
+        NoSuchContainer: It has not been seen within `timeout` s; the message gives the nearest name.
+    """
+    seen: dict[str, ContainerName] = {}
+    changed = Condition()
+
+    def note(key: str, is_alive: bool) -> None:
+        called = ContainerName.of_key(key)
+        with changed:
+            if is_alive:
+                seen[called.name] = called
+            else:
+                seen.pop(called.name, None)
+            changed.notify_all()
+
+    with bus.watch_alive(ALL_CONTAINERS, note), changed:
+        if not changed.wait_for(lambda: name in seen, timeout):
+            raise NoSuchContainer(f"there is no container {name!r}; {_advice(name, sorted(seen))}")
+        return seen[name]
+
+
+def home_of(bus: Bus, agent: AgentName) -> str:
+    """The name of the container where an agent lives.
+
+    Raises:
+        NoSuchAgent: There is no such agent; the message gives the nearest name.
+        NoAnswer: It is there and does not answer.
+    """
+    with KnownAgents(bus) as known:
+        known.expect(agent)
+    return str(bus.query(agent.description_key)[0].value.get("container", ""))
+
+
+def tell(bus: Bus, container: ContainerName, do: str, **given: object) -> Mapping[str, Any]:
+    """Have a container do something.
+
+    Raises:
+        Refused: It does not; says why.
+        NoAnswer: It does not answer.
+    """
+    return bus.query(container.control_key, {"do": do, **given}, ORDER_TIME)[0].value
+
+
+def _advice(name: str, seen: list[str]) -> str:
+    if not seen:
+        return "there are none at all: start one with acromovi container, and see whether both use the same --bus"
+    near = difflib.get_close_matches(name, seen, 1)
+    return f"did you mean {near[0]!r}?" if near else f"the containers seen are {', '.join(seen)}"

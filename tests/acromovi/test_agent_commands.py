@@ -1,0 +1,142 @@
+"""Containers and agents from the command line, run as people run them."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from acromovi.__main__ import main
+
+ROOT = Path(__file__).resolve().parents[2]
+COUNTER = """
+import time
+from agents.platform import Agent, every, request
+
+class Counter(Agent):
+    services = ("counting",)
+
+    async def setup(self):
+        self.count = self.properties.get("first", 0)
+
+    def pack(self):
+        return {"count": self.count}
+
+    def unpack(self, state):
+        self.count = state["count"]
+
+    @request("next")
+    def next(self):
+        self.count += 1
+        return self.count
+
+    @request("block")
+    async def block(self):
+        time.sleep(3600.0)
+"""
+
+
+@contextmanager
+def container(*arguments: str) -> Iterator["subprocess.Popen[str]"]:
+    """A container in a process of its own, that serves."""
+    command = [sys.executable, "-m", "acromovi", "container", *arguments, "--json"]
+    with subprocess.Popen(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            assert process.stdout is not None
+            assert "container" in json.loads(process.stdout.readline())
+            yield process
+        finally:
+            process.kill()
+
+
+@pytest.fixture
+def acromovi(capsys: pytest.CaptureFixture[str]) -> Callable[..., Any]:
+    """Runs a command that succeeds and prints JSON."""
+
+    def run(*arguments: str) -> Any:
+        capsys.readouterr()
+        code = main([*arguments, "--json"])
+        shown = capsys.readouterr()
+        assert code == 0, shown.err
+        return json.loads(shown.out)
+
+    return run
+
+
+@pytest.fixture
+def apps(tmp_path: Path) -> str:
+    (tmp_path / "counter_for_tests.py").write_text(COUNTER)
+    return str(tmp_path)
+
+
+def test_an_agent_is_started_asked_looked_into_suspended_resumed_and_stopped(
+    acromovi: Callable[..., Any], robot: str, apps: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = f"counter@{robot}"
+    with container(robot, "--apps", apps) as process:
+        started = acromovi("agent", "start", name, "counter_for_tests:Counter", "first=41", "--in", robot)
+        assert started == {"name": name, "state": "active", "container": robot}
+        assert acromovi("ask", name, "next") == 42
+        seen = acromovi("introspect", name)
+        assert (seen["kind"], seen["properties"], seen["state"]) == (
+            "counter_for_tests:Counter",
+            {"first": 41},
+            "active",
+        )
+        assert main(["introspect", name]) == 0
+        assert f"{name} is active in {robot}, a counter_for_tests:Counter" in capsys.readouterr().out
+        assert acromovi("agent", "suspend", name)["state"] == "suspended"
+        assert main(["ask", name, "next"]) == 1
+        assert acromovi("agent", "resume", name)["state"] == "active"
+        assert main(["agent", "stop", f"countre@{robot}"]) == 1
+        assert f"did you mean {name}?" in capsys.readouterr().err
+        assert main(["agent", "start", f"x@{robot}", "counter_for_tests:Countr", "--in", robot]) == 1
+        assert "did you mean Counter?" in capsys.readouterr().err
+        assert main(["agent", "start", f"x@{robot}", "counter_for_tests:Counter", "--in", f"{robot}x"]) == 1
+        assert f"there is no container '{robot}x'; did you mean '{robot}'?" in capsys.readouterr().err
+        assert acromovi("agent", "stop", name)["state"] == "deleted"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=10.0) == 143
+
+
+def test_a_container_ends_even_while_an_agent_blocks_it(acromovi: Callable[..., Any], robot: str, apps: str) -> None:
+    with container(robot, "--apps", apps) as process:
+        acromovi("agent", "start", f"counter@{robot}", "counter_for_tests:Counter", "--in", robot)
+        assert main(["ask", f"counter@{robot}", "block", "--timeout", "0.3"]) == 1
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=10.0) == 130
+
+
+def test_a_second_container_of_one_name_leaves(robot: str) -> None:
+    with container(robot) as first, container(robot) as second:
+        assert second.wait(timeout=20.0) == 1
+        assert second.stderr is not None
+        assert f"there is a container {robot} already, process {first.pid}" in second.stderr.read()
+        assert first.poll() is None
+
+
+def test_a_robots_container_serves_while_its_robot_is_absent(robot: str) -> None:
+    with container("--robot", robot) as process:
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=10.0) == 130
+
+
+def test_a_folder_that_is_not_there_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["container", "workshop", "--apps", os.devnull + "/nowhere"])
+    assert "there is no folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["agent", "container", "introspect"])
+def test_help_has_an_example_and_exit_codes(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main([command, "--help"])
+    shown = capsys.readouterr().out
+    assert f"acromovi {command}" in shown.partition("example")[2]
+    assert "Exit codes: " in shown
