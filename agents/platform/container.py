@@ -12,7 +12,9 @@ from typing import Any, Self
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
+from agents.platform.askers import Askers
 from agents.platform.control import Control
+from agents.platform.directory import check_free
 from agents.platform.ends import End
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent
 from agents.platform.kinds import Kinds, kind_of
@@ -85,6 +87,7 @@ class Container:
         self._kinds = kinds or Kinds()
         self._control = Control(self)
         self._shown: list[Subscription] = []
+        self._askers = Askers(bus)
         self._reports: Publisher | None = None
         self._said: Publisher | None = None
 
@@ -135,8 +138,10 @@ class Container:
         Returns:
             False when it is not, because its setup raised or took too long; that has been reported.
         Raises:
-            AlreadyThere: One of this name lives here.
+            AlreadyThere: One of this name lives here or in another container.
         """
+        if agent.name not in self._agents:
+            await check_free(self._bus, agent.name)
         try:
             await self.bring_up(agent, agent.begin)
         except SetupFailed:
@@ -231,6 +236,7 @@ class Container:
         await asyncio.gather(*(self.stop(name, End.CLOSED) for name in list(self._agents)))
         await asyncio.gather(*self._ending)
         self._tell({"agent": None, "what": "the container has been closed", "ended": End.CLOSED})
+        self._askers.close()
         while self._shown:
             self._shown.pop().close()
 
@@ -252,6 +258,10 @@ class Container:
             said = {"time": self.wall_time(), "container": self.name, "message": message.to_dict()}
             with contextlib.suppress(BusUnavailable):
                 self._said.put(said)
+
+    def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
+        """Have `gone` called if one who asks an agent here dies, until what is returned is called."""
+        return self._askers.attend(asker, gone)
 
     def wall_time(self) -> float:
         """s since 1970."""

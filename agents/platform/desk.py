@@ -94,7 +94,7 @@ class Desk:
             self.malformed += 1
             self._turn_away(message, Performative.NOT_UNDERSTOOD, str(err), conversation)
             return
-        serving = Serving(self._me, message, conversation, self._home_there.trace)
+        serving = Serving(self._home_there, self._me, message, conversation)
         if not self._admit(key, protocol, serving):
             why = f"{self._me} is busy with {MOST_REQUESTS} {protocol.noun}s already"
             self._turn_away(message, Performative.REFUSE, why, conversation)

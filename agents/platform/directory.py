@@ -12,7 +12,7 @@ from contextlib import aclosing
 from dataclasses import dataclass, field
 from typing import Any, Self
 
-from agents.platform.errors import DescriptionNotValid, NameNotValid
+from agents.platform.errors import AlreadyThere, DescriptionNotValid, NameNotValid
 from agents.platform.life import State
 from agents.platform.names import AgentName
 from agents.platform.talk import replies
@@ -119,34 +119,17 @@ class Directory(Closeable):
             BusUnavailable: The bus is closed.
         """
         where = "*" if robot is None else robot_name(robot)
-        found = await self._ask(f"{where}/agents/*/description", within)
+        found = await descriptions(self._bus, f"{where}/agents/*/description", within)
         return [description for description in found if description.fits(service, properties)]
 
     async def find(self, name: AgentName, within: float = SEARCH_TIME) -> Description | None:
         """What one agent says of itself; None when nobody of this name answers."""
-        found = await self._ask(name.description_key, within)
+        found = await descriptions(self._bus, name.description_key, within)
         return found[0] if found else None
 
     def close(self) -> None:
         """Watch no more."""
         self._watching.close()
-
-    async def _ask(self, key_expr: str, within: float) -> list[Description]:
-        found: list[Description] = []
-        try:
-            async with aclosing(replies(self._bus, key_expr, None, within)) as heard:
-                async for answer in heard:
-                    try:
-                        found.append(Description.from_answer(answer))
-                    except (DescriptionNotValid, NameNotValid) as err:
-                        log.warning("%s", err)
-        except (TimedOut, Refused) as err:
-            log.warning("someone is missing in a search of the directory: %s", err)
-        except NoAnswer:
-            pass  # nobody there is an answer too
-        except TimeoutError:
-            log.warning("someone has not answered a search of the directory within %g s", within)
-        return sorted(found, key=lambda description: description.name)
 
     def _changed(self, key: str, is_alive: bool) -> None:
         try:
@@ -161,3 +144,42 @@ class Directory(Closeable):
                 self._present.discard(name)
         if self._on_change is not None:
             self._on_change(name, is_alive)
+
+
+async def descriptions(bus: Bus, key_expr: str, within: float = SEARCH_TIME) -> list[Description]:
+    """What the agents with these keys say of themselves, in the order of their names.
+
+    Args:
+        bus: Where they are.
+        key_expr: The key of a description, or an expression.
+        within: s to wait for those who do not answer; the others are returned all the same.
+    Raises:
+        BusUnavailable: The bus is closed.
+    """
+    found: list[Description] = []
+    try:
+        async with aclosing(replies(bus, key_expr, None, within)) as heard:
+            async for answer in heard:
+                try:
+                    found.append(Description.from_answer(answer))
+                except (DescriptionNotValid, NameNotValid) as err:
+                    log.warning("%s", err)
+    except (TimedOut, Refused) as err:
+        log.warning("someone is missing in a search of the directory: %s", err)
+    except NoAnswer:
+        pass  # nobody there is an answer too
+    except TimeoutError:
+        log.warning("someone has not answered a search of the directory within %g s", within)
+    return sorted(found, key=lambda description: description.name)
+
+
+async def check_free(bus: Bus, name: AgentName) -> None:
+    """Ask whether an agent of this name lives. Two that begin at the same time find nobody, and both live.
+
+    Raises:
+        AlreadyThere: One does; says in which container.
+        BusUnavailable: The bus is closed.
+    """
+    for other in await descriptions(bus, name.description_key):
+        where = f"an agent {name} lives in the container {other.container} already"
+        raise AlreadyThere(f"{where}; end it there, or take another name")

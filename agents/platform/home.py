@@ -1,5 +1,6 @@
 """What a container is to its agents."""
 
+from collections.abc import Callable
 from typing import Protocol
 
 from agents.platform.acl import AclMessage
@@ -31,6 +32,10 @@ class Home(Protocol):
 
     def trace(self, message: AclMessage) -> None:
         """Told of each message once, by who says it; called on any thread, so it must be quick."""
+        ...
+
+    def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
+        """Have `gone` called if one who asks dies; what is returned is called when that does not matter any more."""
         ...
 
     def wall_time(self) -> float:

@@ -7,6 +7,7 @@ from contextvars import ContextVar
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.home import Home
 from agents.platform.names import AgentName
 from bus import BusUnavailable, Conversation, Refused
 
@@ -16,13 +17,11 @@ LONGEST_REASON = 1000  # characters; an exception may quote anything
 class Serving:
     """One conversation that is being answered. All of it happens in the agent's event loop."""
 
-    def __init__(
-        self, me: AgentName, message: AclMessage, conversation: Conversation, trace: Callable[[AclMessage], None]
-    ) -> None:
+    def __init__(self, home: Home, me: AgentName, message: AclMessage, conversation: Conversation) -> None:
         self.message = message
         self._me = me
         self._conversation = conversation
-        self._trace = trace
+        self._home = home
         self._has_agreed = False
         self._more: asyncio.Queue[AclMessage] = asyncio.Queue(maxsize=1)
         self._work: asyncio.Task[None] | None = None
@@ -51,7 +50,7 @@ class Serving:
         """
         reply = self.message.reply(performative, content, sender=self._me)
         written = reply.to_dict()
-        self._trace(reply)
+        self._home.trace(reply)
         with contextlib.suppress(BusUnavailable):  # the bus was closed meanwhile: nobody listens any more
             self._conversation.reply(written)
 
@@ -96,10 +95,13 @@ class Serving:
             self._work = asyncio.ensure_future(work)
         finally:
             _SERVING.reset(token)
+        release: Callable[[], None] | None = None
         try:
             await asyncio.sleep(0)  # the work begins first, since its task was made first
             if not self._work.done() and not agrees_itself:
                 self.agree()
+            if not self._work.done():
+                release = self._home.attend(self.message.sender, self._asker_gone)
             await self._work
         except asyncio.CancelledError:
             if self._was_cancelled() and not _is_being_cancelled():
@@ -116,6 +118,8 @@ class Serving:
             self.say(Performative.FAILURE, {"why": why[:LONGEST_REASON]})
             return err
         finally:
+            if release is not None:
+                release()
             self.close()
         return None
 
@@ -127,6 +131,9 @@ class Serving:
     def close(self) -> None:
         """End the conversation, if it has not ended."""
         self._conversation.close()
+
+    def _asker_gone(self) -> None:
+        self.cancel(f"{self.message.sender} has gone")
 
     def _was_cancelled(self) -> bool:
         return self._why_cancelled is not None
