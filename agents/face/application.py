@@ -43,10 +43,14 @@ class Application(Agent):
 
     While it is suspended, the program waits at its next call of the team and its robots stand. When it is stopped, that
     call raises `Stopped`. When `main` returns, the agent lives on if there is something to ask it for, else it ends.
+
+    ended: set when it has. has_failed: whether `main` raised when it last ran.
     """
 
     def __init__(self, program: Program, name: AgentName | str, arguments: Mapping[str, Any]) -> None:
         super().__init__(name, {"program": program.name, "arguments": dict(arguments)})
+        self.ended = asyncio.Event()
+        self.has_failed = False
         self._program = program
         self._arguments = dict(arguments)
 
@@ -82,10 +86,16 @@ class Application(Agent):
     async def take_down(self) -> None:
         """Stop what it moves."""
         self._horizon.close()
+        self.ended.set()
         await self._stage.halt()
 
     async def _main(self) -> None:
-        await in_thread(lambda: self._program.run(self._team, self._arguments), str(self.name))
+        self.has_failed = False
+        try:
+            await in_thread(lambda: self._program.run(self._team, self._arguments), str(self.name))
+        except Exception:
+            self.has_failed = True
+            raise
         if not any(marks(function) for function in self._program.functions):
             self.delete()
 

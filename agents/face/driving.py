@@ -3,10 +3,13 @@
 import asyncio
 import contextlib
 
+import bus
+from agents.face.errors import NotThere, Refused, RobotError
 from agents.face.stage import Stage
 from bus import Publisher, keys, messages
 
 PERIOD = 0.1  # s; half a second of silence stops the robot
+ANSWER_TIME = 2.0  # s for the gateway
 SILENCE = 0.6  # s after a stop until the gateway obeys a stream again
 
 
@@ -22,10 +25,21 @@ class Driving:
         self._obeyed_from = 0.0
 
     async def go(self, linear: float, angular: float, token: str) -> None:
-        """Drive so from now on: m/s, rad/s."""
-        self._velocity, self._token = (linear, angular), token
-        if self._task is None or self._task.done():
+        """Drive so from now on: m/s, rad/s.
+
+        Raises:
+            Refused: The robot may not, or cannot; says why. It comes to rest, if it was driven by this.
+            NotThere: Nobody drives it.
+        """
+        if not self._is_streaming:
             await asyncio.sleep(self._obeyed_from - self._stage.loop.time())
+        try:
+            await self._ask(linear, angular, token)
+        except RobotError:
+            await self.end()
+            raise
+        self._velocity, self._token = (linear, angular), token
+        if not self._is_streaming:
             self._task = asyncio.ensure_future(self._stream())
 
     async def end(self) -> None:
@@ -39,6 +53,20 @@ class Driving:
     def has_stopped(self) -> None:
         """The robot has been told to stop, and will obey no stream until that has been silent for a while."""
         self._obeyed_from = self._stage.loop.time() + SILENCE
+
+    @property
+    def _is_streaming(self) -> bool:
+        return self._task is not None and not self._task.done()
+
+    async def _ask(self, linear: float, angular: float, token: str) -> None:
+        """The first velocity is asked for, since a stream is not answered."""
+        given = {"linear": linear, "angular": angular, **({"token": token} if token else {})}
+        try:
+            await self._stage.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
+        except bus.Refused as err:
+            raise Refused(f"{self._robot} refuses to drive: {err.why}") from err
+        except TimeoutError as err:
+            raise NotThere(f"nobody drives {self._robot}; see whether its p2os-gateway runs") from err
 
     async def _stream(self) -> None:
         with self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name) as wheels:

@@ -1,28 +1,54 @@
 """The elements that move. What a program has set going stops when the program does."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Generic
 
 from agents.face.driving import Driving
 from agents.face.element import Element, R
 from agents.face.errors import RobotError, TimedOut
+from agents.face.holding import Lease
 from agents.face.readings import ArmReading, BaseReading, OtherReading, PtzReading
 from agents.face.stage import Stage
 from agents.platform import AgentName
+from bus import keys
 from geometry import Pose2D
 
 MOTION = 300.0  # s for the longest motion; what is stuck or dead says so earlier
 
 
 class Mover(Element[R], Generic[R]):
-    """An element that moves, and so can be leased, and stopped.
-
-    token: of the lease, while the program holds one; empty otherwise.
-    """
+    """An element that moves, and so can be leased, and stopped."""
 
     def __init__(self, stage: Stage, agent: AgentName) -> None:
         super().__init__(stage, agent)
-        self.token = ""
+        self._lease: Lease | None = None
+
+    @contextmanager
+    def lease(self, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[Lease]:
+        """The sole right to move this element, during a block; what it is doing at the end of the block is stopped.
+
+        Args:
+            priority: Whoever has a lower one must let go.
+            seconds: How long it outlives this program, should that die.
+            notice: s that the present holder is given.
+        Raises:
+            Refused: Somebody else has it; says who.
+        """
+        lease = Lease(self._stage, self.agent)
+        lease.take(priority, seconds, notice)
+        self._lease = lease
+        try:
+            yield lease
+        finally:
+            self._lease = None
+            if self in self._stage.moving:
+                self._stop_at_once()
+            lease.release()
+
+    @property
+    def _token(self) -> str:
+        return self._lease.token if self._lease is not None else ""
 
     def stop(self) -> None:
         """Stop."""
@@ -30,8 +56,8 @@ class Mover(Element[R], Generic[R]):
 
     def _move(self, request: str, /, **arguments: Any) -> Any:
         """Ask for a motion and wait for its end; a wait that is broken off stops it."""
-        if self.token:
-            arguments["token"] = self.token
+        if token := self._token:
+            arguments["token"] = token
         self._stage.moving[self] = self._halt
         try:
             result = self.ask(request, within=MOTION, **arguments)
@@ -92,7 +118,7 @@ class Base(Mover[BaseReading]):
         """
         if seconds is None:
             self._stage.moving[self] = self._halt
-            self._stage.call(self._driving.go(linear, angular, self.token))
+            self._stage.call(self._driving.go(linear, angular, self._token))
         else:
             self._go("drive", linear=linear, angular=angular, seconds=seconds)
 
@@ -117,7 +143,9 @@ class Base(Mover[BaseReading]):
 
     async def _halt(self) -> None:
         await self._driving.end()
-        await super()._halt()
+        outcome = await self._stage.agent.request(self.agent, "stop", reply_within=1.0)
+        if not outcome.is_done:  # its agent is gone; the robot's driver may not be
+            await self._stage.agent.query(keys.STOP.key(self.agent.platform), timeout=0.5)
         self._driving.has_stopped()
 
 

@@ -38,6 +38,13 @@ class BasePart(Part):
 
     async def setup(self) -> None:
         self.listen(f"{self.name.platform}/cmd_vel", self._obey, keep=100)
+        self._open.append(self.bus.serve(f"{self.name.platform}/command/drive", self._drive))
+
+    def _drive(self, given: dict[str, Any]) -> dict[str, Any]:
+        """As the gateway answers."""
+        if given.get("token", "") != self.token:
+            raise Refused("somebody else holds the lease")
+        return {"accepted": True}
 
     async def _obey(self, twist: Any) -> None:
         self.velocities.append((twist.linear.x, twist.angular.z))

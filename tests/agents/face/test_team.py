@@ -192,6 +192,16 @@ def test_driving_goes_on_until_it_is_stopped(world: World, team: Team) -> None:
     wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
 
 
+def test_driving_that_is_refused_says_why(world: World, team: Team) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    base = team.robot("happy").base
+    base.drive(0.2)
+    wheels.token = "another's"
+    with pytest.raises(Refused, match="happy refuses to drive: somebody else holds the lease"):
+        base.drive(0.2)
+    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+
+
 def test_driving_ends_when_the_program_makes_no_call_any_more(
     world: World, team: Team, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,0 +1,55 @@
+"""`acromovi new`: write an application to begin with."""
+
+import argparse
+import inspect
+import sys
+from pathlib import Path
+
+EPILOG = """\
+example:
+  acromovi new patrol
+      write patrol.py, which wanders about as it is; then: acromovi run patrol.py
+
+Exit codes: 0 written, 1 there is such a file already, 2 wrong usage.
+"""
+TEMPLATE = "apps.wander"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("name", metavar="NAME", type=identifier, help="of the application: letters, digits and _")
+
+
+def identifier(text: str) -> str:
+    """A name that a file and an agent can have."""
+    name = text.removesuffix(".py")
+    if not name.isidentifier():
+        raise argparse.ArgumentTypeError(f"{text!r} is no name for an application; use letters, digits and _")
+    return name
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write it, unless it is there."""
+    file = Path(f"{options.name}.py")
+    try:
+        with file.open("x", encoding="utf-8") as written:
+            written.write(application(options.name))
+    except OSError as err:
+        why = "there is such a file already; choose another name" if isinstance(err, FileExistsError) else err.strerror
+        print(f"acromovi new: {file} cannot be written: {why}", file=sys.stderr)
+        return 1
+    print(f"wrote {file}; run it with: acromovi run {file}")
+    return 0
+
+
+def application(name: str) -> str:
+    """The text of a new application: the one that Acromovi brings, under its own name."""
+    from apps import wander
+
+    return (
+        inspect.getsource(wander)
+        .replace("APPLICATION", f"{name}.py")
+        .replace("NAME@apps", f"{name}@apps")
+        .replace('SERVICES = ("wander",)', f'SERVICES = ("{name}",)')
+    )

@@ -1,0 +1,69 @@
+"""`acromovi run`: run an application on the robots that are there."""
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from acromovi.command import argument
+from acromovi.options import add_apps, add_bus
+
+if TYPE_CHECKING:
+    from agents.face.program import Program
+
+EPILOG = """\
+examples:
+  acromovi run wander.py robot=happy speed=0.3
+      run the function main(team, robot, speed) of a file
+  acromovi run wander
+      run an application that Acromovi brings
+  acromovi new patrol
+      write a file to begin with
+
+A value is JSON, or text where it is no JSON. Ctrl-C ends the application and stops what it drives.
+
+Exit codes: 0 it has ended, 1 it has failed (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by
+SIGTERM; an application may choose another with sys.exit.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    add_application(parser)
+    add_bus(parser)
+
+
+def add_application(parser: argparse.ArgumentParser) -> None:
+    """Add which application, and what it is given."""
+    parser.add_argument("application", metavar="APP", help="a .py file with main(team), or the name of one in --apps")
+    parser.add_argument(
+        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="what main is given"
+    )
+    add_apps(parser)
+
+
+def chosen(options: argparse.Namespace) -> "Program":
+    """The application that the command line names, loaded, with arguments that it takes.
+
+    Raises:
+        RobotError: There is no such application, or it does not take them.
+    """
+    from agents.face.program import find_program
+
+    program = find_program(options.application, options.apps)
+    program.check(dict(options.arguments))
+    return program
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run it to its end."""
+    from agents import RobotError, Team
+
+    try:
+        program = chosen(options)
+        with Team(options.bus) as team:
+            program.run(team, dict(options.arguments))
+    except RobotError as err:
+        print(f"acromovi run: {err}", file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,33 @@
+"""Wander about: drive straight on, and turn away from what comes near.
+
+acromovi run APPLICATION robot=happy speed=0.3
+acromovi promote APPLICATION
+acromovi ask NAME@apps turns
+"""
+
+from agents import Team, request
+
+SERVICES = ("wander",)  # what it offers as an agent, for the directory
+turns = 0
+
+
+def main(team: Team, robot: str = "", speed: float = 0.2, near: float = 0.7) -> None:
+    """Wander with one robot until stopped, at so many m/s; turn away from what is nearer than so many m."""
+    global turns
+    me = team.robot(robot, having="sonar")  # without a name, any robot that has sonar
+    was_near = False
+    for _ in team.every(0.1):
+        seen = me.sonar.read()
+        is_near = seen.nearest < near and abs(seen.bearing) < 1.2  # rad; what lies behind does no harm
+        if is_near:
+            me.base.drive(0.0, 0.6)
+        else:
+            me.base.drive(speed)
+        turns += is_near and not was_near
+        was_near = is_near
+
+
+@request("turns")
+def how_often() -> int:
+    """How often it has turned away; as an agent, it answers others with this."""
+    return turns
