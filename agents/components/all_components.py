@@ -2,10 +2,17 @@
 
 from collections.abc import Mapping
 
+from agents.components.arm import Arm
 from agents.components.component import Component
 from agents.components.generic import Generic
+from agents.components.gripper import Gripper
+from agents.components.ptz import Ptz
 
-COMPONENTS: Mapping[str, type[Component]] = {}
+COMPONENTS: Mapping[str, type[Component]] = {
+    "gripper": Gripper,
+    "arm": Arm,
+    "ptz": Ptz,
+}
 """By the element's name in the robot's description."""
 
 

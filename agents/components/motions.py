@@ -16,10 +16,16 @@ HOLD = 0.25
 """Seconds for which reports must agree that a motion is over."""
 TIME_TO_START = 2.0
 """Seconds that an element may take to begin, unless it is known to take longer."""
+PAUSE = 0.5
+"""Seconds that an element may stand still on its way, likewise."""
 SILENCE = 3.0
 """Seconds without a report after which nobody knows how the motion goes."""
 
 Report = TypeVar("Report")
+
+
+class Replaced(Refused):
+    """A newer motion has taken the place of one."""
 
 
 class Phase(Enum):
@@ -35,7 +41,8 @@ class Goal(Generic[Report]):
     """What a motion is to reach.
 
     what: in words, as `gripper open`. parts: of the element that it moves; one that moves a part takes the place of an
-    older one. judge: what a report says of it. within: s that it may take at the most. time_to_start: s. hold: s.
+    older one. judge: what a report says of it. within: s that it may take at the most. time_to_start, pause, hold: s,
+    as the constants say.
     """
 
     what: str
@@ -43,6 +50,7 @@ class Goal(Generic[Report]):
     judge: Callable[[Report], Phase]
     within: float
     time_to_start: float = TIME_TO_START
+    pause: float = PAUSE
     hold: float = HOLD
 
 
@@ -69,7 +77,7 @@ class _Motion(Generic[Report]):
         rested = now - self.since
         if phase is Phase.ARRIVED and rested >= self.goal.hold:
             self.finish(report)
-        elif phase is Phase.RESTING and rested >= (self.goal.hold if self.has_moved else self.goal.time_to_start):
+        elif phase is Phase.RESTING and rested >= (self.goal.pause if self.has_moved else self.goal.time_to_start):
             did = "has stopped on its way" if self.has_moved else "does not begin"
             self.give_up(f"{self.goal.what} {did}")
 
@@ -93,12 +101,12 @@ class _Motion(Generic[Report]):
     def give_up(self, why: str) -> None:
         """It has not; say why, as far as is known."""
         reasons = self.reasons()
-        self.fail(f"{why}: {reasons}" if reasons else why)
+        self.fail(Refused(f"{why}: {reasons}" if reasons else why))
 
-    def fail(self, why: str) -> None:
+    def fail(self, error: Refused) -> None:
         """It has not, for this reason."""
         if not self.end.done():
-            self.end.set_exception(Refused(why))
+            self.end.set_exception(error)
 
 
 class Motions(Generic[Report]):
@@ -108,6 +116,11 @@ class Motions(Generic[Report]):
         """reasons: why a motion may have failed, as far as is known; empty text where nothing is."""
         self._reasons = reasons
         self._open: list[_Motion[Report]] = []
+
+    @property
+    def are_under_way(self) -> bool:
+        """Whether there are any."""
+        return bool(self._open)
 
     def hear(self, report: Report) -> None:
         """A report of the element has come."""
@@ -124,7 +137,7 @@ class Motions(Generic[Report]):
         loop = asyncio.get_running_loop()
         for other in self._open:
             if set(other.goal.parts) & set(goal.parts):
-                other.fail(f"{goal.what} took the place of {other.goal.what}")
+                other.fail(Replaced(f"{goal.what} took the place of {other.goal.what}"))
         now = loop.time()
         motion = _Motion(goal, loop.create_future(), now, now, self._reasons)
         self._open.append(motion)

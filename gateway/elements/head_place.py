@@ -75,6 +75,10 @@ class HeadPlace:
         self._place, self._at, self.goal = self.now(now), now, goal
         self._moves_until = now + self._travel_time() + (0.0 if self._is_reckoned else SLACK)
 
+    def postpone(self, at: float) -> None:
+        """It is busy, and will be told again then, s."""
+        self._moves_until = max(self._moves_until, at + self._travel_time() + SLACK)
+
     def stop(self, now: float) -> None:
         """It was told to stay where it is."""
         self.send(self.now(now), now)

@@ -213,6 +213,7 @@ class Ptz(Element):
                 self._see(place, place.now(now)._replace(zoom=ratio), now)
             case Declined(is_busy=True):
                 self._aux.put_back(exchange, now + BUSY_PERIOD)
+                place.postpone(now + BUSY_PERIOD)
             case Declined(is_asleep=True) if not self._aux.has("start 0"):
                 self._start(now)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.components.motions import HOLD, SILENCE, TIME_TO_START, Goal, Motions, Phase
+from agents.components.motions import HOLD, PAUSE, SILENCE, TIME_TO_START, Goal, Motions, Phase
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Refused
 
@@ -67,7 +67,7 @@ def test_goal_that_was_reported_before_the_motion_began_is_not_believed(motions:
 def test_motion_that_stops_elsewhere_has_failed_soon(motions: Motions[str]) -> None:
     took, said = play(("moving", 1.0), ("resting", 2.0), motions=motions, motion=motions.follow(goal()))
     assert said == "arm move has stopped on its way"
-    assert took < 1.0 + 2 * HOLD + PERIOD
+    assert took < 1.0 + PAUSE + 2 * PERIOD
 
 
 def test_motion_is_given_time_to_begin(motions: Motions[str]) -> None:
