@@ -1,0 +1,11 @@
+"""Every service of a team: the agents that `acromovi container --services TEAM` starts."""
+
+from collections.abc import Mapping
+
+from agents.platform import Agent
+from agents.services.monitor import Monitor
+
+SERVICES: Mapping[str, type[Agent]] = {
+    "monitor": Monitor,
+}
+"""From the local names of the agents to their kinds; each is made with its name alone."""

@@ -1,0 +1,62 @@
+"""What a monitor has to tell: events, with a bounded memory of them."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
+
+REMEMBERED = 1000  # events
+
+
+class Level(StrEnum):
+    """How bad it is, in rising order."""
+
+    OK = "ok"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+SEVERITY = {level: number for number, level in enumerate(Level)}  # as diagnostic_msgs numbers them
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something has happened.
+
+    time: s since 1970. what: a sentence without its subject. about: the subject, an agent, a robot or a container.
+    """
+
+    time: float
+    what: str
+    about: str
+    level: Level
+
+    def to_dict(self) -> dict[str, Any]:
+        """The event as JSON."""
+        return asdict(self)
+
+
+class History:
+    """The newest events."""
+
+    def __init__(self, publish: Callable[[dict[str, Any]], None], wall_time: Callable[[], float]) -> None:
+        """Begin without any.
+
+        Args:
+            publish: Given each event at once.
+            wall_time: s since 1970.
+        """
+        self._publish = publish
+        self._wall_time = wall_time
+        self._events: deque[Event] = deque(maxlen=REMEMBERED)
+
+    def tell(self, about: object, what: str, level: Level = Level.OK) -> None:
+        """Something has just happened."""
+        event = Event(self._wall_time(), what, str(about), level)
+        self._events.append(event)
+        self._publish(event.to_dict())
+
+    def last(self, number: int) -> list[Event]:
+        """So many of the newest, oldest first."""
+        return list(self._events)[-number:] if number > 0 else []

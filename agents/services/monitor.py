@@ -1,0 +1,216 @@
+"""The agent that watches a team: who comes and goes, what flows, what fails, and what is done about it.
+
+It publishes each event at once on its results, `{"time", "what", "about", "level"}`, and once a second how all stand on
+`<team>/diagnostics`. Presence and reports come to it by themselves; all that it does by the clock is to look at the
+rates twice a second.
+"""
+
+import asyncio
+import threading
+from collections.abc import Mapping
+from dataclasses import asdict
+from functools import partial
+from typing import Any, ClassVar
+
+from agents.platform import Agent, AgentName, NameNotValid, OneShot, every, request
+from agents.platform.ends import End
+from agents.platform.names import ContainerName
+from agents.platform.talk import hand_over
+from agents.services.diagnostics import Standing, diagnostic_array, worst
+from agents.services.events import History
+from agents.services.restarts import RestartRules
+from agents.services.streams import steady_streams
+from agents.services.supervision import Supervision
+from agents.services.watching import ElementName, RobotName, Watching
+from bus import BusError, Refused, Sample, Subscription
+from bus.bus import Publisher
+from bus.keys import DESCRIPTION, DIAGNOSTICS, STATE, split
+from bus.messages import DiagnosticArray, RobotState
+
+TOKENS = ("*/alive", "*/agents/*/alive", "*/containers/*/alive", "*/elements/*/alive")
+GATHER = 0.01  # s in which tokens that come or go are taken together; a process that dies takes all of its own with it
+LOOK = 0.5  # s between two looks at the rates
+SETTLE = 0.3  # s after the last change of a robot's elements until its description is read
+DESCRIPTION_TIME = 2.0  # s
+ATTEMPTS = 5  # to read a description
+MANY = 64  # reports or states that wait while one is dealt with
+
+
+class Monitor(Agent):
+    """Watches everything on the bus, and looks after the agents of its team.
+
+    Its property `restart` has the rules (`restarts.RestartRules`), its property `results` the elements whose agents'
+    results are watched beside their robots' streams: by default the base alone, which is enough to see that a container
+    has stopped working, since a result that nobody listens to costs its agent nothing.
+    """
+
+    services: ClassVar[tuple[str, ...]] = ("monitoring",)
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        super().__init__(name, properties)
+        self._lock = threading.Lock()
+        self._tokens: list[tuple[str, bool]] = []
+        self._watched: dict[str, Subscription] = {}
+        self._reading: set[str] = set()  # robots whose descriptions are about to be read
+        self._diagnostics: Publisher | None = None
+
+    async def setup(self) -> None:
+        """Begin to watch.
+
+        Raises:
+            ConfigError: The rules cannot be used.
+        """
+        self._clock = asyncio.get_running_loop().time
+        self._history = History(self.publish, self.home.wall_time)
+        self._watching = Watching(self._history.tell)
+        rules = RestartRules(self.properties.get("restart"), f"the restart rules of {self.name}")
+        self._supervision = Supervision(
+            self.name.platform, rules, self._watching.is_there, self.query, self._history.tell, self.add
+        )
+        self._diagnostics = self.bus.publisher(DIAGNOSTICS.key(self.name.platform), DIAGNOSTICS.type_name)
+        self.listen("*/containers/*/reports", self._hear_report, keep=MANY, keyed=True)
+        self.listen("*/" + STATE.suffix, self._hear_state, keep=MANY, keyed=True)
+        self.listen("*/" + DIAGNOSTICS.suffix, self._hear_diagnostics, keep=MANY, keyed=True)
+        loop = asyncio.get_running_loop()
+        for expression in TOKENS:
+            self._watched[expression] = self.bus.watch_alive(expression, partial(self._take_token, loop))
+
+    async def take_down(self) -> None:
+        """Watch no more."""
+        for watched in self._watched.values():
+            watched.close()
+        if self._diagnostics is not None:
+            self._diagnostics.close()
+
+    @request("status")
+    async def status(self, robot: str = "") -> dict[str, Any]:
+        """How all stand, or one robot with what belongs to it."""
+        standings = self._standings(robot)
+        return {
+            "level": worst(standings),
+            "standings": {standing.about: standing.to_dict() for standing in standings},
+            "robots": sorted(self._watching.robots),
+            "containers": [str(name) for name in self._watching.containers if robot in ("", name.platform)],
+            "agents": [str(name) for name in self._watching.agents if robot in ("", name.platform)],
+            "looks_after": self._supervision.under_way,
+        }
+
+    @request("events")
+    async def events(self, last: int = 50) -> list[dict[str, Any]]:
+        """So many of the newest events, oldest first."""
+        return [event.to_dict() for event in self._history.last(last)]
+
+    @request("policy")
+    async def policy(self, agent: str = "") -> dict[str, Any]:
+        """The rules by which agents that fail are started again, or the one for an agent and how often it was."""
+        restarts = self._supervision.restarts
+        if not agent:
+            return {"rules": restarts.rules.to_dict()}
+        try:
+            name = AgentName.parse(agent)
+        except NameNotValid as err:
+            raise Refused(str(err)) from err
+        return {"agent": agent, **asdict(restarts.rules.of(name)), "attempted": restarts.attempts(name)}
+
+    @every(LOOK)
+    async def look(self) -> None:
+        """Judge the rates."""
+        self._watching.judge(self._clock())
+
+    @every(1.0)
+    async def diagnose(self) -> None:
+        """Show ROS how all stand."""
+        if self._diagnostics is not None:
+            stamp_ns = int(self.home.wall_time() * 1e9)
+            self._diagnostics.put(diagnostic_array(self.name.platform, self._standings(""), stamp_ns))
+
+    def _standings(self, robot: str) -> list[Standing]:
+        if robot and robot not in self._watching.robots:
+            known = ", ".join(sorted(self._watching.robots)) or "none"
+            raise Refused(f"there is no robot {robot!r} at this moment; there are: {known}")
+        return self._watching.standings(self._clock(), robot or None)
+
+    # Presence. Tokens come on the bus's thread, and are taken in the loop a moment later, all together.
+
+    def _take_token(self, loop: asyncio.AbstractEventLoop, key: str, is_alive: bool) -> None:
+        with self._lock:
+            self._tokens.append((key, is_alive))
+            is_first = len(self._tokens) == 1
+        if is_first:
+            hand_over(loop, loop.call_later, GATHER, self._follow_tokens)
+
+    def _follow_tokens(self) -> None:
+        with self._lock:
+            tokens, self._tokens = self._tokens, []
+        for name, is_alive in self._watching.changed(tokens):
+            match name:
+                case ContainerName() if is_alive:
+                    self._supervision.container_came(name)
+                case ContainerName():
+                    self._supervision.container_gone(name)
+                case RobotName() | ElementName() if name.robot in self._watching.robots:
+                    self._read_description_soon(name.robot)
+                case RobotName():
+                    self._watch_streams(name.robot, {})
+
+    async def _hear_report(self, key: str, report: dict[str, Any]) -> None:
+        container = ContainerName.of_key(key)
+        match report:
+            case {"agent": None, "ended": str(how)}:
+                self._watching.ended(container, how)
+            case {"agent": str(agent), "ended": End.FAILED | End.NOT_SET_UP}:
+                self._supervision.agent_failed(AgentName.parse(agent), container, report)
+            case {"agent": str(agent), "ended": str(how)}:
+                self._watching.ended(AgentName.parse(agent), how)
+            case {"agent": str(agent), "what": str(what), **rest}:
+                self._watching.complained(agent, what, rest.get("error"))
+
+    # Robots.
+
+    async def _hear_state(self, key: str, state: Any) -> None:
+        if isinstance(state, RobotState):
+            self._watching.state(split(key)[0], state)
+
+    async def _hear_diagnostics(self, key: str, array: Any) -> None:
+        if isinstance(array, DiagnosticArray) and split(key)[0] != self.name.platform:
+            self._watching.diagnosed(array)
+
+    def _read_description_soon(self, robot: str) -> None:
+        if robot not in self._reading:
+            self._reading.add(robot)
+            self.add(OneShot(partial(self._read_description, robot), f"read the description of {robot}"))
+
+    async def _read_description(self, robot: str) -> None:
+        """Learn which streams are to flow; elements may still be coming."""
+        for attempt in range(ATTEMPTS):
+            await asyncio.sleep(SETTLE * 2.0**attempt)
+            self._reading.discard(robot)  # what changes from now on is not in this answer
+            try:
+                description = await self.query(DESCRIPTION.key(robot), None, DESCRIPTION_TIME)
+            except (BusError, TimeoutError):
+                continue
+            if robot in self._watching.robots:
+                self._watch_streams(robot, self._steady(robot, description))
+            return
+
+    def _steady(self, robot: str, description: Mapping[str, Any]) -> dict[str, float | None]:
+        """The streams to watch."""
+        listed = self.properties.get("results", ["base"])
+        results = {AgentName(element, robot).results_key for element in listed}
+        steady = steady_streams(robot, description)
+        return {key: rate for key, rate in steady.items() if not split(key)[1].startswith("agents/") or key in results}
+
+    def _watch_streams(self, robot: str, wanted: Mapping[str, float | None]) -> None:
+        """Watch these streams of a robot, and no others."""
+        streams = self._watching.streams
+        for key in [key for key in streams.keys if split(key)[0] == robot and key not in wanted]:
+            self._watched.pop(key).close()
+            streams.ignore(key)
+        for key, declared in wanted.items():
+            if key not in self._watched:
+                streams.watch(key, self._clock(), declared)
+                self._watched[key] = self.bus.subscribe(key, self._beat, urgent=True)
+
+    def _beat(self, sample: Sample) -> None:
+        """On the bus's thread: no more than to note the time."""
+        self._watching.streams.beat(sample.key, self._clock())

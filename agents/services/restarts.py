@@ -1,0 +1,107 @@
+"""When to start an agent again that has failed, and when to give up. No bus, no clock.
+
+The rules are a table from agents to rules; the first name that matches counts, `*` stands for anything:
+
+    {"camera": RestartRule(attempts=2), "app-*": RestartRule(attempts=0), "*": RestartRule()}
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+from agents.platform import AgentName
+from configs import build
+
+
+@dataclass(frozen=True, slots=True)
+class RestartRule:
+    """How one kind of agents is started again.
+
+    attempts: how often in a row; 0 for never, -1 for any number.
+    first, longest: s of the pause before the first attempt, which doubles with each further one, and of the longest.
+    healthy_after: s of life after an attempt by which what was before is forgiven. One that fails sooner is flapping,
+        and its next attempt is the next in the row.
+    """
+
+    attempts: int = 5
+    first: float = 0.2
+    longest: float = 30.0
+    healthy_after: float = 60.0
+
+    def pause(self, attempt: int) -> float:
+        """s to wait before an attempt; the first is 1."""
+        return float(min(self.longest, self.first * 2.0 ** min(attempt - 1, 60)))
+
+
+ANY = "*"
+DEFAULT = RestartRule()
+
+
+class RestartRules:
+    """A rule for every agent."""
+
+    def __init__(
+        self, tables: Mapping[str, Mapping[str, Any]] | None = None, source: str = "the restart rules"
+    ) -> None:
+        """Read the rules.
+
+        Args:
+            tables: From the local names of agents, or patterns of them, to what differs from the default.
+            source: Named in messages.
+        Raises:
+            ConfigError: A table cannot be used.
+        """
+        self._rules = {
+            pattern: build(RestartRule, table, f"{source} for {pattern!r}") for pattern, table in (tables or {}).items()
+        }
+
+    def of(self, agent: AgentName) -> RestartRule:
+        """The rule for an agent."""
+        return next((rule for pattern, rule in self._rules.items() if fnmatchcase(agent.local, pattern)), DEFAULT)
+
+    def to_dict(self) -> dict[str, dict[str, Any]]:
+        """The rules as JSON."""
+        return {pattern: asdict(rule) for pattern, rule in {ANY: DEFAULT, **self._rules}.items()}
+
+
+@dataclass(slots=True)
+class _Row:
+    """Attempts in a row. at: when the last was made, s; None while it is still to come."""
+
+    attempts: int = 0
+    at: float | None = None
+
+
+class Restarts:
+    """Counts the attempts for each agent that has failed."""
+
+    def __init__(self, rules: RestartRules) -> None:
+        self.rules = rules
+        self._rows: dict[AgentName, _Row] = {}
+
+    def failed(self, agent: AgentName, now: float) -> float | None:
+        """An agent has failed; s until it is to be started again, or None to give it up."""
+        rule, row = self.rules.of(agent), self._rows.setdefault(agent, _Row())
+        if row.at is not None and now - row.at >= rule.healthy_after:
+            row.attempts = 0
+        row.attempts += 1
+        row.at = None
+        if rule.attempts < 0 or row.attempts <= rule.attempts:
+            return rule.pause(row.attempts)
+        del self._rows[agent]  # whoever starts it by hand begins a new row
+        return None
+
+    def attempted(self, agent: AgentName, now: float) -> None:
+        """An agent has been started again."""
+        if agent in self._rows:
+            self._rows[agent].at = now
+
+    def attempts(self, agent: AgentName) -> int:
+        """How many attempts in a row there have been, with the one that is under way."""
+        row = self._rows.get(agent)
+        return row.attempts if row else 0
+
+    def forget(self, agent: AgentName) -> None:
+        """Someone else has seen to it."""
+        self._rows.pop(agent, None)

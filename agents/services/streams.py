@@ -1,0 +1,107 @@
+"""Which streams of a robot are to be steady, and how all that are watched are doing. No bus, no clock.
+
+Watched is what flows by itself as long as its element works: odometry, sonar, scans, bumpers, battery and state, and
+the results of the agents of these elements. Not watched are streams that rest when nothing happens (ptz, arm,
+gripper, ...) and pictures: whoever listens to a camera makes it draw and send.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from agents.platform import AgentName
+from agents.services.diagnostics import Standing
+from agents.services.events import Level
+from agents.services.pulse import Beat, Pulse
+from bus import keys
+
+STEADY = frozenset({keys.ODOM, keys.SONAR, keys.SCAN, keys.BUMPERS, keys.BATTERY, keys.STATE})
+
+Tell = Callable[[object, str, Level], None]
+
+
+def steady_streams(robot: str, description: Mapping[str, Any]) -> dict[str, float | None]:
+    """The keys of what flows steadily on a robot, from its description, each with its rate in Hz if that is told."""
+    found: dict[str, float | None] = {}
+    elements = description.get("elements")
+    for element in elements if isinstance(elements, list) else []:
+        match element:
+            case {"name": str(name), "streams": list(streams)}:
+                steady = [key for key in streams if isinstance(key, str) and keys.topic_of(key) in STEADY]
+            case _:
+                continue  # not an element as gateways describe them
+        rate = element.get("rate")
+        declared = float(rate) if isinstance(rate, int | float) and rate > 0 else None
+        if steady:
+            found |= dict.fromkeys([*steady, AgentName(name, robot).results_key], declared)
+    return found
+
+
+class Streams:
+    """The pulses of all streams that are watched, by their keys."""
+
+    def __init__(self, tell: Tell) -> None:
+        self._tell = tell
+        self._pulses: dict[str, Pulse] = {}
+
+    @property
+    def keys(self) -> list[str]:
+        """What is watched."""
+        return list(self._pulses)
+
+    def watch(self, key: str, now: float, declared: float | None = None) -> None:
+        """Begin to watch a stream; `declared` is its rate in Hz, if that is known."""
+        self._pulses.setdefault(key, Pulse(now, declared))
+
+    def ignore(self, key: str) -> None:
+        """Watch a stream no more."""
+        self._pulses.pop(key, None)
+
+    def beat(self, key: str, now: float) -> None:
+        """A sample has come; on any thread."""
+        pulse = self._pulses.get(key)
+        if pulse is not None:
+            pulse.beat(now)
+
+    def judge(self, now: float, is_excused: Callable[[str], bool]) -> None:
+        """Look at all, and tell what has changed; those that are excused have a reason to be silent."""
+        for key, pulse in self._pulses.items():
+            if is_excused(key):
+                pulse.excuse(now)
+                continue
+            before = pulse.state
+            if pulse.judge(now) and not (before is Beat.LEARNING and pulse.state is Beat.STEADY):
+                self._tell(_maker(key), _sentence(key, pulse, now), LEVELS[pulse.state])
+
+    def standings(self, now: float, robot: str | None = None) -> list[Standing]:
+        """How each is doing, or each of one robot."""
+        return [
+            Standing(
+                key,
+                LEVELS[pulse.state],
+                _sentence(key, pulse, now),
+                {"rate": round(pulse.rate, 2), "usual": None if pulse.usual is None else round(pulse.usual, 2)},
+            )
+            for key, pulse in self._pulses.items()
+            if robot is None or keys.split(key)[0] == robot
+        ]
+
+
+LEVELS = {Beat.LEARNING: Level.OK, Beat.STEADY: Level.OK, Beat.SLOW: Level.WARNING, Beat.SILENT: Level.ERROR}
+
+
+def _maker(key: str) -> str:
+    """Whose stream it is: an agent or a robot."""
+    robot, suffix = keys.split(key)
+    return str(AgentName.of_key(key)) if suffix.startswith("agents/") else robot
+
+
+def _sentence(key: str, pulse: Pulse, now: float) -> str:
+    usual = f"{pulse.usual:.3g} Hz" if pulse.usual is not None else "nothing"
+    match pulse.state:
+        case Beat.SILENT:
+            return f"{key} has been silent for {pulse.silence(now):.1f} s, where {usual} are usual"
+        case Beat.SLOW:
+            return f"{key} comes with {pulse.rate:.3g} Hz, where {usual} are usual"
+        case Beat.LEARNING:
+            return f"{key} has not come often enough to know its rate"
+    return f"{key} flows"

@@ -1,0 +1,160 @@
+"""Brings back what has failed: agents by the container where they lived, containers that are frozen by their host.
+
+Who does what: an agent that fails while its container lives is started again here, by the rules of `restarts`. A
+container whose process has ended is started again by the host (`acromovi up`), which sees that itself. A container that
+is frozen has a process, and yet nobody hears of it: here the host is asked to start it anew. What was stopped on
+purpose is left alone, since only a container's word that an agent has failed makes this begin.
+"""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from agents.platform import AgentName, OneShot
+from agents.platform.behaviours import Behaviour
+from agents.platform.ends import End
+from agents.platform.names import ContainerName
+from agents.services.events import Level
+from agents.services.restarts import RestartRules, Restarts
+from agents.services.streams import Tell
+from agents.services.watching import ElementName, Named
+from bus import BusError, NoAnswer, Refused, TimedOut
+
+FROZEN_AFTER = 1.0  # s without its token after which a container is asked about
+START_TIME = 35.0  # s for a container to start an agent; its own patience with a setup is 30 s
+ANSWER_TIME = 2.0  # s for anything else
+RUNNING = "running"  # the state of a process in what a host says
+
+Ask = Callable[[str, Mapping[str, Any], float], Awaitable[dict[str, Any]]]
+
+
+class Supervision:
+    """Looks after agents that failed and containers that are gone. All of it happens in the monitor's event loop."""
+
+    def __init__(
+        self,
+        team: str,
+        rules: RestartRules,
+        is_there: Callable[[Named], bool],
+        ask: Ask,
+        tell: Tell,
+        do: Callable[[Behaviour], object],
+    ) -> None:
+        """Begin with nothing to do.
+
+        Args:
+            team: Whose host it asks.
+            rules: When agents are started again.
+            is_there: Whether an agent, a container or an element is there at this moment.
+            ask: Queries a key of the bus, with patience in s.
+            tell: Told what is done about what.
+            do: Begins a behaviour.
+        """
+        self.restarts = Restarts(rules)
+        self._team = team
+        self._is_there = is_there
+        self._ask = ask
+        self._tell = tell
+        self._do = do
+        self._processes: dict[ContainerName, int] = {}
+        self._under_way: set[AgentName | ContainerName] = set()
+
+    @property
+    def under_way(self) -> list[str]:
+        """Whom it is looking after."""
+        return sorted(map(str, self._under_way))
+
+    def container_came(self, container: ContainerName) -> None:
+        """Ask a container for its process, so that it can be told from its successor."""
+        self._do(OneShot(lambda: self._get_to_know(container), f"get to know {container}"))
+
+    def container_gone(self, container: ContainerName) -> None:
+        """See whether a container whose token has gone is frozen."""
+        self._begin(container, lambda: self._look_after(container))
+
+    def agent_failed(self, agent: AgentName, container: ContainerName, report: Mapping[str, Any]) -> None:
+        """A container has said that one of its agents has failed, and what it was."""
+        match report:
+            case {"ended": End.NOT_SET_UP} if self._is_there(ElementName(agent.local, agent.platform)):
+                return  # the container of a robot tries again by itself
+            case {"kind": str(kind), "properties": dict(properties)}:
+                order = {"do": "start", "name": str(agent), "kind": kind, "properties": properties}
+                self._begin(agent, lambda: self._start_again(agent, container, order))
+
+    def _begin(self, whom: AgentName | ContainerName, work: Callable[[], Awaitable[None]]) -> None:
+        if whom in self._under_way:
+            return  # an attempt that failed is told of twice: by the answer, and by the report
+
+        async def look_after() -> None:
+            try:
+                await work()
+            finally:
+                self._under_way.discard(whom)
+
+        self._under_way.add(whom)
+        self._do(OneShot(look_after, f"look after {whom}"))
+
+    async def _start_again(self, agent: AgentName, container: ContainerName, order: Mapping[str, Any]) -> None:
+        now = asyncio.get_running_loop().time
+        what = f"{agent} has failed"
+        while (pause := self.restarts.failed(agent, now())) is not None:
+            attempt = self.restarts.attempts(agent)
+            self._tell(agent, f"{what}; attempt {attempt} to start it again in {pause:.2g} s", Level.WARNING)
+            await asyncio.sleep(pause)
+            if self._is_there(agent):
+                return  # someone else was faster
+            self.restarts.attempted(agent, now())
+            try:
+                await self._ask(container.control_key, order, START_TIME)
+            except Refused as err:
+                what = f"{agent} could not be started again, since {err.why}"
+                continue
+            except (BusError, TimeoutError) as err:
+                what = f"{agent} is not started again: its container {container} does not answer"
+                self._tell(agent, f"{what} ({err})", Level.ERROR)
+                return
+            self._tell(agent, f"{agent} has been started again", Level.OK)
+            return
+        advice = f"correct it and start it: acromovi agent start {agent} {order['kind']} --in {container}"
+        self._tell(agent, f"{what}, and is given up; {advice}", Level.ERROR)
+
+    async def _get_to_know(self, container: ContainerName) -> None:
+        try:
+            answer = await self._ask(container.control_key, {"do": "list"}, ANSWER_TIME)
+        except (BusError, TimeoutError):
+            return  # an unknown process is never taken for a frozen one
+        match answer:
+            case {"process": int(process)}:
+                self._processes[container] = process
+
+    async def _look_after(self, container: ContainerName) -> None:
+        known = self._processes.pop(container, None)
+        await asyncio.sleep(FROZEN_AFTER)
+        if self._is_there(container):
+            return
+        host = f"{self._team}/host/control"
+        try:
+            row = _row_of(container, await self._ask(host, {"do": "status"}, ANSWER_TIME))
+            if row is None:
+                return  # started by hand, and so for that hand to start again
+            if row.get("state") == RUNNING and known is not None and row.get("pid") == known:
+                await self._ask(host, {"do": "restart", "container": container.name}, ANSWER_TIME)
+                what = f"the container {container} is frozen (process {known}), and its host starts it anew"
+            else:
+                what = (
+                    f"the host starts the container {container} again; it ended because: {row.get('why') or 'unknown'}"
+                )
+            self._tell(container, what, Level.WARNING)
+        except Refused as err:
+            self._tell(container, f"the host does not start the container {container} again: {err.why}", Level.ERROR)
+        except TimedOut:
+            self._tell(container, f"the host of {self._team} does not answer; see to {container} by hand", Level.ERROR)
+        except (NoAnswer, TimeoutError):
+            return  # nobody hosts: everything was started by hand
+
+
+def _row_of(container: ContainerName, status: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """What a host says of the process of one container."""
+    rows = status.get("processes")
+    listed = rows if isinstance(rows, list) else []
+    return next((row for row in listed if isinstance(row, dict) and row.get("container") == container.name), None)
