@@ -21,6 +21,7 @@ GROUPS = {
     "stop_proof": "time and distance until the wheels stand, whatever dies; writes stop-proof.md",
     "radio": "a million packets over a damaged radio modem: used, rejected, counted",
     "fuzz": "ten million generated frames into every parser: no crash, memory flat",
+    "agents": "requests, informs, crowds of agents, and searches of the directory",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 
