@@ -11,8 +11,7 @@ from acromovi.command import argument
 from acromovi.options import add_bus, seconds
 
 if TYPE_CHECKING:
-    from agents.platform.fipa_request import Outcome
-    from agents.platform.names import AgentName
+    from agents.platform import AgentName, Outcome
     from bus.bus import Bus
 
 PATIENCE = 10.0  # s

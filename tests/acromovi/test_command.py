@@ -47,7 +47,7 @@ def test_help_names_every_command_and_is_quick_because_it_loads_nothing() -> Non
 
 
 @pytest.mark.parametrize(
-    "command", ["echo", "topics", "ps", "directory", "ask", "teleop", "router", "doctor", "wire", "demo"]
+    "command", ["echo", "topics", "ps", "directory", "ask", "up", "teleop", "router", "doctor", "wire", "demo"]
 )
 def test_every_command_has_help_with_an_example_and_its_exit_codes(
     command: str, capsys: pytest.CaptureFixture[str]

@@ -1,0 +1,1 @@
+"""A team as processes: which there are, how they begin, are kept going, and end in order. See `team`."""

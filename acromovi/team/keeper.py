@@ -1,0 +1,88 @@
+"""Ends a team's processes in order, when the program that started them has ended, however that ended.
+
+It is a process of its own, in one process group with those it keeps, and hears on standard input who they are: a line
+with stage and process id for each. When that pipe closes (on purpose, or because the program was killed) it asks the
+processes of each stage to end, kills those that do not, removes the team's folder, and kills what is left of the group:
+children of children, and itself.
+"""
+
+import os
+import select
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+DEADLINES = (1.2, 2.0, 2.5)
+"""Seconds after the beginning of the end at which the processes of each stage are killed."""
+
+
+class Kept:
+    """One process; a number that the system has given to another one since is no danger to that one."""
+
+    def __init__(self, stage: int, pid: int) -> None:
+        """Take hold of it.
+
+        Raises:
+            ProcessLookupError: It has gone.
+        """
+        self.stage = stage
+        self.descriptor = os.pidfd_open(pid)
+
+    def send(self, number: signal.Signals) -> None:
+        """Send it a signal, if it is still there."""
+        with suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self.descriptor, number)
+
+    def has_ended(self, within: float = 0.0) -> bool:
+        """Whether it ends within so many s."""
+        waiting = select.poll()
+        waiting.register(self.descriptor, select.POLLIN)
+        return bool(waiting.poll(max(within, 0.0) * 1000))
+
+    def close(self) -> None:
+        """Let go of it."""
+        os.close(self.descriptor)
+
+
+def main() -> None:
+    """Keep until standard input closes; then end all. The folder is the first argument."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # it leaves last, and only when all have left
+    kept: list[Kept] = []
+    for line in sys.stdin:
+        kept = _without_ended(kept)
+        stage, pid = map(int, line.split())
+        with suppress(ProcessLookupError):
+            kept.append(Kept(stage, pid))
+    end_in_order(kept)
+    shutil.rmtree(Path(sys.argv[1]), ignore_errors=True)
+    if os.getpgrp() == os.getpid():  # the group is the team's, and not that of a person's shell
+        os.killpg(os.getpgrp(), signal.SIGKILL)
+
+
+def end_in_order(kept: Iterable[Kept]) -> None:
+    """End the processes stage by stage, each within its deadline."""
+    processes = list(kept)
+    begun = time.monotonic()
+    for stage, deadline in enumerate(DEADLINES):
+        mine = [process for process in processes if process.stage == stage]
+        for process in mine:
+            process.send(signal.SIGTERM)
+        for process in mine:
+            if not process.has_ended(begun + deadline - time.monotonic()):
+                process.send(signal.SIGKILL)
+
+
+def _without_ended(kept: list[Kept]) -> list[Kept]:
+    gone = [process for process in kept if process.has_ended()]
+    for process in gone:
+        process.close()
+    return [process for process in kept if process not in gone]
+
+
+if __name__ == "__main__":
+    main()

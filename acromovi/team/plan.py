@@ -1,0 +1,175 @@
+"""From a team's file to the processes that make it up. Pure: nothing is started here."""
+
+import difflib
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import configs
+from bus.keys import robot_name
+from configs import ConfigError
+from configs.team_file import TeamFile, TeamRobot
+from p2os_emu.links.profile import LinkProfile
+
+SERVICES = "services"  # the container of the team's own agents
+EMULATED = "emulated = true\n"
+"""Settings of the gateways of emulated robots."""
+
+
+class Stage(IntEnum):
+    """What kind of process it is, in the order in which they end."""
+
+    AGENTS = 0  # containers, and what runs on top of them
+    GATEWAY = 1  # after those who command it: it stops its robot
+    EMULATOR = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """One process of a team.
+
+    name: for people. robot: whose it is; empty where it is everybody's. container: the one that it runs, if any.
+    """
+
+    name: str
+    stage: Stage
+    command: tuple[str, ...]
+    robot: str = ""
+    container: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Team:
+    """A team as its file says.
+
+    name: of the file, and of the platform of the team's own agents. source: what finds the file again.
+    """
+
+    name: str
+    source: str
+    file: TeamFile
+
+    @property
+    def robots(self) -> tuple[TeamRobot, ...]:
+        """Its robots."""
+        return self.file.robots
+
+    @property
+    def emulated(self) -> tuple[TeamRobot, ...]:
+        """Those that are not real."""
+        return tuple(robot for robot in self.robots if robot.is_emulated)
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """What the command line says beyond the file.
+
+    apps: folders of applications that the team's services may start.
+    """
+
+    bus: str = "local"
+    seed: int | None = None
+    apps: tuple[Path, ...] = ()
+
+
+def load_team(name: str, only: Sequence[str] = ()) -> Team:
+    """Read a team's file, and see that it makes sense.
+
+    Args:
+        name: One of `configs/teams`, or a file.
+        only: The robots that are wanted; none means all.
+    Raises:
+        ConfigError: There is no such team or robot, the file has an error, or two things have one name.
+        KeyNotValid: A name cannot be a robot's.
+    """
+    path = configs.find("teams", name)
+    file = configs.load(TeamFile, "teams", str(path))
+    names = [robot.name for robot in file.robots]
+    if not names:
+        raise ConfigError(f"{path}: a team needs a robot; write [[robots]] with a name and a model")
+    robot_name(path.stem)
+    for robot in file.robots:
+        _check(robot, path, names)
+    for wanted in only:
+        if wanted not in names:
+            raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
+    chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
+    return Team(path.stem, str(path), replace(file, robots=chosen))
+
+
+def emulator(team: Team, folder: Path, choices: Choices) -> Program:
+    """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
+    words = ["--team", team.source, "--json", "--quiet", "--until-stdin-closes"]
+    words += ["--pty", str(folder / "port"), "--control", str(folder / "control")]
+    words += ["--only", ",".join(robot.name for robot in team.emulated)]
+    if choices.seed is not None:
+        words += ["--seed", str(choices.seed)]
+    return Program("the emulator", Stage.EMULATOR, _python("p2os_emu", *words))
+
+
+def gateway(team: Team, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: Choices) -> Program:
+    """A robot's gateway.
+
+    Args:
+        team: Whose link the robot has, unless it has one of its own.
+        robot: A real one is found where the file says.
+        ports: What the emulator says of an emulated one; nothing of a real one.
+        folder: Where `EMULATED` is written.
+        choices: Of the command line.
+    """
+    emulated = {part: ports.get(key) for part, key in _PORTS.items()}
+    real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
+    words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", choices.bus, "--json", "--wait"]
+    for part, place in (emulated if robot.is_emulated else real).items():
+        words += [f"--{part}", place] if place else []
+    if configs.load(LinkProfile, "links", robot.link or team.file.link).modem is not None:
+        words.append("--radio")
+    if robot.is_emulated:
+        words += ["--config", str(settings_file(folder))]
+    return Program(f"the gateway of {robot.name}", Stage.GATEWAY, _python("gateway", *words), robot.name)
+
+
+def container(robot: str, choices: Choices) -> Program:
+    """The container of a robot's agents."""
+    words = ("container", "--robot", robot, "--bus", choices.bus, "--json")
+    return Program(f"the container of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=robot)
+
+
+def services(team: Team, choices: Choices) -> Program:
+    """The container of the team's own agents."""
+    words = ["container", "--services", team.name, "--bus", choices.bus, "--json"]
+    for folder in choices.apps:
+        words += ["--apps", str(folder)]
+    return Program("the container of services", Stage.AGENTS, _python("acromovi", *words), container=SERVICES)
+
+
+def settings_file(folder: Path) -> Path:
+    """Where the settings of emulated robots' gateways are."""
+    return folder / "emulated.toml"
+
+
+_PORTS = {"laser": "laser_port", "arm": "arm_port", "camera": "camera_url"}
+
+
+def _python(module: str, *words: str) -> tuple[str, ...]:
+    return (sys.executable, "-m", module, *words)
+
+
+def _check(robot: TeamRobot, path: Path, names: Sequence[str]) -> None:
+    robot_name(robot.name)
+    configs.find("robots", robot.model)
+    if robot.link is not None:
+        configs.find("links", robot.link)
+    if names.count(robot.name) > 1:
+        raise ConfigError(f"{path}: two robots are called {robot.name}; give each a name of its own")
+    if robot.name in (path.stem, SERVICES):
+        taken = "the team" if robot.name == path.stem else "the container of the team's own agents"
+        raise ConfigError(f"{path}: a robot is called {robot.name} as {taken} is; give it another name")
+
+
+def _nearest(name: str, names: Collection[str]) -> str:
+    near = difflib.get_close_matches(name, names, 1)
+    return f"did you mean {near[0]!r}?" if near else f"its robots are {', '.join(names)}"

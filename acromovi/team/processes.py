@@ -1,0 +1,103 @@
+"""Real processes for the supervisor: in one group, kept by a keeper that ends them in order."""
+
+import asyncio
+import os
+import signal
+import sys
+from asyncio.subprocess import DEVNULL, PIPE
+from contextlib import suppress
+from pathlib import Path
+
+from acromovi.team.keeper import DEADLINES
+from acromovi.team.plan import Program, Stage
+from acromovi.team.supervisor import Hear
+
+LONGEST_LINE = 1 << 20  # bytes
+LAST_WORDS = 0.5  # s for what a process has said to arrive; a child of its own may hold the pipe open much longer
+KEEPER_TIME = DEADLINES[-1] + 0.3  # s
+
+
+class Process:
+    """One process and what it says."""
+
+    def __init__(self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]]) -> None:
+        self._process = process
+        self._reading = reading
+
+    @property
+    def pid(self) -> int:
+        """Its number."""
+        return self._process.pid
+
+    async def wait(self) -> int:
+        """Its exit code, once it has ended and its last words were heard."""
+        code = await self._process.wait()
+        await asyncio.wait(self._reading, timeout=LAST_WORDS)
+        for task in self._reading:
+            task.cancel()
+        return code
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        with suppress(ProcessLookupError):
+            self._process.terminate()
+
+    def kill(self) -> None:
+        """End it."""
+        with suppress(ProcessLookupError):
+            self._process.kill()
+
+
+class Processes:
+    """All processes of a team."""
+
+    def __init__(self, keeper: asyncio.subprocess.Process) -> None:
+        self._keeper = keeper
+
+    @classmethod
+    async def open(cls, folder: Path) -> "Processes":
+        """Begin with nothing but the keeper, which removes the folder in the end."""
+        keeper = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "acromovi.team.keeper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
+        )
+        return cls(keeper)
+
+    async def start(self, program: Program, heard: Hear, complained: Hear) -> Process:
+        """Start a program; it is out of reach of the terminal's Ctrl-C, since all end in order."""
+        process = await asyncio.create_subprocess_exec(
+            *program.command,
+            # The emulator ends with its standard input; nothing is ever written there.
+            stdin=PIPE if program.stage is Stage.EMULATOR else DEVNULL,
+            stdout=PIPE,
+            stderr=PIPE,
+            limit=LONGEST_LINE,
+            process_group=self._keeper.pid,
+        )
+        assert self._keeper.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        self._keeper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
+        reading = [_read(process.stdout, heard), _read(process.stderr, complained)]
+        return Process(process, [asyncio.ensure_future(each) for each in reading])
+
+    async def end(self) -> None:
+        """Have the keeper end all of them in order, and wait for that."""
+        assert self._keeper.stdin is not None
+        self._keeper.stdin.close()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(KEEPER_TIME):
+                await self._keeper.wait()
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._keeper.pid, signal.SIGKILL)  # what a keeper that was killed itself has left behind
+        await self._keeper.wait()
+
+
+async def _read(stream: asyncio.StreamReader, hear: Hear) -> None:
+    while True:
+        try:
+            line = await stream.readline()
+        except ValueError:
+            continue  # a line longer than any that we say
+        if not line:
+            return
+        hear(line.decode(errors="replace").rstrip("\n"))

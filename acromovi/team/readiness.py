@@ -1,0 +1,96 @@
+"""When a robot serves: its gateway talks to it, its container is there, and an agent for each of its elements."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import inf
+
+from configs.team_file import TeamRobot
+
+PATIENCE = 15.0
+"""Seconds after it was connected in which a part must have shown itself; a camera head may be deaf, a laser broken."""
+QUIET_TIME = 0.7
+"""Seconds without another agent after which a robot has shown all that it has."""
+SHOWN = ("gripper", "laser", "ptz", "arm", "camera", "gyro", "compass")
+"""Parts that `fit` names and that become elements of the same name, once the robot has shown them."""
+
+
+@dataclass(slots=True)
+class Progress:
+    """How far one robot has come; times in s of one steady clock.
+
+    parts: that it must show. agents: those there are, by their local names.
+    """
+
+    parts: frozenset[str]
+    connected_at: float = inf
+    container_serves: bool = False
+    agents: set[str] = field(default_factory=set)
+    changed_at: float = -inf
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether its gateway has ever talked to it."""
+        return self.connected_at < inf
+
+    def missing(self) -> list[str]:
+        """What has not shown itself, for people."""
+        if not self.is_connected:
+            return ["the robot"]
+        if not self.container_serves:
+            return ["its container"]
+        return sorted(self.parts - self.agents) or ([] if self.agents else ["agents"])
+
+    def serves(self, now: float) -> bool:
+        """Whether it has all it must have, or has been given time enough to show it."""
+        if not (self.is_connected and self.container_serves and self.agents):
+            return False
+        if now - self.changed_at < QUIET_TIME:
+            return False
+        return not self.missing() or now - self.connected_at >= PATIENCE
+
+
+class Readiness:
+    """What is known of a team's robots while they come up."""
+
+    def __init__(self, robots: Iterable[TeamRobot]) -> None:
+        self._progress = {robot.name: Progress(fitted(robot)) for robot in robots}
+        self._services_serve = False
+
+    def __getitem__(self, robot: str) -> Progress:
+        """One robot's progress."""
+        return self._progress[robot]
+
+    @property
+    def services_serve(self) -> bool:
+        """Whether the container of the team's own agents serves."""
+        return self._services_serve
+
+    def connected(self, robot: str, now: float) -> None:
+        """Its gateway talks to it."""
+        progress = self._progress[robot]
+        progress.connected_at = min(progress.connected_at, now)
+
+    def container(self, name: str, serves: bool) -> None:
+        """A container serves, or has ended."""
+        if name in self._progress:
+            self._progress[name].container_serves = serves
+        else:
+            self._services_serve = serves
+
+    def agent(self, robot: str, local: str, is_there: bool, now: float) -> None:
+        """An agent has come or gone; those of other platforms are none of ours."""
+        progress = self._progress.get(robot)
+        if progress is not None:
+            (progress.agents.add if is_there else progress.agents.discard)(local)
+            progress.changed_at = now
+
+    def serving(self, now: float) -> list[str]:
+        """The robots that serve, in the order of the team's file."""
+        return [name for name, progress in self._progress.items() if progress.serves(now)]
+
+
+def fitted(robot: TeamRobot) -> frozenset[str]:
+    """The parts that a robot must show, by the team's file."""
+    parts = {part.partition(":")[0] for part in robot.fit}
+    own = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
+    return frozenset((parts & set(SHOWN)) | {part for part, place in own.items() if place})

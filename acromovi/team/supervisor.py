@@ -1,0 +1,178 @@
+"""The table of a team's processes: starts them, and starts again what ends unasked."""
+
+import asyncio
+import signal
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol
+
+from acromovi.team.plan import Program
+
+DELAYS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Seconds before a process that has ended again and again is started again; the last one repeats."""
+HEALTHY_AFTER = 20.0  # s after which an end is the first one again
+GRACE = 0.5  # s for a process that is to be started again, before it is killed
+
+
+class Child(Protocol):
+    """A process that runs."""
+
+    @property
+    def pid(self) -> int:
+        """Its number."""
+        ...
+
+    async def wait(self) -> int:
+        """Its exit code, once it has ended; negative when a signal ended it."""
+        ...
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        ...
+
+    def kill(self) -> None:
+        """End it."""
+        ...
+
+
+Hear = Callable[[str], None]
+Start = Callable[[Program, Hear, Hear], Awaitable[Child]]
+"""Starts a program; each line of its standard output goes to the first listener, of standard error to the second."""
+
+
+class State(StrEnum):
+    """How a process is doing."""
+
+    STARTING = "starting"
+    RUNNING = "running"
+    WAITING = "waiting"  # to be started again
+    ENDED = "ended"
+
+
+@dataclass(slots=True)
+class Entry:
+    """One row of the table.
+
+    ends: how often it has ended unasked, one after the other. restarts: how often it was started again, in all.
+    why: how it ended last; empty if it never has. complaint: the last line of its standard error.
+    """
+
+    program: Program
+    state: State = State.STARTING
+    child: Child | None = None
+    ends: int = 0
+    restarts: int = 0
+    why: str = ""
+    complaint: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """The row as `<team>/host/control` tells it."""
+        return {
+            "name": self.program.name,
+            "robot": self.program.robot or None,
+            "container": self.program.container or None,
+            "state": str(self.state),
+            "pid": self.child.pid if self.child is not None and self.state is State.RUNNING else None,
+            "restarts": self.restarts,
+            "why": self.why or None,
+        }
+
+
+class Watcher(Protocol):
+    """Who is told what the processes do."""
+
+    def heard(self, program: Program, line: str) -> None:
+        """A line of standard output."""
+        ...
+
+    def complained(self, program: Program, line: str) -> None:
+        """A line of standard error."""
+        ...
+
+    def ended(self, entry: Entry) -> None:
+        """One has ended unasked, and will be started again."""
+        ...
+
+
+class Supervisor:
+    """Keeps processes going. All of it happens in one event loop."""
+
+    def __init__(self, start: Start, watcher: Watcher) -> None:
+        self._start = start
+        self._watcher = watcher
+        self._entries: dict[str, Entry] = {}
+        self._tasks: list[asyncio.Task[None]] = []
+        self._ending = asyncio.Event()
+
+    @property
+    def table(self) -> list[Entry]:
+        """All of them, in the order in which they were begun."""
+        return list(self._entries.values())
+
+    def begin(self, program: Program) -> Entry:
+        """Start a program, and keep it going until `end`."""
+        entry = self._entries[program.name] = Entry(program)
+        self._tasks.append(asyncio.ensure_future(self._keep(entry)))
+        return entry
+
+    def container(self, name: str) -> Entry | None:
+        """The process of a container; None when none is called so."""
+        return next((entry for entry in self.table if entry.program.container == name), None)
+
+    async def restart(self, entry: Entry) -> None:
+        """Start a process again now; one that does not end when it is asked to is killed."""
+        child = entry.child
+        if child is None or entry.state is not State.RUNNING:
+            return
+        entry.ends = 0
+        child.terminate()
+        await asyncio.sleep(GRACE)
+        if entry.child is child and entry.state is State.RUNNING:
+            child.kill()
+
+    def rest(self) -> None:
+        """Start nothing again from now on: all is about to end."""
+        self._ending.set()
+
+    async def end(self) -> None:
+        """Wait until all have ended, killing what is still there."""
+        self.rest()
+        for entry, task in zip(self.table, self._tasks, strict=True):
+            if entry.child is not None and entry.state is State.RUNNING:
+                entry.child.kill()
+            else:
+                task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def _keep(self, entry: Entry) -> None:
+        loop = asyncio.get_running_loop()
+        while not self._ending.is_set():
+            begun = loop.time()
+            entry.child = await self._start(
+                entry.program,
+                lambda line: self._watcher.heard(entry.program, line),
+                lambda line: self._complained(entry, line),
+            )
+            entry.state = State.RUNNING
+            code = await entry.child.wait()
+            entry.state = State.WAITING
+            if self._ending.is_set():
+                break
+            entry.ends = 1 if loop.time() - begun >= HEALTHY_AFTER else entry.ends + 1
+            entry.why = entry.complaint or ending(code)
+            self._watcher.ended(entry)
+            await asyncio.sleep(DELAYS[min(entry.ends, len(DELAYS)) - 1])
+            entry.complaint = ""
+            entry.restarts += 1
+        entry.state = State.ENDED
+
+    def _complained(self, entry: Entry, line: str) -> None:
+        if line.strip():
+            entry.complaint = line.strip()
+        self._watcher.complained(entry.program, line)
+
+
+def ending(code: int) -> str:
+    """An exit code in words."""
+    return f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"

@@ -1,0 +1,231 @@
+"""A team at work: emulator, gateways and containers, in the order in which each can begin."""
+
+import asyncio
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from acromovi.team import plan
+from acromovi.team.host_control import HostControl
+from acromovi.team.plan import Choices, Program, Stage, Team
+from acromovi.team.queue import StartQueue
+from acromovi.team.readiness import PATIENCE, Readiness
+from acromovi.team.supervisor import Entry, Start, Supervisor
+from agents.platform.directory import Directory
+from agents.platform.names import AgentName
+from agents.platform.talk import hand_over
+from bus import Bus
+from bus.bus import Closeable
+from configs.team_file import TeamRobot
+
+STARTING_TIME = 60.0  # s in which all must serve, on a small computer too
+MOST_ENDS = 3  # of one process while the team comes up; more of the same will not help
+TICK = 0.1  # s
+
+
+class TeamFailed(Exception):
+    """A team has not come up; the message says why in one sentence."""
+
+
+class TeamAtWork(Closeable):
+    """Brings a team up and says what becomes of it.
+
+    control: the emulator's control socket, once it is there.
+    """
+
+    def __init__(
+        self,
+        team: Team,
+        choices: Choices,
+        folder: Path,
+        start: Start,
+        bus: Bus,
+        tell: Callable[[str], None],
+        complain: Callable[[str], None],
+    ) -> None:
+        """Make ready, and watch who is there.
+
+        Args:
+            team: Which.
+            choices: Of the command line.
+            folder: For ports, control socket and settings.
+            start: Starts a program.
+            bus: Where the team is.
+            tell: Says what happens, in one line.
+            complain: Says what goes wrong, in one line.
+        """
+        self.control: str | None = None
+        self._team = team
+        self._choices = choices
+        self._folder = folder
+        self._tell = tell
+        self._complain = complain
+        self._loop = asyncio.get_running_loop()
+        self._begun = self._loop.time()
+        self._failure: str | None = None
+        self._serves = False
+        self._said: dict[str, str] = {}
+        self._readiness = Readiness(team.robots)
+        self._told: set[str] = set()
+        self._restarting: asyncio.Future[None] | None = None
+        self.supervisor = Supervisor(start, self)
+        self._queue = StartQueue(self.supervisor.begin)
+        self._open: Sequence[Closeable] = (
+            Directory(bus, self._on_agent),
+            HostControl(bus, team.name, self.supervisor, self._on_restart),
+        )
+
+    def begin(self) -> None:
+        """Start the first processes; the others follow as soon as they can."""
+        plan.settings_file(self._folder).write_text(plan.EMULATED)
+        if self._team.emulated:
+            self._queue.add(plan.emulator(self._team, self._folder, self._choices))
+        for robot in self._team.robots:
+            if not robot.is_emulated:
+                self._add_gateway(robot, {})
+
+    async def come_up(self) -> list[str]:
+        """Wait until all serve.
+
+        All are the emulated robots, and those real ones that are there: whose port there is and who answer on it within
+        `PATIENCE`. The others are served whenever they come.
+
+        Returns:
+            The robots that serve.
+        Raises:
+            TeamFailed: One of them never will.
+        """
+        while True:
+            now = self._loop.time()
+            self._add_services()
+            serving = self._readiness.serving(now)
+            for robot in serving:
+                self._tell_serving(robot, now)
+            if self._failure is not None:
+                raise TeamFailed(self._failure)
+            late = [robot.name for robot in self._team.robots if robot.name not in serving and self._is_due(robot, now)]
+            if not late and self._readiness.services_serve:
+                self._serves = True
+                return serving
+            if now - self._begun > STARTING_TIME:
+                what = {name: ", ".join(self._readiness[name].missing()) for name in late}
+                missing = "; ".join(f"of {name}: {why}" for name, why in what.items()) or "its services"
+                raise TeamFailed(f"{self._team.name} is not complete after {STARTING_TIME:g} s; missing {missing}")
+            await asyncio.sleep(TICK)
+
+    def close(self) -> None:
+        """Watch no more."""
+        for each in self._open:
+            each.close()
+
+    # What the processes do, as the supervisor tells it.
+
+    def heard(self, program: Program, line: str) -> None:
+        """A line of standard output: JSON, from all of ours."""
+        try:
+            said = json.loads(line)
+        except ValueError:
+            said = None
+        self._queue.has_started(program)
+        match program.stage, said:
+            case Stage.EMULATOR, {"robots": list(robots), "control": control}:
+                self._emulator_is_there(robots, control)
+            case Stage.GATEWAY, {"event": str(event)}:
+                self._gateway_said(program.robot, event, said)
+            case Stage.AGENTS, {"container": str(name)}:
+                self._readiness.container(name, True)
+            case _:
+                self._tell(f"{program.name}: {line}")
+
+    def complained(self, program: Program, line: str) -> None:
+        """A line of standard error, said once while it stays the same."""
+        if line.strip() and self._said.get(program.name) != line:
+            self._said[program.name] = line
+            if self._serves or program.stage is not Stage.EMULATOR:  # before that it is the reason of the failure
+                self._complain(f"{program.name}: {_plain(line)}")
+
+    def ended(self, entry: Entry) -> None:
+        """A process has ended unasked."""
+        program = entry.program
+        self._queue.has_started(program)
+        if program.container:
+            self._readiness.container(program.container, False)
+        if not self._serves and (program.stage is Stage.EMULATOR or self._has_failed(entry)):
+            self._failure = f"{program.name}: {_plain(entry.why)}" if program.robot else _plain(entry.why)
+        else:
+            self._complain(f"{program.name} {_as_end(_plain(entry.why))}; it is started again")
+
+    def _has_failed(self, entry: Entry) -> bool:
+        robots = [robot.name for robot in self._team.emulated]
+        return entry.ends >= MOST_ENDS and (not entry.program.robot or entry.program.robot in robots)
+
+    def _emulator_is_there(self, robots: Sequence[dict[str, Any]], control: str) -> None:
+        self.control = control
+        ports = {each["name"]: each for each in robots}
+        for robot in self._team.emulated:  # after a new start of the emulator their gateways find its ports again
+            self._add_gateway(robot, ports[robot.name])
+
+    def _add_gateway(self, robot: TeamRobot, ports: dict[str, Any]) -> None:
+        self._queue.add(plan.gateway(self._team, robot, ports, self._folder, self._choices))
+
+    def _gateway_said(self, robot: str, event: str, said: dict[str, Any]) -> None:
+        match event:
+            case "connected":
+                self._readiness.connected(robot, self._loop.time())
+                self._queue.add(plan.container(robot, self._choices))
+            case "waiting":
+                self._complain(f"{robot} is not there yet: waiting for {said.get('port')}")
+            case "lost":
+                self._tell(f"{robot} is lost: {said.get('reason')}")
+            case "element lost":
+                self._tell(f"{robot} has lost its {said.get('element')}")
+            case "element found" if self._serves:
+                self._tell(f"{robot} has its {said.get('element')}")
+
+    # While it comes up.
+
+    def _add_services(self) -> None:
+        """The team's own agents come last: what they look after should be there."""
+        if all(self._readiness[robot.name].is_connected for robot in self._team.emulated):
+            self._queue.add(plan.services(self._team, self._choices))
+
+    def _is_due(self, robot: TeamRobot, now: float) -> bool:
+        """Whether the team waits for this robot."""
+        if robot.is_emulated or self._readiness[robot.name].is_connected:
+            return True
+        is_there = "://" in robot.port or Path(robot.port).exists()
+        return is_there and now - self._begun < PATIENCE
+
+    def _tell_serving(self, robot: str, now: float) -> None:
+        if robot in self._told:
+            return
+        self._told.add(robot)
+        progress = self._readiness[robot]
+        without = f", without {', '.join(progress.missing())}" if progress.missing() else ""
+        self._tell(f"{robot} serves after {now - self._begun:.1f} s: {', '.join(sorted(progress.agents))}{without}")
+
+    # On the bus's thread.
+
+    def _on_agent(self, name: AgentName, is_there: bool) -> None:
+        def note() -> None:
+            self._readiness.agent(name.platform, name.local, is_there, self._loop.time())
+
+        hand_over(self._loop, note)
+
+    def _on_restart(self, entry: Entry) -> None:
+        def restart() -> None:
+            self._restarting = asyncio.ensure_future(self.supervisor.restart(entry))
+
+        hand_over(self._loop, restart)
+
+
+def _plain(sentence: str) -> str:
+    """A program's complaint without the program's name."""
+    name, colon, rest = sentence.partition(": ")
+    return rest if colon and name in ("p2os-emu", "p2os-gateway", "acromovi container") else sentence
+
+
+def _as_end(why: str) -> str:
+    """How a process ended, as the end of a sentence that begins with its name."""
+    return why if why.startswith("ended ") else f"ended ({why})"

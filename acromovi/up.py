@@ -1,0 +1,142 @@
+"""`acromovi up`: a whole team from one file, until Ctrl-C."""
+
+import argparse
+import asyncio
+import json
+import shutil
+import signal
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from acromovi.options import add_apps, add_bus
+
+if TYPE_CHECKING:
+    from acromovi.team.plan import Choices, Team
+    from bus.bus import Bus
+
+FOLDER = "acromovi-"
+MEETING_TIME = 0.5  # s in which a team that is up already must have been seen
+ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+EPILOG = """\
+examples:
+  acromovi up acromovi                  the team of configs/teams/acromovi.toml, until Ctrl-C
+  acromovi up my-team.toml              a team of one's own
+  acromovi up acromovi --only happy,doc
+  acromovi up acromovi --json --quiet   one line once all serve:
+      {"console": null, "robots": [NAME, ...], "control": PATH}
+
+A robot whose port is "emu" is emulated; with a device or a URL in its place it is real, and nothing else differs. All
+serve when every emulated robot does and every real one that is there; one that is not is waited for, and served when it
+comes. The control socket is the emulator's (null without one).
+
+Exit codes: 1 the team has not come up (the reason is on stderr, and nothing is left running), 2 wrong usage, 130
+stopped by Ctrl-C, 143 by SIGTERM.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("team", metavar="TEAM", help="a name in configs/teams, or a file")
+    parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="these robots and no others")
+    parser.add_argument("--seed", type=int, metavar="N", help="decides everything that chance would, in the emulator")
+    add_apps(parser)
+    parser.add_argument("--json", action="store_true", help="print one line of JSON once all serve")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Bring a team up, hold it, and end it in order."""
+    from acromovi.team.plan import Choices, load_team
+    from acromovi.team.team import TeamFailed
+
+    team = load_team(arguments.team, arguments.only)
+    choices = Choices(arguments.bus, arguments.seed, tuple(arguments.apps))
+    folder = Path(tempfile.mkdtemp(prefix=FOLDER))
+    try:
+        return asyncio.run(_hold(team, choices, folder, arguments))
+    except TeamFailed as err:
+        print(f"acromovi up: {err}", file=sys.stderr)
+        return 1
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argparse.Namespace) -> int:
+    from acromovi.team.processes import Processes
+    from acromovi.team.team import TeamAtWork
+    from bus import ZenohBus
+
+    def tell(sentence: str) -> None:
+        if not (arguments.json or arguments.quiet):
+            print(sentence, flush=True)
+
+    def complain(sentence: str) -> None:
+        print(f"acromovi up: {sentence}", file=sys.stderr, flush=True)
+
+    asked_to_end = _signals(ENDINGS)
+    with ZenohBus.open(choices.bus) as bus:
+        await _see_that_nobody_is_there(bus, team)
+        processes = await Processes.open(folder)
+        at_work = TeamAtWork(team, choices, folder, processes.start, bus, tell, complain)
+        with at_work:
+            try:
+                at_work.begin()
+                coming_up = asyncio.ensure_future(at_work.come_up())
+                either: list[asyncio.Future[Any]] = [coming_up, asked_to_end]
+                await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
+                if coming_up.done():
+                    robots = coming_up.result()
+                    tell(f"all {len(robots)} robots of {team.name} serve; Ctrl-C ends the team")
+                    if arguments.json:
+                        shown = {"console": None, "robots": robots, "control": at_work.control}
+                        print(json.dumps(shown), flush=True)
+                coming_up.cancel()
+                return 128 + await asked_to_end
+            finally:
+                at_work.supervisor.rest()
+                await processes.end()
+                await at_work.supervisor.end()
+
+
+def _signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":
+    """Resolved with the first of these signals that comes; more of them do no harm."""
+    loop = asyncio.get_running_loop()
+    came: asyncio.Future[int] = loop.create_future()
+
+    def note(number: signal.Signals) -> None:
+        if not came.done():
+            came.set_result(int(number))
+
+    for number in numbers:
+        loop.add_signal_handler(number, note, number)
+    return came
+
+
+async def _see_that_nobody_is_there(bus: "Bus", team: "Team") -> None:
+    """Refuse to bring up what is up already: two of one name would both obey.
+
+    Raises:
+        TeamFailed: The team, or a robot of this name, is on this bus.
+    """
+    from acromovi.team.host_control import alive_key
+    from acromovi.team.team import TeamFailed
+    from bus.keys import ALIVE
+
+    taken: set[str] = set()
+    ours = {alive_key(team.name): f"the team {team.name}"}
+    ours |= {ALIVE.key(robot.name): f"a robot {robot.name}" for robot in team.robots}
+    watching = [bus.watch_alive(key, lambda key, is_there: taken.add(key)) for key in ours]
+    await asyncio.sleep(MEETING_TIME)
+    for each in watching:
+        each.close()
+    if taken:
+        raise TeamFailed(f"{ours[min(taken)]} is on this bus already; end it first, or use another --bus")

@@ -1,0 +1,138 @@
+"""From a team's file to the processes that make it up."""
+
+from pathlib import Path
+
+import pytest
+
+from acromovi.team import plan
+from acromovi.team.plan import Choices, Stage, load_team
+from bus import KeyNotValid
+from configs import ConfigError
+
+DWARFS = """\
+link = "rs232"
+
+[[robots]]
+name = "happy"
+model = "p3dx-sh"
+fit = ["laser"]
+
+[[robots]]
+name = "grumpy"
+model = "p2dx"
+link = "radio-modem"
+
+[[robots]]
+name = "iron"
+model = "p3dx"
+port = "/dev/ttyUSB7"
+laser = "/dev/ttyUSB8"
+link = "radio-modem"
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "dwarfs.toml"
+    path.write_text(DWARFS)
+    return path
+
+
+def options(command: tuple[str, ...]) -> dict[str, str]:
+    """Each option of a command line with the word behind it."""
+    return {word: after for word, after in zip(command, (*command[1:], ""), strict=True) if word.startswith("--")}
+
+
+def test_team_is_called_as_its_file(file: Path) -> None:
+    team = load_team(str(file))
+    assert (team.name, [robot.name for robot in team.emulated]) == ("dwarfs", ["happy", "grumpy"])
+    assert load_team("acromovi").name == "acromovi"
+
+
+def test_some_robots_of_a_team_are_had_without_the_others(file: Path) -> None:
+    team = load_team(str(file), ["iron", "grumpy"])
+    assert [robot.name for robot in team.robots] == ["grumpy", "iron"]
+    assert options(plan.emulator(team, Path("f"), Choices()).command)["--only"] == "grumpy"
+
+
+def test_emulator_is_given_team_ports_and_seed(file: Path, tmp_path: Path) -> None:
+    program = plan.emulator(load_team(str(file)), tmp_path, Choices(seed=7))
+    given = options(program.command)
+    assert (given["--team"], given["--seed"], given["--only"]) == (str(file), "7", "happy,grumpy")
+    assert (given["--control"], given["--pty"]) == (str(tmp_path / "control"), str(tmp_path / "port"))
+    assert program.stage is Stage.EMULATOR
+
+
+def test_gateway_of_an_emulated_robot_is_told_where_the_emulator_has_put_it(file: Path, tmp_path: Path) -> None:
+    team = load_team(str(file))
+    ports = {"port": "/dev/pts/5", "laser_port": "/dev/pts/6", "arm_port": None, "camera_url": "http://x/video"}
+    program = plan.gateway(team, team.robots[0], ports, tmp_path, Choices(bus="lan"))
+    given = options(program.command)
+    assert program.command[3] == "/dev/pts/5"
+    assert (given["--name"], given["--bus"], given["--laser"]) == ("happy", "lan", "/dev/pts/6")
+    assert (given["--camera"], given["--config"]) == ("http://x/video", str(tmp_path / "emulated.toml"))
+    assert not {"--arm", "--radio"} & given.keys()
+    assert program.stage is Stage.GATEWAY
+
+
+def test_gateway_behind_radio_modems_is_told_so(file: Path, tmp_path: Path) -> None:
+    team = load_team(str(file))
+    assert "--radio" in plan.gateway(team, team.robots[1], {"port": "x"}, tmp_path, Choices()).command
+
+
+def test_gateway_of_a_real_robot_is_told_what_the_file_says_and_not_that_it_is_emulated(
+    file: Path, tmp_path: Path
+) -> None:
+    team = load_team(str(file))
+    command = plan.gateway(team, team.robots[2], {}, tmp_path, Choices()).command
+    assert (command[3], options(command)["--laser"]) == ("/dev/ttyUSB7", "/dev/ttyUSB8")
+    assert "--radio" in command
+    assert "--wait" in command
+    assert "--config" not in command
+
+
+def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_path: Path) -> None:
+    happy = plan.container("happy", Choices(bus="lan"))
+    assert (happy.container, options(happy.command)["--robot"]) == ("happy", "happy")
+    services = plan.services(load_team(str(file)), Choices(apps=(tmp_path,)))
+    assert (services.container, options(services.command)["--services"]) == ("services", "dwarfs")
+    assert options(services.command)["--apps"] == str(tmp_path)
+    assert happy.stage is services.stage is Stage.AGENTS
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (DWARFS.replace("fit =", "fitt ="), "unknown key robots.0..fitt; did you mean robots.0..fit"),
+        (DWARFS.replace("iron", "happy"), "two robots are called happy"),
+        (DWARFS.replace("iron", "dwarfs"), "a robot is called dwarfs as the team is"),
+        (DWARFS.replace("iron", "services"), "give it another name"),
+        (DWARFS.replace("p2dx", "p2dxx"), "there is no 'p2dxx' among the robots; did you mean"),
+        (DWARFS.replace("radio-modem", "radio"), "there is no 'radio' among the links; did you mean"),
+        ("robots = []", "a team needs a robot"),
+        ("about = 'x'", "key robots is missing"),
+        ("robots = 3", "robots must be a list"),
+        ("[[robots]", "is not TOML"),
+    ],
+)
+def test_mistake_in_a_teams_file_is_told_in_one_sentence(file: Path, text: str, why: str) -> None:
+    file.write_text(text)
+    with pytest.raises(ConfigError, match=why) as caught:
+        load_team(str(file))
+    assert "\n" not in str(caught.value)
+
+
+def test_name_that_the_bus_cannot_carry_is_refused(file: Path) -> None:
+    file.write_text(DWARFS.replace("iron", "i/ron"))
+    with pytest.raises(KeyNotValid, match="'i/ron' cannot name a robot"):
+        load_team(str(file))
+
+
+def test_robot_that_a_team_does_not_have_cannot_be_chosen(file: Path) -> None:
+    with pytest.raises(ConfigError, match="no robot 'hapy' in this team; did you mean 'happy'"):
+        load_team(str(file), ["hapy"])
+
+
+def test_team_that_is_not_there_names_the_nearest() -> None:
+    with pytest.raises(ConfigError, match="acromovi"):
+        load_team("acromov")

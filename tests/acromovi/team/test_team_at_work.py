@@ -1,0 +1,238 @@
+"""How a team comes up and what it says, with processes that are none, in virtual time."""
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from acromovi.team.plan import Choices, Team
+from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed
+from agents.platform.names import AgentName
+from agents.platform.virtual_time import VirtualTimeLoop
+from bus import MemoryBus, MemoryNetwork
+from configs.team_file import TeamFile, TeamRobot
+from tests.acromovi.team.conftest import Pretence
+from tests.waiting import DEADLINE
+
+HAPPY = TeamRobot("happy", "p3dx-sh", fit=("laser",))
+DOC = TeamRobot("doc", "p3dx-sh")
+EMULATOR, SERVICES = "the emulator", "the container of services"
+
+
+class Stage:
+    """A team whose processes are played by the test."""
+
+    def __init__(self, folder: Path, pretence: Pretence, *robots: TeamRobot) -> None:
+        self.pretence = pretence
+        self.told: list[str] = []
+        self.complaints: list[str] = []
+        self.network = MemoryNetwork()
+        self.bus = MemoryBus(self.network)
+        team = Team("dwarfs", "dwarfs.toml", TeamFile(robots))
+        self.team = TeamAtWork(
+            team,
+            Choices(),
+            folder,
+            pretence.start,
+            MemoryBus(self.network),
+            self.told.append,
+            self.complaints.append,
+        )
+
+    async def says(self, name: str, **words: object) -> None:
+        """Let a program say something once it is there."""
+        for _ in range(int(DEADLINE)):
+            if name in self.pretence.names():
+                break
+            await asyncio.sleep(0.1)
+        self.pretence.of(name).say(json.dumps(words))
+
+    async def emulator_is_ready(self, *names: str) -> None:
+        robots = [{"name": name, "port": f"/dev/{name}"} for name in names]
+        await self.says(EMULATOR, robots=robots, control="/tmp/control")
+
+    async def serves(self, robot: str, *agents: str) -> None:
+        """Let a robot's gateway connect, its container serve, and its agents live."""
+        await self.says(f"the gateway of {robot}", event="connected")
+        await self.says(f"the container of {robot}", container=robot)
+        for agent in agents:
+            self.bus.declare_alive(AgentName(agent, robot).alive_key)
+
+
+Scene = Callable[[Stage], Awaitable[None]]
+Play = Callable[[Scene, tuple[TeamRobot, ...]], None]
+
+
+@pytest.fixture
+def play(loop: VirtualTimeLoop, tmp_path: Path, pretence: Pretence) -> Play:
+    """Plays a scene with a team of these robots."""
+
+    def run(scene: Scene, robots: tuple[TeamRobot, ...]) -> None:
+        async def main() -> None:
+            stage = Stage(tmp_path, pretence, *robots)
+            with stage.team:
+                stage.team.begin()
+                try:
+                    await scene(stage)
+                finally:
+                    await stage.team.supervisor.end()
+
+        loop.run_until_complete(main())
+
+    return run
+
+
+def test_team_serves_when_every_robot_and_its_own_agents_do(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy", "doc")
+        await stage.serves("happy", "base", "laser")
+        await stage.serves("doc", "base")
+        await asyncio.sleep(5.0)
+        assert not coming_up.done()
+        await stage.says(SERVICES, container="services")
+        assert await coming_up == ["happy", "doc"]
+        assert stage.team.control == "/tmp/control"
+        assert [line.partition(" after ")[0] for line in stage.told] == ["happy serves", "doc serves"]
+        assert stage.told[0].endswith(": base, laser")
+        assert stage.complaints == []
+
+    play(scene, (HAPPY, DOC))
+
+
+def test_emulator_comes_first_then_gateways_then_their_containers_then_the_teams_own(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await asyncio.sleep(1.0)
+        assert stage.pretence.names() == [EMULATOR]
+        await stage.emulator_is_ready("happy")
+        await asyncio.sleep(1.0)
+        assert stage.pretence.names()[1:] == ["the gateway of happy"]
+        await stage.says("the gateway of happy", event="connected")
+        await asyncio.sleep(1.0)
+        assert stage.pretence.names()[2:] == ["the container of happy", SERVICES]
+        coming_up.cancel()
+
+    play(scene, (HAPPY,))
+
+
+def test_part_that_never_shows_itself_is_told_and_waited_for_no_longer_than_patience(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy")
+        await stage.serves("happy", "base")
+        await stage.says(SERVICES, container="services")
+        assert await coming_up == ["happy"]
+        assert stage.told[0].endswith(": base, without laser")
+
+    play(scene, (HAPPY,))
+
+
+def test_real_robot_that_is_not_there_is_said_once_and_holds_nobody_up(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.says("the gateway of iron", event="waiting", port="/dev/nowhere")
+        await stage.emulator_is_ready("doc")
+        await stage.serves("doc", "base")
+        await stage.says(SERVICES, container="services")
+        assert await coming_up == ["doc"]
+        assert stage.complaints == ["iron is not there yet: waiting for /dev/nowhere"]
+        await stage.serves("iron", "base")
+        assert "the container of iron" in stage.pretence.names()
+
+    play(scene, (DOC, TeamRobot("iron", "p3dx", "/dev/nowhere")))
+
+
+def test_real_robot_that_is_there_belongs_to_all(play: Play, tmp_path: Path) -> None:
+    port = tmp_path / "ttyUSB0"
+    port.touch()
+
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.says(SERVICES, container="services")
+        await asyncio.sleep(5.0)
+        assert not coming_up.done()
+        await stage.serves("iron", "base")
+        assert await coming_up == ["iron"]
+
+    play(scene, (TeamRobot("iron", "p3dx", str(port)),))
+
+
+def test_emulator_that_cannot_begin_ends_the_attempt_with_its_reason(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await asyncio.sleep(0.5)
+        stage.pretence.of(EMULATOR).complain("p2os-emu: there is no world 'offfice'; did you mean office?")
+        stage.pretence.of(EMULATOR).end(3)
+        with pytest.raises(TeamFailed, match=r"^there is no world 'offfice'; did you mean office\?$"):
+            await coming_up
+        assert stage.complaints == []
+
+    play(scene, (HAPPY,))
+
+
+def test_gateway_that_ends_again_and_again_ends_the_attempt(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy")
+        while not coming_up.done():
+            await asyncio.sleep(1.0)
+            if stage.pretence.names()[-1] == "the gateway of happy":
+                stage.pretence.of("the gateway of happy").complain("p2os-gateway: no such model")
+                stage.pretence.of("the gateway of happy").end(9)
+        with pytest.raises(TeamFailed, match=r"^the gateway of happy: no such model$"):
+            await coming_up
+
+    play(scene, (HAPPY,))
+
+
+def test_team_that_is_not_complete_in_time_says_who_is_missing(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy", "doc")
+        await stage.serves("doc", "base")
+        begun = asyncio.get_running_loop().time()
+        with pytest.raises(TeamFailed, match="dwarfs is not complete after 60 s; missing of happy: the robot"):
+            await coming_up
+        assert asyncio.get_running_loop().time() - begun < STARTING_TIME + 1
+
+    play(scene, (HAPPY, DOC))
+
+
+def test_what_happens_to_a_team_at_work_is_told_and_goes_on(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy")
+        await stage.serves("happy", "base", "laser")
+        await stage.says(SERVICES, container="services")
+        await coming_up
+        stage.told.clear()
+        await stage.says("the gateway of happy", event="element lost", element="laser")
+        await stage.says("the gateway of happy", event="element found", element="laser")
+        await stage.says("the gateway of happy", event="lost", reason="silence")
+        assert stage.told == ["happy has lost its laser", "happy has its laser", "happy is lost: silence"]
+        stage.pretence.of("the container of happy").end(-9)
+        await asyncio.sleep(0.1)
+        assert stage.complaints == ["the container of happy ended by SIGKILL; it is started again"]
+        stage.pretence.of(EMULATOR).end(-11)
+        await asyncio.sleep(0.1)
+        await stage.emulator_is_ready("happy")
+        await asyncio.sleep(1.0)
+        assert stage.pretence.names().count("the gateway of happy") == 1
+
+    play(scene, (HAPPY,))
+
+
+def test_complaint_is_repeated_only_when_it_changes(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy")
+        await asyncio.sleep(1.0)
+        for line in ("no laser", "no laser", "", "no laser", "no arm"):
+            stage.pretence.of("the gateway of happy").complain(line)
+        assert stage.complaints == ["the gateway of happy: no laser", "the gateway of happy: no arm"]
+        coming_up.cancel()
+
+    play(scene, (HAPPY,))
