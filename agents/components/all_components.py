@@ -3,12 +3,30 @@
 from collections.abc import Mapping
 
 from agents.components.arm import Arm
+from agents.components.base import Base
+from agents.components.battery import Battery
+from agents.components.bumpers import Bumpers
 from agents.components.component import Component
 from agents.components.generic import Generic
 from agents.components.gripper import Gripper
+from agents.components.infrared import Infrared
+from agents.components.io import InputOutput
+from agents.components.joystick import Joystick
+from agents.components.laser import Laser
 from agents.components.ptz import Ptz
+from agents.components.sonar import Sonar
+from agents.components.sound import Sound
 
 COMPONENTS: Mapping[str, type[Component]] = {
+    "base": Base,
+    "sonar": Sonar,
+    "laser": Laser,
+    "bumpers": Bumpers,
+    "ir": Infrared,
+    "battery": Battery,
+    "io": InputOutput,
+    "sound": Sound,
+    "joystick": Joystick,
     "gripper": Gripper,
     "arm": Arm,
     "ptz": Ptz,

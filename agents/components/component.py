@@ -109,6 +109,8 @@ class Component(Agent):
     @request("read")
     async def read(self) -> dict[str, Any]:
         """The latest result; fails where there is none, or an old one only."""
+        if self.topic is None and not self.results:
+            raise Refused(f"{self.name} has no readings")
         if not self._has_heard.is_set():
             try:
                 async with asyncio.timeout(FIRST_READING):

@@ -1,0 +1,117 @@
+"""The agent of the wheels: where the robot is, and whatever moves it.
+
+Every request that moves the robot ends in one of three ways: it is done, and answers with the pose at the end; it
+fails, and says why; or it is cancelled, or its asker dies, and the robot stops. Of two, the newer one that the gateway
+obeys ends the older one, as the gateway's commands do; who wants the wheels for himself takes the lease.
+"""
+
+from collections.abc import Mapping
+from math import isfinite, pi
+from typing import Any
+
+from agents.components.pose_control import Goal, Limits, Velocity, along, towards
+from agents.components.wheels import Wheels
+from agents.platform import asker, request
+from bus import Refused, keys
+from geometry import Pose2D
+
+SPEED = Limits(0.4, 0.8)  # m/s and rad/s, where the one who asks says nothing
+SLOWEST = Limits(0.05, 0.05)  # m/s and rad/s that the gateway reckons with before it loses its patience
+PATIENCE = 15.0  # s longer than that
+HOLD = 0.55  # s; so long after a stop the gateway obeys no stream of velocities
+
+
+class Base(Wheels):
+    """The wheels. Poses are in `<robot>/odom`."""
+
+    @classmethod
+    def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
+        """Size and limits of the robot besides."""
+        about = super().properties_of(robot, element)
+        size = {name: value for name, value in dict(robot["geometry"]).items() if name != "sonar"}
+        return {**about, "limits": robot["limits"], "geometry": size}
+
+    @request("drive", agrees_itself=True)
+    async def drive(self, linear: float, angular: float = 0.0, seconds: float = 1.0, token: str = "") -> dict[str, Any]:
+        """Drive at m/s and rad/s for so many seconds."""
+        _check(linear=linear, angular=angular, seconds=seconds)
+        return await self.steer("drive", lambda pose: Velocity(linear, angular), seconds, token, late="")
+
+    @request("move", agrees_itself=True)
+    async def move(self, distance: float, speed: float | None = None, token: str = "") -> dict[str, Any]:
+        """Drive a distance in m, backward if negative, at a speed in m/s if one is given."""
+        _check(distance=distance)
+        if speed is None:
+            within = PATIENCE + abs(distance) / SLOWEST.linear
+            return await self.travel(keys.MOVE, within, token, distance=distance)
+        start, limits = self.pose, _limits(speed)
+        within = PATIENCE + 2.0 * abs(distance) / speed
+        return await self.steer("move", lambda pose: along(start, distance, pose, limits), within, token)
+
+    @request("turn", agrees_itself=True)
+    async def turn(self, angle: float, token: str = "") -> dict[str, Any]:
+        """Turn by an angle in rad, counter-clockwise, more than a full turn if so asked."""
+        _check(angle=angle)
+        return await self.travel(keys.TURN, PATIENCE + abs(angle) / SLOWEST.angular, token, angle=angle)
+
+    @request("heading", agrees_itself=True)
+    async def turn_to(self, heading: float, token: str = "") -> dict[str, Any]:
+        """Turn the shorter way to a heading in odom, rad."""
+        _check(heading=heading)
+        return await self.travel(keys.HEADING, PATIENCE + pi / SLOWEST.angular, token, heading=heading)
+
+    @request("go_to", agrees_itself=True)
+    async def go_to(
+        self, x: float, y: float, heading: float | None = None, speed: float | None = None, token: str = ""
+    ) -> dict[str, Any]:
+        """Drive to a place in odom, m, and turn to a heading there, rad, if one is given. It sees no obstacles."""
+        _check(x=x, y=y, heading=heading or 0.0)
+        goal, limits, is_there = Goal(x, y, heading), _limits(speed), False
+
+        def choose(pose: Pose2D) -> Velocity:
+            nonlocal is_there
+            velocity, is_there = towards(goal, pose, limits, is_there)
+            return velocity
+
+        within = PATIENCE + 3.0 * goal.distance(self.pose) / limits.linear
+        return await self.steer("go_to", choose, within, token)
+
+    @request("stop", agrees_itself=True)
+    async def stop(self) -> dict[str, Any]:
+        """Stop the whole robot, arm and gripper too, and answer when it stands. Anyone may."""
+        await self.command(keys.STOP)
+        self.hold(HOLD)
+        self.moving.end(f"stopped by {asker()}")
+        await self.come_to_rest()
+        return self.latest()
+
+    @request("enable", agrees_itself=True)
+    async def enable(self, on: bool, token: str = "") -> dict[str, Any]:
+        """Switch the motors."""
+        await self.command(keys.ENABLE, on=on, token=token)
+        self.moving.end(f"the motors were switched {'on' if on else 'off'} by {asker()}")
+        return self.latest()
+
+    @request("estop", agrees_itself=True)
+    async def estop(self, on: bool) -> dict[str, Any]:
+        """Stop as fast as the robot can, until `on` is false and the motors are enabled. Anyone may."""
+        await self.command(keys.ESTOP, on=on)
+        if on:
+            self.moving.end(f"the e-stop was pressed by {asker()}")
+        return self.latest()
+
+
+def _check(**numbers: float) -> None:
+    for name, value in numbers.items():
+        if not isinstance(value, int | float) or isinstance(value, bool) or not isfinite(value):
+            raise Refused(f"{name} must be a finite number, not {value!r}")
+
+
+def _limits(speed: float | None) -> Limits:
+    """What is not to be exceeded when this speed is asked for, m/s."""
+    if speed is None:
+        return SPEED
+    _check(speed=speed)
+    if not speed > 0.0:
+        raise Refused(f"speed must be more than 0 m/s, not {speed:g}")
+    return Limits(speed, SPEED.angular)

@@ -1,0 +1,101 @@
+"""How a robot with two driven wheels gets where it is to be: from where it is to the velocity that brings it nearer.
+
+Pure functions, to be asked with every odometry; poses and goals in one frame, m and rad, m/s and rad/s.
+"""
+
+from dataclasses import dataclass
+from math import copysign, cos, hypot, pi, sqrt
+
+from geometry import Pose2D, wrap_angle
+
+THERE = 0.04
+"""m from the goal at which the robot has arrived."""
+STILL_THERE = 0.1
+"""m; so far it may slip while it turns to its final heading, without driving again."""
+ALIGNED = 0.03
+"""rad."""
+FACING = pi / 3
+"""rad beyond which it turns on the spot before it drives."""
+GAIN = 1.5
+"""1/s, linear as angular; robot and line answer after 0.2 s or so."""
+BRAKING = 0.2
+"""m/s², less than what these robots' firmware does by itself."""
+ANGULAR_BRAKING = 0.8
+"""rad/s²."""
+AT_THE_END = 0.01
+"""m short of the end of a straight way."""
+SLOWEST = 0.03
+"""m/s; below, wheels stick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """What to drive, m/s forward and rad/s counter-clockwise. is_done: nothing is left to do."""
+
+    linear: float
+    angular: float
+    is_done: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the robot is not to exceed, m/s and rad/s."""
+
+    linear: float
+    angular: float
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """A place, and a heading if one is wanted."""
+
+    x: float
+    y: float
+    heading: float | None = None
+
+    def distance(self, pose: Pose2D) -> float:
+        """How far it is, m."""
+        return hypot(self.x - pose.x, self.y - pose.y)
+
+
+AT_REST = Velocity(0.0, 0.0, is_done=True)
+
+
+def towards(goal: Goal, pose: Pose2D, limits: Limits, was_there: bool = False) -> tuple[Velocity, bool]:
+    """Turn to the goal, drive to it, and turn to its heading there.
+
+    Args:
+        goal: Where to.
+        pose: Where the robot is.
+        limits: Not to be exceeded.
+        was_there: What the call before has returned.
+    Returns:
+        The velocity, and whether the robot is at the place.
+    """
+    distance = goal.distance(pose)
+    if distance <= (STILL_THERE if was_there else THERE):
+        error = 0.0 if goal.heading is None else wrap_angle(goal.heading - pose.heading)
+        return (AT_REST if abs(error) <= ALIGNED else Velocity(0.0, _turning(error, limits))), True
+    bearing = pose.bearing_to(goal.x, goal.y)
+    forward = max(0.0, cos(bearing)) ** 2 if abs(bearing) < FACING else 0.0
+    return Velocity(forward * _slowing(distance, limits.linear, BRAKING), _turning(bearing, limits)), False
+
+
+def along(start: Pose2D, distance: float, pose: Pose2D, limits: Limits) -> Velocity:
+    """Drive straight on from a start, backward if the distance is negative, and keep to the line."""
+    done, aside = start.locate(pose.x, pose.y)
+    left = distance - done
+    if abs(left) <= AT_THE_END or left * distance < 0.0:
+        return AT_REST
+    linear = copysign(max(SLOWEST, abs(_slowing(left, limits.linear, BRAKING))), left)
+    angular = -GAIN * wrap_angle(pose.heading - start.heading) - 4.0 * linear * aside
+    return Velocity(linear, max(-limits.angular, min(limits.angular, angular)))
+
+
+def _turning(error: float, limits: Limits) -> float:
+    return _slowing(error, limits.angular, ANGULAR_BRAKING)
+
+
+def _slowing(left: float, limit: float, braking: float) -> float:
+    """A speed from which one comes to rest in the way that is left, signed as that is."""
+    return copysign(min(limit, GAIN * abs(left), sqrt(2.0 * braking * abs(left))), left)

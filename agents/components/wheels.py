@@ -1,0 +1,253 @@
+"""How the wheels are moved, and how that ends: by motions that the gateway sees to, and by steering on the odometry.
+
+Steering happens at the rate of the odometry, on streams; every half second a velocity is asked for instead, because a
+stream has nobody who says no.
+"""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from math import inf
+from typing import Any, ClassVar, NoReturn
+
+from agents.components.component import Component, known
+from agents.components.moving_request import OneAtATime
+from agents.components.pose_control import Limits, Velocity
+from agents.components.troubles import Troubles
+from agents.platform import AgentName, on
+from bus import Refused, keys
+from bus.keys import Topic
+from bus.messages import RobotState, heading, twist
+from geometry import Pose2D
+
+REPEAT = 0.2  # s; the gateway stops a robot whose stream of velocities has been silent for half a second
+ASK_AGAIN = 0.5  # s between two velocities whose answer is waited for
+STALLED = 1.5  # s that the robot may stand although it is told to drive
+STANDING = Limits(0.01, 0.02)  # m/s and rad/s, below which it stands
+BLIND = 1.0  # s without odometry that a robot is steered on
+TIME_TO_REST = 2.0  # s
+NEWS_TIME = 0.1  # s within which it is known why a motion was stopped
+MOST_ENDS = 16  # of motions that are kept until somebody asks
+
+
+class Wheels(Component):
+    """The part of the base that moves it; `Base` has the requests."""
+
+    source = keys.ODOM
+    eager = True
+    results: ClassVar[Mapping[str, str]] = {
+        "x": "m in odom",
+        "y": "m in odom",
+        "heading": "rad in odom, counter-clockwise",
+        "linear": "m/s forward",
+        "angular": "rad/s counter-clockwise",
+    }
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        super().__init__(name, properties)
+        self._troubles = Troubles("base")
+        self._ends: dict[str, dict[str, Any]] = {}  # of motions, by their ids
+        self._held_until = -inf  # s of the loop's time; until then a stop holds the robot
+        self._news = asyncio.Event()  # a pose, or the end of a motion, has come
+
+    async def setup(self) -> None:
+        """Begin to listen."""
+        self.moving = OneAtATime(self.bus, self._halt)
+        await super().setup()
+
+    def result(self, message: Any) -> dict[str, Any]:
+        """Pose and speed of an odometry."""
+        pose, speed = message.pose.pose, message.twist.twist
+        return {
+            "x": known(pose.position.x),
+            "y": known(pose.position.y),
+            "heading": known(heading(pose.orientation)),
+            "linear": known(speed.linear.x),
+            "angular": known(speed.angular.z),
+        }
+
+    def renew(self, result: Mapping[str, Any]) -> None:
+        """There is a new pose."""
+        super().renew(result)
+        self._news.set()
+
+    @on("command/result/*", keep=MOST_ENDS)
+    async def _hear_end(self, end: dict[str, Any]) -> None:
+        self._ends[str(end.get("id"))] = end
+        while len(self._ends) > MOST_ENDS:
+            del self._ends[next(iter(self._ends))]
+        self._news.set()
+
+    @on("state")
+    async def _hear_state(self, state: RobotState) -> None:
+        self._troubles.hear_faults(state.faults, self._now)
+
+    @on("lease/state")
+    async def _hear_lease(self, lease: dict[str, Any]) -> None:
+        self._troubles.hear_lease(lease, self._now)
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the robot is, in odom.
+
+        Raises:
+            Refused: Nobody knows any more.
+        """
+        now = self.latest()
+        return Pose2D(now["x"], now["y"], now["heading"])
+
+    async def travel(self, topic: Topic, within: float, token: str, **arguments: float) -> dict[str, Any]:
+        """Let the gateway see to a motion; return the pose at its end.
+
+        Args:
+            topic: The command.
+            within: s after which the gateway can have no patience any more.
+            token: Of a lease, or empty.
+            arguments: Of the command.
+        Raises:
+            Refused: It was not begun, or did not reach its goal.
+        """
+
+        async def begin() -> str:
+            self._ends.clear()  # a gateway that begins anew gives the same ids again
+            return str((await self.command(topic, **arguments, token=token))["id"])
+
+        async def follow(motion_id: str) -> None:
+            try:
+                await self._end_of(motion_id, within)
+            except Refused:
+                self._halt(token)
+                raise
+            await self._judge(self._ends.pop(motion_id))
+
+        await self.moving.run(topic.suffix.rpartition("/")[2], token, begin, follow)
+        return self.latest()
+
+    async def steer(
+        self,
+        what: str,
+        choose: Callable[[Pose2D], Velocity],
+        within: float,
+        token: str,
+        late: str = "not there in time",
+    ) -> dict[str, Any]:
+        """Steer until nothing is left to do; return the pose at the end.
+
+        Args:
+            what: In a word.
+            choose: The velocity, given where the robot is.
+            within: s that it may take.
+            token: Of a lease, or empty.
+            late: What has failed when it takes longer; empty text where that is as it is to be.
+        Raises:
+            Refused: It was not begun, or has failed.
+        """
+        await asyncio.sleep(max(0.0, self._held_until - self._now))
+        ends_at = self._now + within
+
+        async def begin() -> None:
+            await self._ask_for(choose(self.pose), token)
+
+        async def follow(begun: None) -> None:
+            failed = await self._steer_on(choose, ends_at, token, late)
+            self._halt(token)
+            if failed:
+                await self._give_up(failed)
+            await self.come_to_rest()
+
+        await self.moving.run(what, token, begin, follow)
+        return self.latest()
+
+    async def come_to_rest(self) -> None:
+        """Wait until the robot stands, or should have come to that."""
+        until = self._now + TIME_TO_REST
+        await self._next(REPEAT)  # the latest pose may still show it standing, or rolling
+        while self._now < until and self._rolls:
+            await self._next(REPEAT)
+
+    def hold(self, seconds: float) -> None:
+        """Somebody has stopped the robot here: for so long the gateway obeys no stream of velocities."""
+        self._held_until = self._now + seconds
+
+    async def _steer_on(self, choose: Callable[[Pose2D], Velocity], ends_at: float, token: str, late: str) -> str:
+        """Steer to the end; return what has failed, or an empty text."""
+        asked_at = rolled_at = self._now
+        while not (velocity := choose(self.pose)).is_done:
+            now = self._now
+            if now >= ends_at:
+                return late
+            if now - self._heard_at >= BLIND:
+                return f"no odometry for {now - self._heard_at:.1f} s"
+            if self._rolls or velocity == Velocity(0.0, 0.0):
+                rolled_at = now
+            if now - rolled_at >= STALLED:
+                return "stalled"
+            if self.moving.is_changing:
+                pass  # another request is just asking to drive
+            elif now - asked_at >= ASK_AGAIN:
+                asked_at = now
+                await self._ask_for(velocity, token)
+            else:
+                self._tell(velocity, token)
+            await self._next(min(REPEAT, ends_at - now))
+        return ""
+
+    async def _ask_for(self, velocity: Velocity, token: str) -> None:
+        await self.command(keys.DRIVE, linear=velocity.linear, angular=velocity.angular, token=token)
+
+    def _tell(self, velocity: Velocity, token: str) -> None:
+        self.bus.put(keys.CMD_VEL.key(self.robot), twist(velocity.linear, velocity.angular), token.encode())
+
+    def _halt(self, token: str) -> None:
+        self.bus.send(keys.CMD_VEL.key(self.robot), twist(0.0, 0.0), token.encode())
+
+    async def _end_of(self, motion_id: str, within: float) -> None:
+        """Wait until the gateway has told how a motion ended, as long as poses come.
+
+        Raises:
+            Refused: None comes any more, or it takes too long.
+        """
+        ends_at = self._now + within
+        while motion_id not in self._ends:
+            if self._now >= ends_at:
+                await self._give_up("not there in time")
+            await self._next(self.fresh)
+            self.latest()
+
+    async def _judge(self, end: Mapping[str, Any]) -> None:
+        """Fail, unless the motion has reached its goal."""
+        done = end.get("done")
+        after = f" after {done:.2f}" if isinstance(done, float) else ""
+        match end.get("result"):
+            case "reached":
+                return
+            case "replaced":
+                raise Refused(f"another command took its place{after}")
+            case "lost":
+                raise Refused(f"the connection to {self.robot} was lost{after}")
+            case "timeout":
+                await self._give_up(f"not there in time{after}")
+            case how:
+                await self._give_up(f"{how}{after}")  # stopped, or stalled
+
+    async def _give_up(self, what: str) -> NoReturn:
+        """Fail, with what is known of the reasons; the robot may be just about to tell them."""
+        await asyncio.sleep(NEWS_TIME)
+        reasons = self._troubles.reasons(self._now)
+        raise Refused(f"{what}: {reasons}" if reasons else what)
+
+    async def _next(self, within: float) -> None:
+        """Wait for a pose or for the end of a motion, at most so many seconds."""
+        self._news.clear()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(within):
+                await self._news.wait()
+
+    @property
+    def _rolls(self) -> bool:
+        now = self._latest or {"linear": 0.0, "angular": 0.0}
+        return bool(abs(now["linear"]) > STANDING.linear or abs(now["angular"]) > STANDING.angular)
+
+    @property
+    def _now(self) -> float:
+        return asyncio.get_running_loop().time()
