@@ -4,8 +4,10 @@ from collections.abc import Mapping
 
 from agents.platform import Agent
 from agents.services.monitor import Monitor
+from agents.services.subscription import Subscription
 
 SERVICES: Mapping[str, type[Agent]] = {
     "monitor": Monitor,
+    "subscription": Subscription,
 }
 """From the local names of the agents to their kinds; each is made with its name alone."""

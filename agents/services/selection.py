@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 FASTEST = 1000.0  # Hz
+ROUNDING = 1e-9  # s; a time to wait, added to a clock, may fall short of the time that was meant
 STAMP = "stamp"  # every result of a component carries it, and a part of a result keeps it
 
 
@@ -100,11 +101,11 @@ class Sieve:
 
     def due(self, now: float) -> float | None:
         """s until a value may be taken, 0 if at once, None while none waits."""
-        return None if self._waiting is None else max(self._free_at - now, 0.0)
+        return None if self._waiting is None else max(self._free_at - ROUNDING - now, 0.0)
 
     def take(self, now: float) -> dict[str, Any] | None:
         """The value that is due, or None."""
-        if self._waiting is None or now < self._free_at:
+        if self._waiting is None or now < self._free_at - ROUNDING:
             return None
         value, self._waiting = self._waiting, None
         self._last = value if self._is_wanted else None
