@@ -111,6 +111,8 @@ class UrlSource:
                 raise CameraLost(STALLED) from error
             except (OSError, NoPictures, HTTPException) as error:
                 raise CameraLost(f"the camera is lost: {error}") from error
+            if not data and newest:
+                break  # the last one; who reads on learns that there are no more
             if not data:
                 raise CameraLost("the camera has closed the connection")
             if not newest and time.monotonic() >= until:

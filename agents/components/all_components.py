@@ -6,6 +6,7 @@ from agents.components.arm import Arm
 from agents.components.base import Base
 from agents.components.battery import Battery
 from agents.components.bumpers import Bumpers
+from agents.components.camera import Camera
 from agents.components.component import Component
 from agents.components.generic import Generic
 from agents.components.gripper import Gripper
@@ -30,6 +31,7 @@ COMPONENTS: Mapping[str, type[Component]] = {
     "gripper": Gripper,
     "arm": Arm,
     "ptz": Ptz,
+    "camera": Camera,
 }
 """By the element's name in the robot's description."""
 

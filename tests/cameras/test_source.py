@@ -1,58 +1,25 @@
-"""Reading an IP camera over loopback: the camera is a few lines of this test."""
+"""Reading an IP camera over loopback."""
 
 import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 
 from cameras import source as module
 from cameras.errors import CameraLost, CameraNotUsable
 from cameras.source import check_source, open_source
-
-LIMIT = 10.0
-HEAD = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n"
-
-
-def part(picture: bytes) -> bytes:
-    return b"--frame\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(picture), picture)
-
-
-class Camera:
-    """Answers one client with what `serve` does to its connection. requests: what the clients asked."""
-
-    def __init__(self) -> None:
-        self.requests: list[bytes] = []
-        self.serve: Callable[[socket.socket], None] = lambda connection: connection.sendall(HEAD)
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}/video"
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-
-    def close(self) -> None:
-        self._listener.shutdown(socket.SHUT_RDWR)
-        self._listener.close()
-        self._thread.join(LIMIT)
-
-    def _run(self) -> None:
-        while True:
-            try:
-                connection, _ = self._listener.accept()
-            except OSError:
-                return
-            with connection:
-                self.requests.append(connection.recv(4096))
-                self.serve(connection)
+from tests.cameras.ip_camera import HEAD, LIMIT, IpCamera, part
 
 
 @pytest.fixture
-def camera() -> Iterator[Camera]:
-    camera = Camera()
+def camera() -> Iterator[IpCamera]:
+    camera = IpCamera()
     yield camera
     camera.close()
 
 
-def test_newest_picture_is_read_and_older_ones_are_passed_over(camera: Camera) -> None:
+def test_newest_picture_is_read_and_older_ones_are_passed_over(camera: IpCamera) -> None:
     has_read = threading.Event()
 
     def serve(connection: socket.socket) -> None:
@@ -73,13 +40,22 @@ def test_newest_picture_is_read_and_older_ones_are_passed_over(camera: Camera) -
     assert camera.requests[0].startswith(b"GET /video HTTP/1.1\r\n")
 
 
-def test_name_and_password_of_the_url_are_shown_to_the_camera(camera: Camera) -> None:
+def test_name_and_password_of_the_url_are_shown_to_the_camera(camera: IpCamera) -> None:
     source = open_source(camera.url.replace("http://", "http://eye:open%20up@"))
     source.close()
     assert b"Authorization: Basic ZXllOm9wZW4gdXA=\r\n" in camera.requests[0]
 
 
-def test_camera_that_hangs_up_is_lost(camera: Camera) -> None:
+def test_last_picture_before_the_camera_hangs_up_is_not_lost(camera: IpCamera) -> None:
+    camera.serve = lambda connection: connection.sendall(HEAD + part(b"one"))
+    source = open_source(camera.url)
+    assert source.read() == b"one"
+    with pytest.raises(CameraLost, match="has closed the connection"):
+        source.read()
+    source.close()
+
+
+def test_camera_that_hangs_up_is_lost(camera: IpCamera) -> None:
     source = open_source(camera.url)
     with pytest.raises(CameraLost, match="has closed the connection"):
         source.read()
@@ -95,7 +71,7 @@ def test_camera_that_hangs_up_is_lost(camera: Camera) -> None:
         (b"", "does not answer"),
     ],
 )
-def test_what_is_no_stream_of_pictures_is_lost_with_what_was_said(camera: Camera, answer: bytes, says: str) -> None:
+def test_what_is_no_stream_of_pictures_is_lost_with_what_was_said(camera: IpCamera, answer: bytes, says: str) -> None:
     camera.serve = lambda connection: connection.sendall(answer)
     with pytest.raises(CameraLost, match=says):
         open_source(camera.url)
@@ -108,7 +84,7 @@ def test_nobody_there_is_lost() -> None:
         open_source(f"http://127.0.0.1:{port}/video")
 
 
-def test_silence_is_lost(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_silence_is_lost(camera: IpCamera, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "PATIENCE", 0.05)
     is_over = threading.Event()
 
@@ -125,7 +101,7 @@ def test_silence_is_lost(camera: Camera, monkeypatch: pytest.MonkeyPatch) -> Non
     is_over.set()
 
 
-def test_read_under_way_can_be_ended_from_elsewhere(camera: Camera) -> None:
+def test_read_under_way_can_be_ended_from_elsewhere(camera: IpCamera) -> None:
     is_reading, is_over = threading.Event(), threading.Event()
 
     def serve(connection: socket.socket) -> None:

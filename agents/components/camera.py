@@ -1,0 +1,158 @@
+"""The agent of a camera: tells of its pictures, and gives one when it is asked.
+
+Pictures travel as a stream, and whoever wants them all subscribes to `<robot>/camera/image/compressed`. A camera that
+belongs to no gateway is opened by its agent, which puts its pictures there.
+"""
+
+import asyncio
+import base64
+from collections import deque
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, ClassVar
+
+import numpy as np
+
+from agents.components.component import NS_PER_S, Component, failure, known
+from agents.platform import AgentName, request
+from agents.platform.talk import hand_over
+from bus import BusError, MessageError, Publisher, Refused, Sample, keys
+from bus.keys import frame
+from bus.messages import CompressedImage, decode, header, stamp_ns
+from cameras import CameraNotUsable, CameraReader, Picture, check_source, picture_size, shrunk
+
+MOST = 190_000
+"""Bytes of a picture that a message can carry: 4/3 of it in base64, and what stands around it, are 256 KiB."""
+RATE_TIME = 3.0
+"""Seconds over which the rate is taken."""
+MOST_TIMES = 200
+
+
+class Camera(Component):
+    """`camera@happy`.
+
+    With the property `source`, a URL or a device, it opens that camera itself; without, its robot's gateway does.
+    """
+
+    source = keys.CAMERA
+    results: ClassVar[Mapping[str, str]] = {
+        "width, height": "pixels",
+        "format": "jpeg or png",
+        "frames": "pictures that have come",
+        "rate": "Hz, of the last 3 s",
+    }
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        super().__init__(name, properties)
+        self._newest: Sample | None = None
+        self._frames = 0
+        self._times: deque[float] = deque(maxlen=MOST_TIMES)  # of the last frames
+        self._reader: CameraReader | None = None  # of a camera that is opened here
+        self._publisher: Publisher | None = None  # likewise
+        self._complaint = ""  # why there are no pictures
+
+    async def setup(self) -> None:
+        """Begin to listen; open the camera if that is ours to do.
+
+        Raises:
+            CameraNotUsable: It is written wrong, or a part of the installation is missing.
+        """
+        where = self.properties.get("source")
+        if where is not None:
+            check_source(str(where))
+        await super().setup()
+        if where is not None:
+            self._publisher = self.bus.publisher(keys.CAMERA.key(self.robot), keys.CAMERA.type_name)
+            self._reader = CameraReader(str(where), self._publish_picture, self._lose)
+            self._reader.start()
+
+    async def take_down(self) -> None:
+        """Let go of the camera."""
+        if self._reader is not None:
+            await asyncio.to_thread(self._reader.close)
+        if self._publisher is not None:
+            self._publisher.close()
+
+    def result(self, message: Any) -> Mapping[str, Any]:
+        """How large its pictures are, and how often they come."""
+        size = picture_size(message.data.tobytes()) or (None, None)
+        return {
+            "width": size[0],
+            "height": size[1],
+            "format": message.format,
+            "frames": self._frames,
+            "rate": self._rate(),
+        }
+
+    @request("read")
+    async def read(self) -> dict[str, Any]:
+        """The latest result; fails where no picture has come for a while, and says why if that is known."""
+        try:
+            return await super().read()
+        except Refused as err:
+            raise failure(f"{err.why}: {self._complaint}" if self._complaint else err.why) from err
+
+    @request("picture")
+    async def picture(self) -> dict[str, Any]:
+        """The newest picture, in base64; one that is too large for a message comes smaller than it was taken."""
+        await self.read()
+        assert self._newest is not None  # it has been read
+        try:
+            image = decode(self._newest.type_name, self._newest.payload)
+        except MessageError as err:
+            raise failure(f"{self.name} cannot read what it hears: {err}") from err
+        taken = image.data.tobytes()
+        data = taken if len(taken) <= MOST else await self._smaller(taken)
+        size = picture_size(data) or (None, None)
+        return {
+            "stamp": stamp_ns(image.header) / NS_PER_S,
+            "format": image.format if data is taken else "jpeg",
+            "width": size[0],
+            "height": size[1],
+            "data": base64.b64encode(data).decode(),
+        }
+
+    async def _smaller(self, data: bytes) -> bytes:
+        try:
+            return await asyncio.to_thread(shrunk, data, MOST)
+        except CameraNotUsable as err:
+            raise failure(
+                f"a picture of {len(data) // 1000} kB does not fit into a message of {MOST // 1000} kB; "
+                f"subscribe to {keys.CAMERA.key(self.robot)} instead ({err})"
+            ) from err
+
+    def _rate(self) -> float | None:
+        """Hz; None before the second frame."""
+        times = list(self._times)
+        recent = [at for at in times if times[-1] - at <= RATE_TIME]
+        if len(recent) < 2 or recent[-1] == recent[0]:
+            return None
+        return known((len(recent) - 1) / (recent[-1] - recent[0]), 1)
+
+    # On the bus's thread.
+
+    def _take_reading(self, sample: Sample) -> None:
+        assert self._loop is not None  # it lives
+        self._newest = sample
+        self._frames += 1
+        self._times.append(self._loop.time())
+        super()._take_reading(sample)
+
+    # On the thread of a camera that is opened here.
+
+    def _publish_picture(self, picture: Picture) -> None:
+        """Put it where a gateway would; this agent hears it there like everyone."""
+        self._complaint = ""
+        assert self._publisher is not None  # declared before the camera was opened
+        image = CompressedImage(
+            header=header(picture.stamp_ns, frame(self.robot, "camera")),
+            format="jpeg",
+            data=np.frombuffer(picture.jpeg, np.uint8),
+        )
+        with suppress(BusError):  # the bus is being closed, and there is nobody to show it to
+            self._publisher.put(image)
+
+    def _lose(self, why: str) -> None:
+        if not self._complaint and self._loop is not None:
+            hand_over(self._loop, self.home.report, self.name, f"the camera gives no pictures: {why}", None)
+        self._complaint = why

@@ -1,0 +1,204 @@
+"""The camera's agent: what it tells of a robot's pictures, and pictures that it takes itself."""
+
+import asyncio
+import base64
+import socket
+import threading
+from collections.abc import Awaitable, Callable, Iterator
+
+import numpy as np
+import pytest
+
+from agents.components.camera import MOST, Camera
+from agents.platform import Agent, Container, Ending, Report
+from agents.platform.virtual_time import VirtualTimeLoop
+from bus import MemoryBus, keys, messages
+from tests.cameras.ip_camera import HEAD, LIMIT, IpCamera, part
+
+JPEG = bytes.fromhex("FF D8  FF C0 00 0B 08 00 78 00 A0 01 11 00  FF D9")  # 160 by 120
+PERIOD = 0.1  # s
+STAMP = 1_700_000_000_250_000_000  # ns
+
+
+class Desk:
+    """An agent `camera@happy`, an application that asks it, and the bus between them.
+
+    reports: what went wrong.
+    """
+
+    def __init__(self) -> None:
+        self.bus = MemoryBus()
+        self.reports: list[Report] = []
+        self.container = Container(MemoryBus(self.bus.network), "happy", self.reports.append)
+        self.app = Agent("app@team")
+
+    def show(self, jpeg: bytes) -> None:
+        """Publish a picture, as a gateway does."""
+        head = messages.header(STAMP, "happy/camera")
+        data = np.frombuffer(jpeg, np.uint8)
+        self.bus.put(keys.CAMERA.key("happy"), messages.CompressedImage(header=head, format="jpeg", data=data))
+
+    async def film(self, count: int) -> None:
+        """Publish some, one after the other."""
+        for _ in range(count):
+            self.show(JPEG)
+            await asyncio.sleep(PERIOD)
+
+
+def play(
+    story: Callable[[Desk], Awaitable[None]],
+    camera: Camera | None = None,
+    loop_factory: Callable[[], asyncio.AbstractEventLoop] | None = VirtualTimeLoop,
+) -> None:
+    async def run() -> None:
+        desk = Desk()
+        async with desk.container:
+            await desk.container.start(desk.app)
+            await desk.container.start(camera or Camera("camera@happy"))
+            await story(desk)
+
+    with asyncio.Runner(loop_factory=loop_factory) as runner:
+        runner.run(run())
+
+
+def test_camera_tells_of_its_pictures_and_sends_none_of_them() -> None:
+    async def story(desk: Desk) -> None:
+        heard: list[dict[str, object]] = []
+
+        async def hear(result: dict[str, object]) -> None:
+            heard.append(result)
+
+        desk.app.listen("happy/agents/camera/results", hear, keep=100)
+        await desk.film(30)
+        assert heard[-1] == {
+            "stamp": pytest.approx(1_700_000_000.25),
+            "width": 160,
+            "height": 120,
+            "format": "jpeg",
+            "frames": 30,
+            "rate": pytest.approx(10.0),
+        }
+        assert len(heard) == 30
+
+    play(story)
+
+
+def test_pictures_are_counted_even_while_nobody_listens() -> None:
+    async def story(desk: Desk) -> None:
+        await desk.film(30)
+        read = (await desk.app.request("camera@happy", "read")).value()
+        assert (read["frames"], read["rate"]) == (30, pytest.approx(10.0))
+
+    play(story)
+
+
+def test_camera_gives_its_newest_picture() -> None:
+    async def story(desk: Desk) -> None:
+        asking = asyncio.ensure_future(desk.app.request("camera@happy", "picture"))
+        await asyncio.sleep(1.0)
+        desk.show(JPEG)
+        picture = (await asking).value()
+        assert base64.b64decode(picture.pop("data")) == JPEG
+        assert picture == {"stamp": pytest.approx(1_700_000_000.25), "format": "jpeg", "width": 160, "height": 120}
+
+    play(story)
+
+
+def test_camera_from_which_nothing_comes_gives_no_old_picture() -> None:
+    async def story(desk: Desk) -> None:
+        assert (await desk.app.request("camera@happy", "picture")).why == "camera@happy has heard nothing yet"
+        desk.show(JPEG)
+        await asyncio.sleep(5.0)
+        outcome = await desk.app.request("camera@happy", "picture")
+        assert outcome.ending is Ending.FAILED
+        assert outcome.why == "camera@happy has heard nothing for 5.0 s"
+
+    play(story)
+
+
+def test_picture_that_is_no_jpeg_has_no_size() -> None:
+    async def story(desk: Desk) -> None:
+        desk.show(b"PNG")
+        assert (await desk.app.request("camera@happy", "read")).value()["width"] is None
+
+    play(story)
+
+
+def test_picture_that_is_too_large_comes_smaller() -> None:
+    cv2 = pytest.importorskip("cv2")
+    noise = np.random.default_rng(1).integers(0, 256, (720, 1280, 3), np.uint8)
+    jpeg = bytes(cv2.imencode(".jpg", noise)[1])
+    assert len(jpeg) > MOST
+
+    async def story(desk: Desk) -> None:
+        desk.show(jpeg)
+        picture = (await desk.app.request("camera@happy", "picture")).value()
+        assert len(base64.b64decode(picture["data"])) <= MOST
+        assert 160 < picture["width"] < 1280
+
+    play(story, loop_factory=None)
+
+
+def test_picture_that_is_too_large_and_cannot_be_made_smaller_says_where_the_stream_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("cameras.shrink.find_spec", lambda name: None)
+
+    async def story(desk: Desk) -> None:
+        desk.show(JPEG[:-2] + bytes(MOST) + JPEG[-2:])
+        outcome = await desk.app.request("camera@happy", "picture")
+        assert outcome.ending is Ending.FAILED
+        assert "190 kB does not fit into a message" in outcome.why
+        assert "subscribe to happy/camera/image/compressed" in outcome.why
+        assert "pip install" in outcome.why
+
+    play(story, loop_factory=None)
+
+
+@pytest.fixture
+def ip_camera(monkeypatch: pytest.MonkeyPatch) -> Iterator[IpCamera]:
+    monkeypatch.setattr("cameras.reader.RETRY", 0.02)
+    camera = IpCamera()
+    yield camera
+    camera.close()
+
+
+def test_camera_that_the_agent_opens_itself_is_on_the_topic_of_any_camera_and_comes_back(ip_camera: IpCamera) -> None:
+    pictures, is_enough = threading.Semaphore(0), threading.Semaphore(0)
+
+    def serve(connection: socket.socket) -> None:
+        connection.sendall(HEAD + part(JPEG))
+        is_enough.acquire(timeout=LIMIT)  # and then it hangs up
+
+    ip_camera.serve = serve
+
+    async def story(desk: Desk) -> None:
+        desk.bus.subscribe("happy/camera/image/compressed", lambda sample: pictures.release())
+        picture = (await desk.app.request("camera@happy", "picture")).value()
+        assert base64.b64decode(picture["data"]) == JPEG
+        for _ in range(3):
+            assert await asyncio.to_thread(pictures.acquire, timeout=LIMIT)
+            is_enough.release()
+        assert "the camera has closed the connection" in desk.reports[0].what
+
+    play(story, Camera("camera@happy", {"source": ip_camera.url}), None)
+
+
+def test_camera_that_is_not_there_says_why() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+
+    async def story(desk: Desk) -> None:
+        outcome = await desk.app.request("camera@happy", "read")
+        assert outcome.ending is Ending.FAILED
+        assert "camera@happy has heard nothing yet: 127.0.0.1 does not answer" in outcome.why
+
+    play(story, Camera("camera@happy", {"source": f"http://127.0.0.1:{port}/video"}), None)
+
+
+def test_source_that_is_no_camera_is_told_at_the_start() -> None:
+    async def story(desk: Desk) -> None:
+        assert [agent.name.local for agent in desk.container.agents] == ["app"]
+        assert "ftp://eye is no camera; give a URL" in str(desk.reports[0].error)
+
+    play(story, Camera("camera@happy", {"source": "ftp://eye"}))
