@@ -20,6 +20,7 @@ from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent
 from agents.platform.kinds import Kinds, kind_of
 from agents.platform.life import State
 from agents.platform.names import AgentName, ContainerName
+from agents.platform.watchdog import Watchdog
 from bus import JSON, Bus, BusUnavailable, MessageError, Publisher, Subscription
 
 SETUP_TIME = 30.0  # s
@@ -140,8 +141,7 @@ class Container:
         Raises:
             AlreadyThere: One of this name lives here or in another container.
         """
-        if agent.name not in self._agents:
-            await check_free(self._bus, agent.name)
+        await check_free(self._bus, agent.name)
         try:
             await self.bring_up(agent, agent.begin)
         except SetupFailed:
@@ -229,6 +229,7 @@ class Container:
             self._said = self._bus.publisher(self._called.said_key, JSON)
             self._shown += [self._reports, self._said, self._control.serve()]
             self._shown.append(self._bus.declare_alive(self._called.alive_key))
+            self._shown.append(Watchdog(lambda: self.agents, self._tell_blocked))
 
     async def close(self) -> None:
         """Stop all agents, together, and be seen no more."""
@@ -275,6 +276,14 @@ class Container:
         """Say on the bus why an agent ends, with what is needed to start it again."""
         told = {"agent": str(agent.name), "what": f"it has ended: {end}", "ended": end, "kind": kind_of(agent)}
         self._tell({**told, "properties": agent.properties})
+
+    def _tell_blocked(self, agent: AgentName | None, what: str) -> None:
+        """Say that the loop is held up; on the watchdog's thread, since the loop cannot."""
+        if agent is not None:
+            self.report(agent, what)
+        else:
+            log.error("%s: %s", self.name, what)
+            self._tell({"agent": None, "what": what})
 
     def _tell(self, report: dict[str, Any]) -> None:
         if self._reports is not None:

@@ -32,6 +32,10 @@ class Serving:
         """Whether it is bound: what goes wrong from now on is a failure and no refusal."""
         return self._has_agreed
 
+    def works_in(self, task: "asyncio.Task[Any]") -> bool:
+        """Whether that is done in this task."""
+        return self._work is task
+
     def agree(self) -> None:
         """Say that it will be done; once."""
         if not self._has_agreed:

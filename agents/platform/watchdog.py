@@ -1,0 +1,103 @@
+"""Sees that the event loop of a container turns, and tells who holds it up when it does not.
+
+All agents of a container share one loop, so one that blocks makes all of them deaf. Nothing can wrest the loop from it;
+the report says where to look.
+"""
+
+import asyncio
+import linecache
+import sys
+import sysconfig
+import threading
+from collections.abc import Callable, Iterable
+from types import FrameType
+
+from agents.platform.agent import Agent
+from agents.platform.names import AgentName
+from agents.platform.talk import hand_over
+from agents.platform.virtual_time import VirtualTimeLoop
+from bus import Subscription
+
+LONGEST_TURN = 0.5  # s that one step of an agent may take
+LOOK_EVERY = 0.25  # s
+GRACE = 0.05  # s for a loop that was frozen together with its watchdog
+_LIBRARIES = (sysconfig.get_paths()["stdlib"], "<frozen")
+
+
+class Watchdog(Subscription):
+    """A thread beside one event loop."""
+
+    def __init__(self, agents: Callable[[], Iterable[Agent]], report: Callable[[AgentName | None, str], None]) -> None:
+        """Begin to watch the running event loop.
+
+        Args:
+            agents: Those that live in it; called on the watchdog's thread while the loop stands still.
+            report: Told who holds up the loop, if that can be found out, and then how long; on the watchdog's thread.
+        """
+        self._agents = agents
+        self._report = report
+        self._loop = asyncio.get_running_loop()
+        self._loop_thread = threading.get_ident()
+        self._has_ended = threading.Event()
+        if isinstance(self._loop, VirtualTimeLoop):
+            return  # to which nothing takes time
+        threading.Thread(target=self._watch, name="watchdog", daemon=True).start()
+
+    def close(self) -> None:
+        """Watch no more."""
+        self._has_ended.set()
+
+    def _watch(self) -> None:
+        while not self._has_ended.wait(LOOK_EVERY) and not self._loop.is_closed():
+            turned = threading.Event()
+            hand_over(self._loop, turned.set)
+            if not turned.wait(LONGEST_TURN) and not turned.wait(GRACE) and self._loop.is_running():
+                self._tell()
+                while not turned.wait(LOOK_EVERY) and self._loop.is_running() and not self._has_ended.is_set():
+                    pass
+
+    def _tell(self) -> None:
+        frame = sys._current_frames().get(self._loop_thread)
+        agent, doing = self._at_work(asyncio.current_task(self._loop), frame)
+        where = "" if frame is None else f" at {place(frame)}"
+        self._report(agent, f"{doing} holds up all agents of this container for longer than {LONGEST_TURN:g} s{where}")
+
+    def _at_work(self, task: "asyncio.Task[object] | None", frame: FrameType | None) -> tuple[AgentName | None, str]:
+        """Whose step the loop is in, and which: by its task, or else by the methods that are being called."""
+        agents = list(self._agents())
+        for agent in agents:
+            if task is not None and (doing := _doing(agent, task)) is not None:
+                return agent.name, doing
+        while frame is not None:
+            for agent in agents:
+                if frame.f_locals.get("self") is agent:
+                    return agent.name, f"the method {frame.f_code.co_name}"
+            frame = frame.f_back
+        return None, "something that is no agent's" if task is None else f"the task {task.get_name()}"
+
+
+def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:
+    """What an agent does in a task; None when the task is not one of its own."""
+    for one in agent.behaviours:
+        if one.task is task:
+            return f"the behaviour {one.behaviour.name}"
+    for serving in agent.in_flight:
+        if serving.works_in(task):
+            asked = serving.message
+            return f"the {asked.performative} {asked.content['action']} of {asked.sender}"
+    return None
+
+
+def place(frame: FrameType) -> str:
+    """The line of code where a thread is, in words: the innermost that is not a library's."""
+    inner: FrameType | None = frame
+    while inner is not None and _is_library(inner.f_code.co_filename):
+        inner = inner.f_back
+    frame = inner or frame
+    line = linecache.getline(frame.f_code.co_filename, frame.f_lineno).strip()
+    module = frame.f_globals.get("__name__", frame.f_code.co_filename)
+    return f"{module}, line {frame.f_lineno}, in {frame.f_code.co_qualname}: {line}"
+
+
+def _is_library(file: str) -> bool:
+    return file.startswith(_LIBRARIES) or "site-packages" in file

@@ -1,0 +1,94 @@
+"""An agent that blocks the loop of its container is told of, with the line where it does."""
+
+import asyncio
+import time
+
+import pytest
+
+from agents.platform import Agent, Container, Report, request
+from agents.platform.watchdog import LONGEST_TURN
+from bus import MemoryBus, Sample
+from bus.messages import decode_json
+from tests.waiting import DEADLINE
+
+
+class Blocker(Agent):
+    """Sleeps where it should not."""
+
+    def __init__(self, reports: list[Report], in_setup: bool = False) -> None:
+        super().__init__("blocker@happy")
+        self.reports, self.in_setup = reports, in_setup
+
+    async def setup(self) -> None:
+        if self.in_setup:
+            self.block()
+
+    @request("block")
+    async def ask_to_block(self) -> None:
+        self.block()
+
+    async def act(self) -> None:
+        self.block()
+
+    def block(self) -> None:
+        """Hold up the loop until somebody notices."""
+        deadline = time.monotonic() + DEADLINE
+        while not self.reports and time.monotonic() < deadline:
+            time.sleep(0.01)
+
+
+@pytest.mark.parametrize("how", ["setup", "behaviour", "request"])
+def test_an_agent_that_blocks_is_named_with_its_line(how: str) -> None:
+    reports: list[Report] = []
+    told: list[Sample] = []
+    bus = MemoryBus()
+    bus.subscribe("happy/containers/happy/reports", told.append)
+
+    async def main() -> None:
+        async with Container(bus, "happy", reports.append) as container:
+            blocker = Blocker(reports, in_setup=how == "setup")
+            await container.start(blocker)
+            if how == "behaviour":
+                await blocker.add(blocker.act).result()
+            elif how == "request":
+                assert (await blocker.request("blocker@happy", "block", reply_within=DEADLINE)).is_done
+
+    asyncio.run(main())
+    doing = {
+        "setup": "the method block",
+        "behaviour": "the behaviour act",
+        "request": "the request block of blocker@happy",
+    }
+    (report,) = reports
+    assert str(report.agent) == "blocker@happy"
+    assert report.what.startswith(f"{doing[how]} holds up all agents of this container for longer than 0.5 s at ")
+    assert "in Blocker.block: " in report.what
+    assert decode_json(told[0].payload)["what"] == report.what
+
+
+def test_what_is_no_agents_is_told_of_without_a_name(caplog: pytest.LogCaptureFixture) -> None:
+    told: list[Sample] = []
+    bus = MemoryBus()
+    bus.subscribe("happy/containers/happy/reports", told.append)
+
+    async def main() -> None:
+        async with Container(bus, "happy"):
+            deadline = time.monotonic() + DEADLINE
+            while not told and time.monotonic() < deadline:
+                time.sleep(0.01)
+
+    asyncio.run(main())
+    assert decode_json(told[0].payload)["agent"] is None
+    assert f"for longer than {LONGEST_TURN:g} s" in caplog.text
+
+
+def test_a_loop_that_waits_is_not_held_up() -> None:
+    reports: list[Report] = []
+
+    async def main() -> None:
+        async with Container(MemoryBus(), "happy", reports.append) as container:
+            await container.start(Agent("idle@happy"))
+            await asyncio.sleep(LONGEST_TURN * 2)
+
+    asyncio.run(main())
+    assert reports == []
