@@ -98,10 +98,8 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
 
 
 def test_an_unknown_kind_is_refused() -> None:
-    with pytest.raises(
-        ConfigError,
-        match="no kind of configuration 'robot'; choose one of robots, worlds, links, bus, accessories, teams or wrappers",
-    ):
+    kinds = "robots, worlds, links, bus, accessories, teams or wrappers"
+    with pytest.raises(ConfigError, match=f"no kind of configuration 'robot'; choose one of {kinds}"):
         configs.names("robot")
 
 

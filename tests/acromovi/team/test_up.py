@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from acromovi.team.host_control import control_key
-from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import RunningTeam, run, running
 from tests.waiting import wait_until
 
