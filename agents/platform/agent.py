@@ -30,12 +30,12 @@ from typing import Any, ClassVar
 from agents.platform.acl import AclMessage
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
 from agents.platform.desk import Desk
+from agents.platform.door import Door
 from agents.platform.ends import End
 from agents.platform.errors import AclError, AgentError
 from agents.platform.handler import Handler
 from agents.platform.home import Home
 from agents.platform.hooks import hooks_of
-from agents.platform.initiator import Initiator
 from agents.platform.life import State, Step, after
 from agents.platform.mailbox import ANY, Mailbox, Template
 from agents.platform.names import AgentName
@@ -44,10 +44,11 @@ from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Sc
 from agents.platform.serving import Serving
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
-from bus import JSON, Bus, Publisher, Sample, Subscription
+from agents.platform.traveller import Luggage, Traveller
+from bus import JSON, Bus, Publisher, Subscription
 
 
-class Agent(Initiator):
+class Agent(Traveller):
     """One agent. Derive from it; a container starts it.
 
     services: what it offers, for the directory.
@@ -63,6 +64,7 @@ class Agent(Initiator):
         self._unreadable = 0
         self._state = State.INITIATED
         self._desk = Desk(self.name, lambda: self._state, self._rouse)
+        self._door = Door(self._take, self._desk.begin)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, End.FAILED))
@@ -209,18 +211,35 @@ class Agent(Initiator):
 
     async def begin(self, home: Home) -> None:
         """Live in a container: hear messages, set up, begin what the decorators say, answer."""
-        self._home, self._loop = home, asyncio.get_running_loop()
-        self._desk.open(home)
-        self._open.append(home.bus.subscribe(self.name.acl_key, self._take, urgent=True))
-        self._open.append(home.bus.converse(self.name.acl_key, self._desk.begin, urgent=True))
+        self._move_in(home)
+        self._listen_to_others()
         await self.setup()
         if self._state is State.DELETED:
             return
         for method, hook in hooks_of(self):
             hook.begin(self, method)
         self._go(Step.INVOKE)
-        self._open.append(home.bus.serve(self.name.description_key, lambda arguments: self.describe()))
-        self._open.append(home.bus.declare_alive(self.name.alive_key))
+        self._enter_directory()
+
+    async def arrive(self, home: Home, luggage: Luggage) -> None:
+        """Come into a container from another: set up and unpack, and let all that comes wait until `settle`."""
+        self._go(Step.MOVE)
+        self._schedule.gate.shut()
+        self._door.wait_for_the_rest()
+        self._move_in(home)
+        await self.setup()
+        if self._state is State.DELETED:
+            return
+        self.unpack(luggage.state)
+        self._unload(luggage)
+        for method, hook in hooks_of(self):
+            hook.begin(self, method)
+        self._listen_to_others()
+        self._enter_directory()
+
+    def leave_directory(self) -> None:
+        """Be found no more, while still hearing what comes."""
+        self._listed.close()
 
     def suspend(self) -> None:
         """Rest until `resume`: no action of a behaviour starts, requests are refused, messages wait."""
@@ -243,6 +262,18 @@ class Agent(Initiator):
         await self._desk.close()
         await self._schedule.stop()
 
+    def _move_in(self, home: Home) -> None:
+        self._home, self._loop = home, asyncio.get_running_loop()
+        self._desk.open(home)
+
+    def _listen_to_others(self) -> None:
+        self._open.append(self.bus.subscribe(self.name.acl_key, self._door.letter, urgent=True))
+        self._open.append(self.bus.converse(self.name.acl_key, self._door.caller, urgent=True))
+
+    def _enter_directory(self) -> None:
+        self._listed = self.bus.serve(self.name.description_key, lambda arguments: self.describe())
+        self._open += [self._listed, self.bus.declare_alive(self.name.alive_key)]
+
     def _go(self, step: Step) -> None:
         self._state = after(self._state, step)
 
@@ -254,14 +285,14 @@ class Agent(Initiator):
 
     # On the bus's thread.
 
-    def _take(self, sample: Sample) -> None:
+    def _take(self, payload: bytes) -> None:
         """A one-way message has come."""
         try:
-            message = AclMessage.decode(sample.payload)
+            message = AclMessage.decode(payload)
         except AclError:
             self._unreadable += 1
             return
-        if self._desk.hear(message) or self.mailbox.deliver(message, len(sample.payload)):
+        if self._desk.hear(message) or self.mailbox.deliver(message, len(payload)):
             self._rouse()
 
     def _rouse(self) -> None:

@@ -8,6 +8,10 @@ A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what
 | `start` | `name`, `kind`, `properties` | name and state of the agent, once it is active |
 | `stop`, `suspend`, `resume` | `name` | name and state of the agent |
 | `introspect` | `name` | what the agent holds and does (introspection.py) |
+| `move` | `name`, `to` | name, state and container of the agent, once it lives in the other |
+
+`adopt`, `settle`, `deliver`, `begin` and `forsake` are what containers say to each other when an agent moves
+(transit.py).
 
 A no is an error reply with one sentence.
 """
@@ -26,6 +30,7 @@ from agents.platform.introspection import introspect
 from agents.platform.kinds import kind_of
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
+from agents.platform.transit import Arrivals, Departures, opened, unpacked
 from bus import BusError, BusUnavailable, Conversation, Subscription
 
 if TYPE_CHECKING:
@@ -55,7 +60,14 @@ class Control:
             "suspend": self._suspend,
             "resume": self._resume,
             "introspect": self._introspect,
+            "move": self._move,
+            "adopt": self._adopt,
+            "settle": self._settle,
+            "deliver": self._deliver,
+            "forsake": self._forsake,
         }
+        self._departures = Departures(container)
+        self._arrivals = Arrivals(container)
 
     @property
     def identity(self) -> str:
@@ -76,8 +88,13 @@ class Control:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._arrivals.close()
+        self._departures.close()
 
     def _begin(self, arguments: dict[str, Any], conversation: Conversation) -> None:
+        if arguments.get("do") == "begin":
+            self._call(arguments, conversation)
+            return
         task = asyncio.ensure_future(self._answer(arguments, conversation))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -95,6 +112,14 @@ class Control:
             except Exception as err:
                 log.error("the container %s cannot do %.200s", self._container.name, arguments, exc_info=err)
                 conversation.refuse(f"the container {self._container.name} failed with {type(err).__name__}: {err}")
+
+    def _call(self, given: Given, conversation: Conversation) -> None:
+        """Hand a conversation to an agent that has moved here: its replies are the agent's own."""
+        try:
+            self._container.agent(named_in(given)).call(table_of(given, "message"), conversation)
+        except AgentError as err:
+            with contextlib.suppress(BusUnavailable):
+                conversation.refuse(str(err))
 
     async def _do(self, given: Given) -> dict[str, Any]:
         order = text_of(given, "do")
@@ -140,6 +165,28 @@ class Control:
 
     async def _introspect(self, given: Given) -> dict[str, Any]:
         return introspect(self._container.agent(named_in(given)))
+
+    async def _move(self, given: Given) -> dict[str, Any]:
+        agent = self._container.agent(named_in(given))
+        there, state = await self._departures.send(agent, text_of(given, "to"))
+        return {"name": str(agent.name), "state": str(state), "container": there.name}
+
+    async def _adopt(self, given: Given) -> dict[str, Any]:
+        agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
+        await self._arrivals.adopt(agent, unpacked(table_of(given, "luggage")), text_of(given, "from"))
+        return {"name": str(agent.name), "state": str(agent.state)}
+
+    async def _settle(self, given: Given) -> dict[str, Any]:
+        self._arrivals.settle(named_in(given), opened(given.get("letters")))
+        return {}
+
+    async def _deliver(self, given: Given) -> dict[str, Any]:
+        self._container.agent(named_in(given)).deliver(opened(given.get("letters")))
+        return {}
+
+    async def _forsake(self, given: Given) -> dict[str, Any]:
+        await self._arrivals.forsake(named_in(given))
+        return {}
 
 
 def named_in(given: Given) -> AgentName:

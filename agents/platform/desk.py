@@ -72,6 +72,13 @@ class Desk:
         """Begin, in the running event loop."""
         self._home, self._loop = home, asyncio.get_running_loop()
 
+    async def rest(self, within: float) -> None:
+        """Wait until nothing is under way, or for so many seconds."""
+        await asyncio.sleep(0)  # what the bus's thread has handed over begins now
+        if self._tasks:
+            await asyncio.wait(self._tasks, timeout=within)
+            await asyncio.sleep(0)  # let those that have ended be struck off
+
     async def close(self) -> None:
         """End all conversations; whoever waits for an answer is told."""
         for task in self._tasks:
@@ -152,7 +159,7 @@ class Desk:
     # In the loop.
 
     def _serve(self, key: tuple[str, AgentName], serving: Serving, protocol: Protocol, opening: Opening) -> None:
-        if self._state() not in AT_WORK:
+        if self._state() not in (*AT_WORK, State.TRANSIT):  # one that moves finishes what was asked before
             serving.turn_away(f"{self._me} is {self._state()}")
             self._ended(key, serving, protocol)
             return

@@ -11,6 +11,7 @@ from contextlib import aclosing
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.door import new_label
 from agents.platform.errors import AclError
 from agents.platform.home import Home
 from agents.platform.names import AgentName
@@ -146,7 +147,7 @@ class Dialogue:
         )
         self._home.trace(more)
         with contextlib.suppress(BusError):
-            self._home.bus.send(self.peer.acl_key, more.to_dict())
+            self._home.bus.send(self.peer.acl_key, more.to_dict(), new_label())
 
     def _read(self, value: Mapping[str, Any]) -> AclMessage:
         """One reply, if it is one of this conversation that leads on."""

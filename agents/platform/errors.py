@@ -8,6 +8,7 @@ AgentError
  +-- UnknownAgent (LookupError)     no such agent lives here
  +-- AlreadyThere                   an agent of this name lives here already
  +-- SetupFailed                    an agent's setup raised or took too long
+ +-- NotMoved                       an agent could not move into another container, and lives where it did
  +-- RequestNotDone                 what another agent was asked for was not done
 """
 
@@ -42,6 +43,10 @@ class AlreadyThere(AgentError):
 
 class SetupFailed(AgentError):
     """An agent's setup raised or took too long, so it does not live."""
+
+
+class NotMoved(AgentError):
+    """An agent could not move into another container, and lives where it did."""
 
 
 class RequestNotDone(AgentError):

@@ -6,6 +6,7 @@ from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.dialogue import Dialogue
+from agents.platform.door import new_label
 from agents.platform.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
 from agents.platform.fipa_contract_net import PROTOCOL as CALLS
 from agents.platform.fipa_query import PROTOCOL as QUERIES
@@ -44,7 +45,7 @@ class Initiator(ABC):
         written = message.to_dict()
         self.home.trace(message)
         for receiver in message.receivers:
-            self.home.bus.send(receiver.acl_key, written)
+            self.home.bus.send(receiver.acl_key, written, new_label())
 
     async def request(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any

@@ -12,6 +12,7 @@ class State(StrEnum):
     ACTIVE = "active"
     SUSPENDED = "suspended"  # made to rest; requests are refused, messages wait
     WAITING = "waiting"  # rests by itself until a message or a request comes
+    TRANSIT = "transit"  # on its way into another container; requests and messages wait
     DELETED = "deleted"
 
 
@@ -23,6 +24,8 @@ class Step(StrEnum):
     RESUME = "resume"
     WAIT = "wait"
     WAKE = "wake"
+    MOVE = "move"
+    EXECUTE = "execute"  # begin to live where one has arrived
     DELETE = "delete"
 
 
@@ -33,6 +36,12 @@ TRANSITIONS = {
     (State.SUSPENDED, Step.RESUME): State.ACTIVE,
     (State.ACTIVE, Step.WAIT): State.WAITING,
     (State.WAITING, Step.WAKE): State.ACTIVE,
+    (State.INITIATED, Step.MOVE): State.TRANSIT,  # FIPA moves active agents only
+    (State.ACTIVE, Step.MOVE): State.TRANSIT,
+    (State.WAITING, Step.MOVE): State.TRANSIT,
+    (State.SUSPENDED, Step.MOVE): State.TRANSIT,
+    (State.TRANSIT, Step.EXECUTE): State.ACTIVE,
+    (State.TRANSIT, Step.DELETE): State.DELETED,
     (State.INITIATED, Step.DELETE): State.DELETED,
     (State.ACTIVE, Step.DELETE): State.DELETED,
     (State.SUSPENDED, Step.DELETE): State.DELETED,

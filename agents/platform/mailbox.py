@@ -133,6 +133,11 @@ class Mailbox:
                 waiter.loop.call_soon_threadsafe(waiter.called.set)
             return True
 
+    def empty(self) -> list[AclMessage]:
+        """All that waits, oldest first; nothing waits any more."""
+        with self._lock:
+            return [message for message in iter(lambda: self._take(ANY), None) if message is not None]
+
     def take(self, template: Template = ANY) -> AclMessage | None:
         """The oldest message that the template wants, or None."""
         with self._lock:

@@ -1,0 +1,142 @@
+"""The side of an agent that moves from one container into another.
+
+It is in transit from `depart` on, here until `come_back` or its end, and there from `arrive` until `settle`: nothing it
+does begins, and what comes waits before its door.
+"""
+
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from agents.platform.acl import AclMessage, Performative
+from agents.platform.desk import Desk
+from agents.platform.door import Caller, Door, Letter
+from agents.platform.errors import NotMoved
+from agents.platform.initiator import Initiator
+from agents.platform.life import State, Step
+from agents.platform.mailbox import Mailbox
+from agents.platform.schedule import Schedule
+from bus import Conversation
+
+
+@dataclass(frozen=True, slots=True)
+class Luggage:
+    """What an agent takes along.
+
+    state: what its `pack` says.
+    mailbox: the messages that wait in its mailbox, oldest first.
+    is_suspended: whether it is to rest where it arrives, as it did before.
+    """
+
+    state: Mapping[str, Any]
+    mailbox: tuple[AclMessage, ...]
+    is_suspended: bool
+
+
+class Traveller(Initiator):
+    """An agent as a container sees it that sends it away or takes it in."""
+
+    mailbox: Mailbox
+    _state: State
+    _desk: Desk
+    _door: Door
+    _schedule: Schedule
+
+    def pack(self) -> dict[str, Any]:
+        """What the agent keeps when it moves into another container: a JSON object.
+
+        Called when it answers nobody any more and no action of a behaviour begins; one that has begun may still be at
+        work. What it does not pack it finds there as `setup` leaves it.
+        """
+        return {}
+
+    def unpack(self, state: Mapping[str, Any]) -> None:
+        """Go on with what `pack` has said, after `setup` in the new container and before any behaviour."""
+
+    async def depart(self, within: float) -> Luggage:
+        """Begin to move: finish what others have asked for, and pack.
+
+        Subscribers are told that they have to subscribe again; requests that come meanwhile wait.
+
+        Args:
+            within: s for what is under way to end.
+        Raises:
+            NotMoved: It has not ended; the agent goes on as before.
+            IllegalTransition: It is not at work.
+        """
+        was = self._state
+        self._go(Step.MOVE)
+        self._schedule.gate.shut()
+        self._door.keep_callers()
+        try:
+            for serving in self._desk.under_way:
+                if serving.message.performative is Performative.SUBSCRIBE:
+                    serving.cancel(f"{self.name} moves into another container; subscribe again")
+            await self._desk.rest(within)
+            self._check_leaving(within)
+            self._door.keep_letters()
+            state = self.pack()
+            return Luggage(state, tuple(self.mailbox.empty()), was is State.SUSPENDED)
+        except BaseException:
+            self.come_back(Luggage({}, (), was is State.SUSPENDED))
+            raise
+
+    def come_back(self, luggage: Luggage) -> None:
+        """Go on where it was, since the move has failed; nothing that came meanwhile is lost."""
+        if self._state is State.TRANSIT:
+            self._unload(luggage)
+            self._go_on(luggage)
+
+    def settle(self, luggage: Luggage, letters: Iterable[Letter]) -> None:
+        """Begin to live here.
+
+        Args:
+            luggage: What it took along, already unpacked.
+            letters: Messages that came where it was, since it packed.
+        """
+        self._door.bring(letters)
+        self._go_on(luggage)
+
+    def forget_the_way(self) -> None:
+        """Note that nothing comes twice any more, since all have heard where it lives."""
+        self._door.forget()
+
+    def deliver(self, letters: Iterable[Letter]) -> None:
+        """Take messages that came where it was; those that came here as well are left out."""
+        self._door.bring(letters)
+
+    def call(self, message: dict[str, Any], conversation: Conversation) -> None:
+        """Take a conversation that began where it was; one that came here as well is ended without a word."""
+        self._door.caller(message, conversation)
+
+    def come_since(self) -> list[Letter]:
+        """The messages that have come since it packed, and that still wait here."""
+        return self._door.letters()
+
+    def left_behind(self) -> tuple[list[Letter], list[Caller]]:
+        """What came where it was, and is to follow it; it waits here no more."""
+        return self._door.kept()
+
+    def _unload(self, luggage: Luggage) -> None:
+        for message in luggage.mailbox:
+            self.mailbox.deliver(message, len(message.encode()))
+
+    def _go_on(self, luggage: Luggage) -> None:
+        self._go(Step.EXECUTE)
+        if luggage.is_suspended:
+            self._go(Step.SUSPEND)
+        else:
+            self._schedule.gate.open()
+        self._door.open()
+
+    def _check_leaving(self, within: float) -> None:
+        if self._state is not State.TRANSIT:
+            raise NotMoved(f"{self.name} has ended before it could move")
+        if busy := self._desk.under_way:
+            what = ", ".join(sorted({f"{each.message.performative} of {each.message.sender}" for each in busy}))
+            raise NotMoved(f"{self.name} stays where it is: it has not finished within {within:g} s with the {what}")
+
+    @abstractmethod
+    def _go(self, step: Step) -> None:
+        """Take a step in its life."""
