@@ -16,7 +16,7 @@ from gateway.driver import Driver
 from gateway.errors import CommandRefused
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
-from gateway.lease import DEFAULT_SECONDS, ROBOT, Leases
+from gateway.lease import DEFAULT_SECONDS, ROBOT, Lease, Leases
 from gateway.motion import CMD_VEL_SILENCE
 
 T = TypeVar("T")
@@ -174,11 +174,12 @@ class Orders(Subscription):
             case "take":
                 return self._take(arguments, driver, now)
             case "renew":
-                return self.leases.renew(arguments[TOKEN], arguments.get("seconds"), now).state(now)
+                lease = self.leases.renew(arguments[TOKEN], arguments.get("seconds"), now)
+                return _told(lease, now)
             case "release":
                 lease = self.leases.release(arguments[TOKEN])
                 self._change_holders([lease.what], driver, now)
-                return lease.state(now)
+                return _told(lease, now)
             case "show":
                 return self.leases.state(now)
         raise CommandRefused(f"a lease cannot {what!r}; say take, renew, release or show")
@@ -188,7 +189,7 @@ class Orders(Subscription):
         what = arguments.get("element", ROBOT)
         lease, token, standing = self.leases.take(what, arguments["holder"], priority, seconds, now)
         self._change_holders(standing, driver, now)
-        return {"token": token, **lease.state(now)}
+        return {"token": token, **_told(lease, now)}
 
     def _handler(self, row: CommandRow) -> Handler:
         name = row.topic.suffix.rpartition("/")[2]
@@ -204,3 +205,8 @@ class Orders(Subscription):
     def _halt_elements(self) -> None:
         for face in self._cable_faces:
             face.halt()
+
+
+def _told(lease: Lease, now: float) -> dict[str, Any]:
+    """What its holder is answered."""
+    return {"element": lease.what, **lease.state(now)}

@@ -1,0 +1,253 @@
+"""Says who may move what: leases on the elements of all robots, with priorities, notice and a record of everything.
+
+The gateways have the last word: an arbiter takes their leases in the names of those who ask, and hands on the tokens.
+So two arbiters never give one element to two holders, and an arbiter that dies leaves nothing behind that does not end
+by itself. What it adds: a holder is warned before somebody of higher priority takes over, one that dies is stopped at
+once, and all is written down.
+
+A lease lasts as long as was asked for, from the last time that its holder renewed it: a holder that is frozen loses it.
+A holder is whoever an ACL message says that it is from; the right to move is the token, which only the one who asked
+has, and `renew` and `release` want the lease's id, which nobody else is told.
+"""
+
+import asyncio
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, ClassVar
+
+from agents.platform import Agent, AgentName, Directory, NameNotValid, agree, asker, request
+from agents.platform.talk import hand_over
+from agents.services.audit import Audit, Entry
+from agents.services.gateway_leases import GatewayAway, GatewayLeases
+from agents.services.lease_book import Book, Claim, Grant, Wish, new_id
+from agents.services.lease_keeper import Keeper
+from agents.services.leases import SERVICE, LeaseEvent, Place
+from bus import Refused
+from bus.bus import Closeable
+
+LONGEST_LEASE = 60.0  # s, as the gateways have it
+LONGEST_NOTICE = 5.0  # s
+HIGHEST_PRIORITY = 1000  # and the lowest is its negative
+TIME_TO_APPEAR = 0.5  # s for the token of a holder that has just begun to live
+MOST_ROWS = 500  # of the audit in one answer
+
+
+class Arbiter(Agent):
+    """Property `audit_file`: where to append the record, as lines of JSON."""
+
+    services: ClassVar[tuple[str, ...]] = (SERVICE,)
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        super().__init__(name, properties)
+        self._book = Book()
+        self._gateways = GatewayLeases(self.query)
+        self._held_open: list[Closeable] = []
+
+    async def setup(self) -> None:
+        """Watch holders, gateways and their leases."""
+        loop = self._own_loop = asyncio.get_running_loop()
+        self._audit = Audit(
+            self.publish,
+            loop.time,
+            self.home.wall_time,
+            lambda err: self.home.report(self.name, "the audit is written down no more", err),
+            self.properties.get("audit_file"),
+        )
+        self._keeper = Keeper(self.name, self._book, self._gateways, self._audit, self.send)
+        self._directory = Directory(self.bus, lambda name, lives: hand_over(loop, self._on_life, name, lives))
+        watching = self.bus.watch_alive("*/alive", lambda key, lives: hand_over(loop, self._on_robot, key, lives))
+        self._held_open += [self._audit, self._keeper, self._directory, watching]
+        self.listen("*/lease/state", self._on_state, keep=1000, keyed=True)
+
+    async def take_down(self) -> None:
+        """Leave the leases to their holders: they last until they expire, and another arbiter may take them over."""
+        while self._held_open:
+            self._held_open.pop().close()
+
+    # What is asked of it.
+
+    @request("lease", agrees_itself=True)
+    async def lease(self, element: str, priority: int = 0, seconds: float = 5.0, notice: float = 0.5) -> dict[str, Any]:
+        """Give the one who asks the right to move an element such as `base@happy`, or the whole robot `happy`.
+
+        Args:
+            element: What.
+            priority: Whoever holds it with a lower one is warned, and loses it.
+            seconds: How long it lasts without `renew`.
+            notice: s that the present holder is given.
+        """
+        wish = Wish(Place.parse(element[:200]), asker(), priority, seconds)
+        try:
+            _check("priority", priority, -HIGHEST_PRIORITY, HIGHEST_PRIORITY)
+            _check("seconds", seconds, 0.1, LONGEST_LEASE)
+            _check("notice", notice, 0.0, LONGEST_NOTICE)
+            await self._await_life(wish.holder)
+            grant = await self._give(wish, notice)
+        except GatewayAway as err:
+            raise self._no(wish, str(err)) from err
+        except Refused as err:
+            raise self._no(wish, err.why) from err
+        return {**grant.told(), "token": grant.token}
+
+    @request("renew", agrees_itself=True)
+    async def renew(self, lease: str, seconds: float = 0.0, token: str = "", element: str = "") -> dict[str, Any]:
+        """Let a lease last for as long again, or for so many seconds from now on.
+
+        With token and element a lease goes on that was given by an arbiter that is gone: the gateway knows the token.
+        """
+        _check("seconds", seconds, 0.0, LONGEST_LEASE)
+        grant = self._book.grants.get(lease)
+        if grant is None and token and element:
+            grant = await self._adopt(lease, token, Place.parse(element), seconds or 5.0)
+            return grant.told()
+        grant = self._own(lease)
+        before, grant.seconds = grant.seconds, seconds or grant.seconds
+        try:
+            if not await self._keeper.renew(grant, grant.seconds):
+                raise Refused(f"the gateway of {grant.place.robot} does not know this lease any more; ask anew")
+        except GatewayAway as err:
+            agree()  # no refusal, which would say that the lease has ended
+            raise Refused(f"{err} The lease runs on as it was") from err
+        self._keeper.note_renewal(grant, before)
+        return grant.told()
+
+    @request("release", agrees_itself=True)
+    async def release(self, lease: str) -> dict[str, Any]:
+        """Give a lease back."""
+        grant = self._own(lease)
+        self._keeper.end(grant, Entry.RELEASED)
+        await self._keeper.take_back(grant)
+        return {}
+
+    @request("leases")
+    async def leases(self) -> list[dict[str, Any]]:
+        """Who holds what; neither ids nor tokens."""
+        now = self._own_loop.time()
+        return [
+            {**grant.wish.told(), "expires_in": round(max(0.0, grant.expires_at - now), 3)}
+            for grant in sorted(self._book.grants.values(), key=lambda grant: grant.place)
+        ]
+
+    @request("audit")
+    async def audit(self, last: int = 50) -> list[dict[str, Any]]:
+        """What has happened, oldest first."""
+        return self._audit.last(min(last, MOST_ROWS))
+
+    # Giving.
+
+    async def _give(self, wish: Wish, notice: float) -> Grant:
+        claim = self._book.claim(wish)
+        try:
+            await self._clear(claim, notice)
+            self._make_good(claim)
+            grant = await self._take_lease(wish)
+            for rival in self._book.held_against(wish):
+                self._keeper.end(rival, Entry.PREEMPTED, LeaseEvent.PREEMPTED, by=str(wish.holder))
+            try:
+                self._make_good(claim)  # while the gateway was at it, much may have happened
+            except Refused:
+                await self._keeper.take_back(grant)
+                raise
+        finally:
+            self._book.withdraw(claim)
+        self._keeper.begin(grant, Entry.GRANTED)
+        return grant
+
+    async def _clear(self, claim: Claim, notice: float) -> None:
+        """Warn those who hold what is wanted, and give them time to let go."""
+        wish = claim.wish
+        known = {str(grant.holder) for grant in self._book.held_against(wish)}
+        others = [
+            (holder, priority)
+            for holder, priority in await self._gateways.holders(wish.place)
+            if holder not in known and priority < wish.priority
+        ]
+        for grant in self._book.held_against(wish):
+            self._keeper.warn(grant, notice, str(wish.holder))
+        for holder, _ in others:  # from another arbiter, or from before this one began
+            with suppress(NameNotValid):
+                name = AgentName.parse(holder)
+                self._keeper.inform(name, "", wish.place, LeaseEvent.PREEMPTED, notice, str(wish.holder))
+        with suppress(TimeoutError):
+            async with asyncio.timeout(notice):
+                while (others or self._book.held_against(wish)) and not claim.outbid_by:
+                    await claim.stirred.wait()
+                    claim.stirred.clear()
+
+    def _make_good(self, claim: Claim) -> None:
+        """Refuse a claim that has been outbid, or whose holder is gone."""
+        if claim.outbid_by:
+            raise Refused(f"{claim.outbid_by} asks for it with a higher priority")
+        if not self._directory.knows(claim.wish.holder):
+            raise Refused(f"{claim.wish.holder} has gone")
+
+    async def _take_lease(self, wish: Wish) -> Grant:
+        """Take it from the gateway; a holder that loses patience meanwhile leaves nothing leased."""
+        asked_at = self._own_loop.time()
+        taking = asyncio.ensure_future(self._gateways.take(wish.place, str(wish.holder), wish.priority, wish.seconds))
+        try:
+            token = await asyncio.shield(taking)
+        except asyncio.CancelledError:
+            self._keeper.work(self._undo(wish, taking))
+            raise
+        return Grant(new_id(), wish, token, wish.seconds, asked_at + wish.seconds)
+
+    async def _undo(self, wish: Wish, taking: asyncio.Future[str]) -> None:
+        with suppress(Refused, GatewayAway):
+            await self._keeper.take_back(Grant("", wish, await taking, 0.0, self._own_loop.time() + wish.seconds))
+
+    async def _adopt(self, lease: str, token: str, place: Place, seconds: float) -> Grant:
+        asked_at = self._own_loop.time()
+        try:
+            holder, priority = await self._gateways.renew(place, token, seconds)
+        except GatewayAway as err:
+            raise Refused(str(err)) from err
+        if holder != str(asker()):
+            raise Refused(f"this token is {holder}'s, not yours")
+        if lease not in self._book.grants:
+            grant = Grant(lease[:64], Wish(place, asker(), priority, seconds), token, seconds, asked_at + seconds)
+            self._keeper.begin(grant, Entry.ADOPTED)
+        return self._book.grants[lease]
+
+    async def _await_life(self, holder: AgentName) -> None:
+        """Refuse a holder that nobody would notice dying: one that does not live, or lies about its name."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(TIME_TO_APPEAR):
+                while not self._directory.knows(holder):
+                    await asyncio.sleep(TIME_TO_APPEAR / 10)
+        if not self._directory.knows(holder):
+            raise Refused(
+                f"no agent {holder} lives, as far as one sees here; ask when you are active, in your own name"
+            )
+
+    def _own(self, lease: str) -> Grant:
+        """The lease of this id, of the one who asks."""
+        grant = self._book.grants.get(lease)
+        if grant is None or grant.holder != asker():
+            raise Refused("you hold no lease of this id; it has ended, or was never yours")
+        return grant
+
+    def _no(self, wish: Wish, why: str) -> Refused:
+        self._audit.note(Entry.REFUSED, str(wish.holder), str(wish.place), wish.priority, why=why)
+        return Refused(why)
+
+    # What it sees.
+
+    def _on_life(self, name: AgentName, lives: bool) -> None:
+        """An agent has come or gone."""
+        if not lives:
+            self._keeper.bury(name)
+
+    def _on_robot(self, key: str, lives: bool) -> None:
+        """A gateway has come, perhaps for the second time, and has forgotten its leases then."""
+        if lives:
+            self._keeper.doubt(key.partition("/")[0], {})
+
+    async def _on_state(self, key: str, state: dict[str, Any]) -> None:
+        """A gateway says who holds what."""
+        self._keeper.doubt(key.partition("/")[0], state)
+
+
+def _check(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise Refused(f"{name} {value:g} is not within {low:g} and {high:g}")

@@ -1,0 +1,71 @@
+"""The gateways' own leases, which arbiters ask for: `<robot>/lease` on the bus. The gateway has the last word."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from agents.services.leases import ROBOT, Place
+from bus import NoAnswer, Refused, keys
+
+ANSWER_TIME = 1.0  # s
+
+Query = Callable[[str, Mapping[str, Any], float], Awaitable[dict[str, Any]]]
+
+
+class GatewayAway(Exception):
+    """A robot's gateway does not answer; what it was asked for may have been done."""
+
+
+class GatewayLeases:
+    """Asks gateways; all that they refuse is a `Refused` with their reason."""
+
+    def __init__(self, query: Query) -> None:
+        """Ask by this function, which takes key, arguments and s to wait."""
+        self._query = query
+
+    async def take(self, place: Place, holder: str, priority: int, seconds: float) -> str:
+        """Take a lease in a holder's name; return its token.
+
+        Raises:
+            Refused, GatewayAway: Not so.
+        """
+        wanted = {"do": "take", "holder": holder, "priority": priority, "seconds": seconds}
+        if not place.is_whole:
+            wanted["element"] = place.element
+        answer = await self._ask(place.robot, wanted)
+        token = answer.get("token")
+        if not isinstance(token, str):
+            raise Refused(f"the gateway of {place.robot} gives no token; is it of this version?")
+        return token
+
+    async def renew(self, place: Place, token: str, seconds: float) -> tuple[str, int]:
+        """Let a lease last so long from now; return its holder and priority.
+
+        Raises:
+            Refused, GatewayAway: Not so.
+        """
+        state = await self._ask(place.robot, {"do": "renew", "token": token, "seconds": seconds})
+        if state.get("element", ROBOT) != place.element:
+            raise Refused(f"this token is of a lease on another element than {place}")
+        return str(state["holder"]), int(state["priority"])
+
+    async def release(self, robot: str, token: str) -> None:
+        """End a lease.
+
+        Raises:
+            Refused, GatewayAway: Not so.
+        """
+        await self._ask(robot, {"do": "release", "token": token})
+
+    async def holders(self, place: Place) -> list[tuple[str, int]]:
+        """Who holds a place, or a part of it, and with what priority.
+
+        Raises:
+            GatewayAway: Nobody knows.
+        """
+        return place.holders(await self._ask(place.robot, {"do": "show"}))
+
+    async def _ask(self, robot: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        try:
+            return await self._query(keys.LEASE.key(robot), arguments, ANSWER_TIME)
+        except (NoAnswer, TimeoutError) as err:
+            raise GatewayAway(f"the gateway of {robot} does not answer; is the robot there?") from err

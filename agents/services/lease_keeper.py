@@ -1,0 +1,150 @@
+"""From the moment that a lease is given to its end: renewed, expired, lost, taken back. Its holder is told."""
+
+import asyncio
+from collections.abc import Callable, Coroutine, Mapping
+from contextlib import suppress
+from typing import Any
+
+from agents.platform import AclMessage, AgentName, Performative
+from agents.services.audit import Audit, Entry
+from agents.services.gateway_leases import GatewayAway, GatewayLeases
+from agents.services.lease_book import Book, Grant
+from agents.services.leases import ONTOLOGY, LeaseEvent, Place
+from bus import Refused
+from bus.bus import Closeable
+
+TRY_AGAIN = 0.2  # s
+
+
+class Keeper(Closeable):
+    """Keeps an arbiter's book true to what the gateways know."""
+
+    def __init__(
+        self, me: AgentName, book: Book, gateways: GatewayLeases, audit: Audit, send: Callable[[AclMessage], None]
+    ) -> None:
+        """Make one in a running event loop.
+
+        Args:
+            me: The arbiter.
+            book: What it has given.
+            gateways: Who has the last word.
+            audit: Where every change is written down.
+            send: Sends what holders are told.
+        """
+        self._me = me
+        self._book = book
+        self._gateways = gateways
+        self._audit = audit
+        self._send = send
+        self._loop = asyncio.get_running_loop()
+        self._at_work: set[asyncio.Task[None]] = set()
+
+    def begin(self, grant: Grant, how: Entry) -> None:
+        """Keep a lease that the gateway has given."""
+        self._book.grants[grant.id] = grant
+        self._note(how, grant, seconds=grant.seconds)
+        self._wind(grant)
+
+    def end(self, grant: Grant, how: Entry, event: LeaseEvent | None = None, by: str = "") -> None:
+        """Forget a lease, write down why, and tell its holder of an event."""
+        if self._book.grants.pop(grant.id, None) is None:
+            return  # it has ended already, for another reason
+        if grant.timer is not None:
+            grant.timer.cancel()
+        self._book.stir()
+        self._note(how, grant, **({"by": by} if by else {}))
+        if event is not None:
+            self.inform(grant.holder, grant.id, grant.place, event, 0.0, by)
+
+    def warn(self, grant: Grant, within: float, by: str) -> None:
+        """Tell its holder that somebody is about to take over."""
+        self._note(Entry.WARNED, grant, by=by, within=within)
+        self.inform(grant.holder, grant.id, grant.place, LeaseEvent.PREEMPTED, within, by)
+
+    async def renew(self, grant: Grant, seconds: float) -> bool:
+        """Let it last so long from now; false when the gateway does not know it any more.
+
+        Raises:
+            GatewayAway: Nobody knows; it lasts as long as it did.
+        """
+        asked_at = self._loop.time()
+        try:
+            await self._gateways.renew(grant.place, grant.token, seconds)
+        except Refused as err:
+            self.end(grant, Entry.LOST, LeaseEvent.LOST, by=err.why)
+            return False
+        grant.expires_at = asked_at + seconds
+        if grant.id in self._book.grants:
+            self._wind(grant)
+        return True
+
+    def note_renewal(self, grant: Grant, seconds_before: float) -> None:
+        """Write a renewal down if it is the first, or for another while."""
+        if not grant.is_renewed or grant.seconds != seconds_before:
+            grant.is_renewed = True
+            self._note(Entry.RENEWED, grant, seconds=grant.seconds)
+
+    async def take_back(self, grant: Grant) -> None:
+        """Have the gateway end a lease, and stop what it was on; once it is out of reach, its own clock does."""
+        while self._loop.time() < grant.expires_at:
+            try:
+                with suppress(Refused):  # it knows it no more
+                    await self._gateways.release(grant.place.robot, grant.token)
+                return
+            except GatewayAway:
+                await asyncio.sleep(TRY_AGAIN)
+
+    def bury(self, holder: AgentName) -> None:
+        """A holder has died: whatever it was moving stops."""
+        for grant in [grant for grant in self._book.grants.values() if grant.holder == holder]:
+            self.work(self.take_back(grant))
+            self.end(grant, Entry.DIED)
+
+    def doubt(self, robot: str, state: Mapping[str, Any]) -> None:
+        """Make sure of the leases on a robot that its state does not show; it may be older than they are."""
+        for grant in list(self._book.grants.values()):
+            is_shown = (str(grant.holder), grant.priority) in grant.place.holders(state)
+            if grant.place.robot == robot and not is_shown and not self._book.is_claimed(grant.place):
+                self.work(self._make_sure(grant))
+
+    def inform(self, holder: AgentName, lease: str, place: Place, event: LeaseEvent, within: float, by: str) -> None:
+        """Tell a holder what becomes of its lease; without an id when another arbiter has given it."""
+        self._send(
+            AclMessage(
+                performative=Performative.INFORM,
+                sender=self._me,
+                receivers=(holder,),
+                content={"lease": lease, "element": str(place), "event": str(event), "within": within, "by": by},
+                ontology=ONTOLOGY,
+                conversation_id=lease,
+            )
+        )
+
+    def work(self, work: Coroutine[Any, Any, None]) -> None:
+        """Do something that nobody waits for."""
+        task = asyncio.ensure_future(work)
+        self._at_work.add(task)
+        task.add_done_callback(self._at_work.discard)
+
+    def close(self) -> None:
+        """Leave the leases to their holders."""
+        for task in self._at_work:
+            task.cancel()
+        for grant in self._book.grants.values():
+            if grant.timer is not None:
+                grant.timer.cancel()
+
+    def _wind(self, grant: Grant) -> None:
+        """Let the lease expire in its time; at the gateway it does a moment later by itself."""
+        if grant.timer is not None:
+            grant.timer.cancel()
+        grant.timer = self._loop.call_at(grant.expires_at, self.end, grant, Entry.EXPIRED, LeaseEvent.EXPIRED)
+
+    async def _make_sure(self, grant: Grant) -> None:
+        left = grant.expires_at - self._loop.time()
+        with suppress(GatewayAway):
+            if left > 0.0:
+                await self.renew(grant, left)
+
+    def _note(self, event: Entry, grant: Grant, **more: Any) -> None:
+        self._audit.note(event, str(grant.holder), str(grant.place), grant.priority, **more)

@@ -1,0 +1,103 @@
+"""What arbiter and holders of leases say to each other about what is leased, and how a lease ends.
+
+An arbiter informs a holder in the ontology `acromovi-lease`, in the conversation of the lease's id, with the content
+`{"lease", "element", "event", "within", "by"}`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Self
+
+from agents.platform import AgentError, AgentName, NameNotValid
+from bus import KeyNotValid, Refused
+from bus.keys import robot_name
+
+ONTOLOGY = "acromovi-lease"
+SERVICE = "arbitration"
+ROBOT = "robot"
+"""What the gateway calls the lease on a whole robot."""
+
+
+class LeaseLost(AgentError):
+    """A lease has ended that somebody relied on; the message says how."""
+
+
+class LeaseEvent(StrEnum):
+    """What an arbiter tells a holder."""
+
+    PREEMPTED = "preempted"  # somebody of higher priority has the lease in `within` s
+    EXPIRED = "expired"  # nobody has renewed it in time
+    LOST = "lost"  # the gateway does not know it any more
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseNews:
+    """What has become of a lease.
+
+    within: s until it has. by: who takes it, or the arbiter's reason, for people.
+    """
+
+    event: LeaseEvent
+    within: float = 0.0
+    by: str = ""
+
+    @classmethod
+    def from_content(cls, content: Any) -> Self | None:
+        """Read what an arbiter has said; None for what is no news."""
+        match content:
+            case {"event": str(event), "within": int() | float() as within, "by": str(by)} if event in list(LeaseEvent):
+                return cls(LeaseEvent(event), float(within), by)
+        return None
+
+    def __str__(self) -> str:
+        return f"{self.event} by {self.by}" if self.by else str(self.event)
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """What a lease is on: an element of a robot, or the robot as a whole.
+
+    element: its name, or `ROBOT`.
+    """
+
+    robot: str
+    element: str
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read `base@happy`, or `happy` for the whole robot.
+
+        Raises:
+            Refused: It is neither.
+        """
+        try:
+            if "@" not in text:
+                return cls(robot_name(text), ROBOT)
+            name = AgentName.parse(text)
+        except (NameNotValid, KeyNotValid) as err:
+            raise Refused(f"a lease is on an element such as base@happy, or on a robot: {err}") from err
+        return cls(name.platform, name.local)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is a whole robot."""
+        return self.element == ROBOT
+
+    def conflicts_with(self, other: "Place") -> bool:
+        """Whether both cannot be leased at a time."""
+        return self.robot == other.robot and (self.element == other.element or self.is_whole or other.is_whole)
+
+    def holders(self, state: Mapping[str, Any]) -> list[tuple[str, int]]:
+        """Who holds this place, or a part of it, and with what priority, by the gateway's `lease/state`."""
+        elements = state.get("elements")
+        rows = dict(elements) if isinstance(elements, Mapping) else {}
+        wanted = [state, *rows.values()] if self.is_whole else [state, rows.get(self.element)]
+        return [
+            (row["holder"], row["priority"])
+            for row in wanted
+            if isinstance(row, Mapping) and isinstance(row.get("holder"), str) and isinstance(row.get("priority"), int)
+        ]
+
+    def __str__(self) -> str:
+        return self.robot if self.is_whole else f"{self.element}@{self.robot}"

@@ -1,0 +1,156 @@
+"""A lease in its holder's hands, in virtual time."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterator
+
+import pytest
+
+from agents.platform import Agent, RequestNotDone
+from agents.platform.virtual_time import VirtualTimeLoop
+from agents.services.arbiter import Arbiter
+from agents.services.lease_client import HeldLease, leased
+from agents.services.leases import LeaseEvent, LeaseLost, LeaseNews
+from tests.agents.services.lease_world import ARBITER, LeaseWorld
+
+
+@pytest.fixture
+def world() -> Iterator[LeaseWorld]:
+    loop = VirtualTimeLoop()
+    world = LeaseWorld(loop)
+    yield world
+    world.close()
+    loop.close()
+
+
+@pytest.fixture
+def app(world: LeaseWorld) -> Agent:
+    world.arbiter()
+    return world.holder("app")
+
+
+def holding(
+    world: LeaseWorld, app: Agent, use: Callable[[HeldLease], Awaitable[object]], priority: int = 0
+) -> list[LeaseNews]:
+    """Hold the base during `use`; what was told meanwhile."""
+    told: list[LeaseNews] = []
+
+    async def block() -> None:
+        async with leased(app, "base@happy", priority=priority, on_news=told.append) as lease:
+            await use(lease)
+
+    world.do(block())
+    return told
+
+
+def test_lease_is_renewed_during_the_block_and_given_back_after_it(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        await asyncio.sleep(20.0)
+        assert lease.is_held
+        lease.check()
+        assert world.gateway.moves("base", lease.token)
+        assert not world.gateway.moves("base", "")
+
+    assert holding(world, app, use) == []
+    assert world.gateway.moves("base", "")
+    assert world.events(app) == ["granted", "renewed", "released"]
+    assert app.behaviours == []
+
+
+def test_holder_is_warned_of_a_higher_priority_and_then_told_that_it_is_over(world: LeaseWorld, app: Agent) -> None:
+    chief = world.holder("chief")
+
+    async def use(lease: HeldLease) -> None:
+        asking = asyncio.ensure_future(chief.request(ARBITER, "lease", element="base@happy", priority=1, notice=0.5))
+        await asyncio.sleep(0.2)
+        assert lease.is_held
+        assert lease.news == LeaseNews(LeaseEvent.PREEMPTED, 0.5, "chief@lab")
+        await asyncio.wait_for(lease.ended.wait(), 0.4)
+        with pytest.raises(LeaseLost, match="base@happy has ended: preempted by chief@lab"):
+            lease.check()
+        assert (await asking).is_done
+
+    told = holding(world, app, use)
+    assert [each.within for each in told] == [0.5, 0.0]
+    assert world.ask(app, "leases").value()[0]["holder"] == "chief@lab"
+
+
+def test_suspended_holder_does_not_renew_and_loses_the_lease(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        app.suspend()
+        await asyncio.sleep(4.0)
+        assert not lease.is_held
+        assert world.gateway.moves("base", "")
+        app.resume()
+        await asyncio.sleep(0.1)
+        assert lease.ended.is_set()
+
+    assert [each.event for each in holding(world, app, use)] == [LeaseEvent.EXPIRED]
+
+
+def test_arbiter_that_is_restarted_takes_the_lease_over_and_nobody_stops(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        await asyncio.sleep(1.5)
+        world.kill_named(ARBITER)
+        await asyncio.sleep(0.6)
+        await world.begin(Arbiter(ARBITER))
+        stops = len(world.gateway.stopped)
+        await asyncio.sleep(20.0)
+        assert lease.is_held
+        assert world.gateway.moves("base", lease.token)
+        assert len(world.gateway.stopped) == stops
+
+    assert holding(world, app, use) == []
+    assert world.gateway.moves("base", "")
+    assert world.events(app) == ["adopted", "renewed", "released"]
+
+
+def test_lease_ends_when_its_arbiter_does_not_come_back(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        world.kill_named(ARBITER)
+        await asyncio.wait_for(lease.ended.wait(), 5.0)
+        assert world.gateway.moves("base", "")
+
+    assert [each.event for each in holding(world, app, use)] == [LeaseEvent.EXPIRED]
+
+
+def test_lease_is_given_back_to_the_gateway_when_no_arbiter_is_there(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        world.kill_named(ARBITER)
+
+    holding(world, app, use)
+    assert world.gateway.moves("base", "")
+
+
+def test_end_of_the_agent_gives_the_lease_back(world: LeaseWorld, app: Agent) -> None:
+    async def hold() -> None:
+        async with leased(app, "base@happy"):
+            await asyncio.sleep(3600.0)
+
+    async def begin_and_end() -> None:
+        app.add(hold)
+        await asyncio.sleep(1.0)
+        assert not world.gateway.moves("base", "")
+        app.delete()
+        await asyncio.sleep(0.1)
+
+    world.do(begin_and_end())
+    assert world.gateway.moves("base", "")
+
+
+def test_what_is_held_already_is_not_given(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        with pytest.raises(RequestNotDone, match="refused: app@lab holds base@happy"):
+            async with leased(app, "base@happy"):
+                pass
+
+    holding(world, app, use)
+
+
+def test_without_an_arbiter_one_is_told_what_to_start(world: LeaseWorld) -> None:
+    app = world.holder("app")
+
+    async def use(lease: HeldLease) -> None:
+        raise AssertionError("nobody gave it")
+
+    with pytest.raises(RequestNotDone, match="start an arbiter"):
+        holding(world, app, use)
