@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from agents.components.component import NS_PER_S, Component, failure, known
+from agents.components.component import NS_PER_S, Component, failure
 from agents.platform import AgentName, request
 from agents.platform.talk import hand_over
 from bus import BusError, MessageError, Publisher, Refused, Sample, keys
@@ -121,13 +121,13 @@ class Camera(Component):
                 f"subscribe to {keys.CAMERA.key(self.robot)} instead ({err})"
             ) from err
 
-    def _rate(self) -> float | None:
-        """Hz; None before the second frame."""
+    def _rate(self) -> float:
+        """Hz; zero before the second frame."""
         times = list(self._times)
         recent = [at for at in times if times[-1] - at <= RATE_TIME]
         if len(recent) < 2 or recent[-1] == recent[0]:
-            return None
-        return known((len(recent) - 1) / (recent[-1] - recent[0]), 1)
+            return 0.0
+        return round((len(recent) - 1) / (recent[-1] - recent[0]), 1)
 
     # On the bus's thread.
 

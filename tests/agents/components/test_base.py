@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from agents.platform import Agent, AgentName, Container, Ending
+from agents.platform.fipa_request import Request
 from bus import messages
 from tests.agents.components.conftest import Lab
 
@@ -261,6 +262,20 @@ class TestOneAtATime:
         asking.cancel()
         lab.run(0.1)
         assert lab.value("base", "move", distance=0.1)
+
+    @pytest.mark.parametrize(("name", "arguments"), MOTIONS)
+    @pytest.mark.parametrize("after", [0.0, 1.5])
+    def test_a_request_that_is_cancelled_stops_the_robot(
+        self, lab: Lab, name: str, arguments: dict[str, Any], after: float
+    ) -> None:
+        async def begin() -> Request:
+            return lab.app.begin_request("base@happy", name, **arguments)
+
+        moving = lab.do(begin())
+        lab.run(after)
+        assert lab.do(moving.cancel()).ending is Ending.CANCELLED
+        assert stands_within(lab, 3.0)
+        lab.value("base", "move", distance=0.1)
 
     @pytest.mark.parametrize(("name", "arguments"), MOTIONS)
     def test_an_agent_that_ends_leaves_no_robot_rolling(self, lab: Lab, name: str, arguments: dict[str, Any]) -> None:
