@@ -62,11 +62,16 @@ class Application(Agent):
         """Begin."""
         self._stage = Stage(self, asyncio.get_running_loop())
         self._horizon = await look(self._stage)
+        self._program = await self.load()
         self._team = Team.of(self._stage, self._horizon)
         for function in self._program.functions:
             for mark in marks(function):
                 mark.begin(self, self._threaded(function))
         self.add(OneShot(self._main, "main"), Restart() if self._program.begins_again else FAIL_AGENT)
+
+    async def load(self) -> Program:
+        """The program; for kinds of applications that have not loaded it when they are made."""
+        return self._program
 
     def suspend(self) -> None:
         """Rest; the program waits at its next call."""

@@ -8,7 +8,7 @@ from agents.face.driving import Driving
 from agents.face.element import Element, R
 from agents.face.errors import RobotError, TimedOut
 from agents.face.holding import Lease
-from agents.face.readings import ArmReading, BaseReading, OtherReading, PtzReading
+from agents.face.readings import ArmReading, BaseReading, GripperReading, PtzReading
 from agents.face.stage import Stage
 from agents.platform import AgentName
 from bus import keys
@@ -73,6 +73,9 @@ class Mover(Element[R], Generic[R]):
         self._stage.moving.pop(self, None)
         return result
 
+    def _done(self, request: str, /, **arguments: Any) -> R:
+        return self._read(self._move(request, **arguments))
+
     def _stop_at_once(self) -> None:
         self._stage.last(self._halt())
         self._stage.moving.pop(self, None)
@@ -131,7 +134,7 @@ class Base(Mover[BaseReading]):
 
     def enable(self, on: bool = True) -> None:
         """Switch the motors."""
-        self.ask("enable", on=on)
+        self._move("enable", on=on)
 
     def estop(self, on: bool = True) -> None:
         """Stop at once, and let nothing move until `estop(False)` and `enable()`."""
@@ -139,7 +142,7 @@ class Base(Mover[BaseReading]):
 
     def _go(self, request: str, /, **arguments: Any) -> Pose2D:
         self._stage.call(self._driving.end())
-        return self._read(self._move(request, **arguments)).pose
+        return self._done(request, **arguments).pose
 
     async def _halt(self) -> None:
         await self._driving.end()
@@ -149,69 +152,70 @@ class Base(Mover[BaseReading]):
         self._driving.has_stopped()
 
 
-class Gripper(Mover[OtherReading]):
-    """Two paddles on a lift. Each motion returns when it has ended."""
+class Gripper(Mover[GripperReading]):
+    """Two paddles on a lift. Each motion returns how things stand when it has ended."""
 
-    def open(self) -> None:
+    reading = GripperReading
+
+    def open(self) -> GripperReading:
         """Open the paddles."""
-        self._move("open")
+        return self._done("open")
 
-    def close(self) -> None:
-        """Close the paddles, until they hold something or meet."""
-        self._move("close")
+    def close(self) -> GripperReading:
+        """Close the paddles, until they hold something or meet; `holds` of the result tells which."""
+        return self._done("close")
 
-    def up(self) -> None:
-        """Lift."""
-        self._move("up")
+    def up(self) -> GripperReading:
+        """Raise the lift."""
+        return self._done("up")
 
-    def down(self) -> None:
-        """Lower."""
-        self._move("down")
+    def down(self) -> GripperReading:
+        """Lower the lift."""
+        return self._done("down")
 
-    def store(self) -> None:
-        """Close and lift, for driving."""
-        self._move("store")
+    def store(self) -> GripperReading:
+        """Close and raise, for driving."""
+        return self._done("store")
 
-    def deploy(self) -> None:
-        """Lower and open, for gripping."""
-        self._move("deploy")
+    def deploy(self) -> GripperReading:
+        """Open and lower, for gripping."""
+        return self._done("deploy")
 
 
 class Arm(Mover[ArmReading]):
-    """An arm. Each motion returns when it has ended."""
+    """An arm. Each motion returns where it is when it has ended."""
 
     reading = ArmReading
 
     def move(self, joints: Mapping[str, float], speed: float | None = None) -> ArmReading:
-        """Move joints, by name, to angles, rad, at rad/s."""
-        self._move("move", joints=dict(joints), **_given(speed=speed))
-        return self.read()
+        """Move joints, by name, to angles, rad, at rad/s: `arm.move({"1": 0.5})`."""
+        return self._done("move", joints=dict(joints), **_given(speed=speed))
 
-    def home(self) -> None:
-        """Move to the pose where it finds its zeros."""
-        self._move("home")
+    def home(self) -> ArmReading:
+        """Send every joint home."""
+        return self._done("home")
 
-    def park(self) -> None:
-        """Move to the pose for driving, and rest."""
-        self._move("park")
+    def park(self) -> ArmReading:
+        """Send every joint home, and let it rest there without power."""
+        return self._done("park")
 
-    def power(self, on: bool = True) -> None:
+    def power(self, on: bool = True) -> ArmReading:
         """Switch its motors."""
-        self._move("power", on=on)
+        return self._done("power", on=on)
 
 
-class Ptz(Element[PtzReading]):
-    """A head that points the camera."""
+class Ptz(Mover[PtzReading]):
+    """A head that points the camera. Each motion returns where it looks when it has ended."""
 
     reading = PtzReading
 
-    def look(self, pan: float | None = None, tilt: float | None = None, zoom: float | None = None) -> None:
+    def look(self, pan: float | None = None, tilt: float | None = None, zoom: float | None = None) -> PtzReading:
         """Point it, rad to the left and rad up, and zoom; what is left out stays as it is."""
-        self.ask("look", **_given(pan=pan, tilt=tilt, zoom=zoom))
+        return self._done("look", **_given(pan=pan, tilt=tilt, zoom=zoom))
 
-    def centre(self) -> None:
-        """Look straight ahead, at the widest."""
-        self.ask("centre")
+    def centre(self) -> PtzReading:
+        """Look straight ahead."""
+        return self._done("centre")
 
 
 def _given(**arguments: float | None) -> dict[str, Any]:

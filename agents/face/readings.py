@@ -33,14 +33,8 @@ def _angle(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
-def _any(value: Any) -> bool:
-    return any(value) if isinstance(value, list) else bool(value)
-
-
 # How a field is read that is not taken as it is.
-METRES, RING, ROW, MAYBE, ANGLE, TUPLE, ANY = (
-    {"reader": each} for each in (_metres, _ring, _row, _maybe, _angle, tuple, _any)
-)
+METRES, RING, ROW, MAYBE, ANGLE, TUPLE = ({"reader": each} for each in (_metres, _ring, _row, _maybe, _angle, tuple))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,6 +139,24 @@ class IoReading(Reading):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class GripperReading(Reading):
+    """What the gripper does and feels.
+
+    paddles: `open`, `closed`, `moving` or `between`. lift: `up`, `down`, `moving` or `between`.
+    outer_beam, inner_beam: something stands between the paddles. left_contact, right_contact: something presses on one.
+    holds: there is something in its grip.
+    """
+
+    paddles: str
+    lift: str
+    outer_beam: bool
+    inner_beam: bool
+    left_contact: bool
+    right_contact: bool
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PtzReading(Reading):
     """Where the camera looks. pan: to the left. tilt: up. zoom: magnification, 1 at the widest."""
 
@@ -161,7 +173,7 @@ class ArmReading(Reading):
     joints: dict[str, float]
     powered: bool
     homed: bool
-    moving: bool = field(metadata=ANY)
+    moving: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,96 @@
+"""A team of emulated robots, brought up by `acromovi up` on a bus of its own, where no other test's robots are seen."""
+
+import json
+import os
+import secrets
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import configs
+
+ROOT = Path(__file__).resolve().parents[1]
+LIMIT = 40.0  # s for anything that is waited for
+
+SCRIPT = """
+import runpy, sys
+from agents import Team
+
+Team.__init__.__defaults__ = (sys.argv[1],)
+sys.argv = sys.argv[2:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+
+
+@dataclass(frozen=True)
+class LiveTeam:
+    """Where programs are run that see the team. folder: where they lie. bus: the profile of its bus."""
+
+    folder: Path
+    bus: Path
+
+    def command(self, words: Sequence[str]) -> list[str]:
+        """A command line as people type it, for this team's bus: `acromovi ...` or `python FILE ...`."""
+        program, *rest = words
+        if program == "acromovi":
+            return [sys.executable, "-m", "acromovi", *rest, "--bus", str(self.bus)]
+        assert program == "python"
+        return [sys.executable, "-c", SCRIPT, str(self.bus), *rest]
+
+    def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
+        """Run it to its end."""
+        return subprocess.run(
+            self.command(words), cwd=self.folder, env=environment(), capture_output=True, text=True, timeout=LIMIT
+        )
+
+    @contextmanager
+    def running(self, *words: str) -> "Iterator[subprocess.Popen[str]]":
+        """Run it during a block, and end it with Ctrl-C."""
+        process = subprocess.Popen(
+            self.command(words),
+            cwd=self.folder,
+            env=environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+            try:
+                process.communicate(timeout=LIMIT)
+            finally:
+                process.kill()
+
+
+def own_bus(folder: Path) -> LiveTeam:
+    """A bus on which nobody is yet."""
+    profile = Path(configs.__file__).parent / "bus" / "local.toml"
+    meeting_place = f'[scouting.multicast]\naddress = "224.0.0.224:{20000 + secrets.randbelow(40000)}"\n'
+    own = folder / "bus.toml"
+    own.write_text(profile.read_text().replace("[scouting.multicast]\n", meeting_place))
+    return LiveTeam(folder, own)
+
+
+@contextmanager
+def live_team(folder: Path, team: str) -> Iterator[LiveTeam]:
+    """Bring a team up from the text of its file."""
+    (folder / "team.toml").write_text(team)
+    live = own_bus(folder)
+    with live.running("acromovi", "up", "team.toml", "--json", "--quiet") as up:
+        assert up.stdout is not None
+        line = up.stdout.readline()
+        assert line, up.communicate()[1]
+        assert json.loads(line)["robots"]
+        yield live
+
+
+def environment() -> dict[str, str]:
+    """Where programs find Acromovi although they run elsewhere."""
+    return {**os.environ, "PYTHONPATH": str(ROOT)}
