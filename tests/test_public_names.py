@@ -16,8 +16,13 @@ PACKAGES = sorted(
 def names_bound(package: str) -> set[str]:
     """Public names that the package's `__init__` imports or defines."""
     bound: set[str] = set()
-    for node in ast.parse((ROOT / Path(*package.split(".")) / "__init__.py").read_text(encoding="utf-8")).body:
-        match node:
+    body = ast.parse((ROOT / Path(*package.split(".")) / "__init__.py").read_text(encoding="utf-8")).body
+    while body:
+        match body.pop():
+            case ast.If(test=ast.Name(id="TYPE_CHECKING"), body=names_for_editors):
+                body += names_for_editors  # what is loaded when it is asked for
+            case ast.ImportFrom(module="typing"):
+                pass
             case ast.Import(names=names) | ast.ImportFrom(names=names):
                 bound |= {alias.asname or alias.name for alias in names}
             case ast.FunctionDef(name=name) | ast.ClassDef(name=name):

@@ -44,11 +44,14 @@ class Driving:
 
     async def end(self) -> None:
         """Drive no more; the robot comes to rest."""
-        if self._task is not None:
-            self._task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await self._task
-            self._task = None
+        task, self._task = self._task, None
+        if task is None:
+            return
+        task.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await task
+        halt = messages.twist(0.0, 0.0)  # the stream may not have begun, and the robot drives as it was asked to
+        self._stage.agent.bus.send(keys.CMD_VEL.key(self._robot), halt, self._token.encode())
 
     def has_stopped(self) -> None:
         """The robot has been told to stop, and will obey no stream until that has been silent for a while."""
@@ -70,12 +73,10 @@ class Driving:
 
     async def _stream(self) -> None:
         with self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name) as wheels:
-            try:
-                while self._stage.is_attended:
-                    self._say(wheels, *self._velocity)
-                    await asyncio.sleep(PERIOD)
-            finally:
-                self._say(wheels, 0.0, 0.0)
+            while self._stage.is_attended:
+                self._say(wheels, *self._velocity)
+                await asyncio.sleep(PERIOD)
+            self._say(wheels, 0.0, 0.0)
 
     def _say(self, wheels: Publisher, linear: float, angular: float) -> None:
         wheels.put(messages.twist(linear, angular), self._token.encode())

@@ -121,7 +121,11 @@ class Base(Mover[BaseReading]):
         """
         if seconds is None:
             self._stage.moving[self] = self._halt
-            self._stage.call(self._driving.go(linear, angular, self._token))
+            try:
+                self._stage.call(self._driving.go(linear, angular, self._token))
+            except RobotError:
+                self._stage.moving.pop(self, None)  # it is at rest, or moved by somebody else
+                raise
         else:
             self._go("drive", linear=linear, angular=angular, seconds=seconds)
 

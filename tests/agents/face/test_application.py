@@ -175,7 +175,7 @@ def test_an_application_that_is_stopped_ends_its_loop_and_its_drive(tmp_path: Pa
     world.run(world.container.stop(agent.name))
     assert agent._program.module.ended
     assert "stop" in wheels.asked
-    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+    wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
     assert not world.reports
 
 

@@ -184,12 +184,12 @@ def test_driving_goes_on_until_it_is_stopped(world: World, team: Team) -> None:
     base = team.robot("happy").base
     base.drive(0.2, 0.1)
     team.sleep(0.5)
-    assert wheels.velocities[:3] == [(0.2, 0.1)] * 3
+    wait_until(lambda: wheels.velocities[:3] == [(0.2, 0.1)] * 3)
     base.drive(0.1)
     wait_until(lambda: (0.1, 0.0) in wheels.velocities)
     base.stop()
     assert "stop" in wheels.asked
-    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+    wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
 
 
 def test_driving_that_is_refused_says_why(world: World, team: Team) -> None:
@@ -199,7 +199,19 @@ def test_driving_that_is_refused_says_why(world: World, team: Team) -> None:
     wheels.token = "another's"
     with pytest.raises(Refused, match="happy refuses to drive: somebody else holds the lease"):
         base.drive(0.2)
-    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+    wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
+
+
+def test_who_was_refused_does_not_stop_what_another_drives(world: World) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    wheels.token = "another's"
+    with world.team() as team:
+        with pytest.raises(Refused):
+            team.robot("happy").base.drive(0.2)
+        with pytest.raises(Refused):
+            team.robot("happy").base.move(101.0)
+    assert "stop" not in wheels.asked
+    assert not wheels.velocities
 
 
 def test_driving_ends_when_the_program_makes_no_call_any_more(
@@ -208,7 +220,7 @@ def test_driving_ends_when_the_program_makes_no_call_any_more(
     monkeypatch.setattr("agents.face.stage.ATTENTION", 0.2)
     wheels: BasePart = world.agent("base@happy")
     team.robot("happy").base.drive(0.2)
-    wait_until(lambda: wheels.velocities and wheels.velocities[-1] == (0.0, 0.0))
+    wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
 
 
 def test_the_end_of_the_block_stops_what_drives(world: World) -> None:
@@ -217,7 +229,7 @@ def test_the_end_of_the_block_stops_what_drives(world: World) -> None:
         team.robot("happy").base.drive(0.2)
         team.robot("grumpy").base.move(1.0)
     assert "stop" in wheels.asked
-    wait_until(lambda: wheels.velocities[-1] == (0.0, 0.0))
+    wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
     assert "stop" not in world.agent("base@grumpy").asked  # it has ended by itself
 
 

@@ -1,0 +1,34 @@
+"""What a process loads: a program the face, a container none of it."""
+
+import subprocess
+import sys
+
+import pytest
+
+import agents
+
+CONTAINERS = "agents.components.all_components", "agents.services.all_services", "agents.wrappers", "acromovi.container"
+
+
+def loaded_with(statement: str) -> set[str]:
+    """The modules of the face that a process has after this."""
+    program = f"import sys; {statement}; print(*(name for name in sys.modules if name.startswith('agents.face')))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_a_container_does_not_carry_the_face() -> None:
+    assert not loaded_with(f"import {', '.join(CONTAINERS)}")
+
+
+def test_a_program_gets_it_with_the_first_name() -> None:
+    assert "agents.face.team" in loaded_with("from agents import RobotError")
+
+
+def test_editors_see_what_will_be_loaded() -> None:
+    assert set(agents.__all__) <= set(dir(agents))
+
+
+def test_a_name_that_is_not_there_is_told_as_usual() -> None:
+    with pytest.raises(AttributeError, match="module 'agents' has no attribute 'Robots'"):
+        getattr(agents, "Robots")  # noqa: B009
