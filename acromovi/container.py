@@ -7,13 +7,15 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from acromovi.command import argument
 from acromovi.options import add_apps, add_bus
+from configs.loader import ConfigError
 
 if TYPE_CHECKING:
     from agents.platform import Container
@@ -28,6 +30,8 @@ examples:
       the agents of the robot happy, one for each element that it has; it may come and go
   acromovi container --services acromovi
       the services of the team acromovi: monitor, subscription, arbiter, loader
+  acromovi container --services acromovi --property arbiter.audit_file=leases.jsonl
+      the same, and the arbiter appends its record to a file
   acromovi container workshop --apps ~/robots
       an empty one; acromovi agent start NAME KIND --in workshop starts agents there, of kinds that Acromovi brings or
       that the folder has
@@ -46,6 +50,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     which.add_argument("name", metavar="NAME", nargs="?", help="an empty container of this name")
     which.add_argument("--robot", metavar="ROBOT", help="the container of a robot's agents")
     which.add_argument("--services", metavar="TEAM", help="the container of a team's services")
+    parser.add_argument(
+        "--property",
+        metavar="SERVICE.KEY=VALUE",
+        type=argument,
+        action="append",
+        default=[],
+        help="what one of the services is given; a value is JSON, or text where it is no JSON; repeat for more",
+    )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")
     add_bus(parser)
@@ -118,7 +130,7 @@ async def live(container: "Container", arguments: argparse.Namespace, end: End) 
         if arguments.robot:
             tasks.append(asyncio.ensure_future(follow_robot(container, arguments.robot, end)))
         if arguments.services:
-            await start_services(container, arguments.services)
+            await start_services(container, arguments.services, dict(arguments.property))
         if arguments.json:
             print(json.dumps({"container": container.name}), flush=True)
         else:
@@ -140,12 +152,27 @@ async def follow_robot(container: "Container", robot: str, end: End) -> None:
         end.tell(1)
 
 
-async def start_services(container: "Container", team: str) -> None:
-    """Start the agents of a team's upper layer; one that fails is reported and holds up no other."""
+async def start_services(container: "Container", team: str, properties: Mapping[str, Any]) -> None:
+    """Start the agents of a team's upper layer; one that fails is reported and holds up no other.
+
+    Args:
+        container: Where.
+        team: Whose they are.
+        properties: By `SERVICE.KEY`.
+    Raises:
+        ConfigError: There is no such service.
+    """
     from agents.platform import AgentName
 
     kinds = import_module("agents.services.all_services").SERVICES
-    await asyncio.gather(*(container.start(kind(AgentName(local, team))) for local, kind in kinds.items()))
+    given: dict[str, dict[str, Any]] = {local: {} for local in kinds}
+    for name, value in properties.items():
+        service, _, key = name.partition(".")
+        if service not in kinds or not key:
+            raise ConfigError(f"{name!r} is no property of a service; write SERVICE.KEY=VALUE, of {', '.join(kinds)}")
+        given[service][key] = value
+    services = [kind(AgentName(local, team), given[local]) for local, kind in kinds.items()]
+    await asyncio.gather(*map(container.start, services))
 
 
 async def leave_if_second(container: "Container", end: End) -> None:

@@ -1,6 +1,8 @@
 """Teams as data: which robots there are, what they have, and where they are plugged in."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 EMULATED = "emu"
 """The port of a robot that is emulated."""
@@ -36,9 +38,13 @@ class TeamRobot:
 
 @dataclass(frozen=True, slots=True)
 class TeamFile:
-    """A file of `configs/teams`. world, link: of the emulated robots."""
+    """A file of `configs/teams`.
+
+    world, link: of the emulated robots. services: properties of the team's services, by their names.
+    """
 
     robots: tuple[TeamRobot, ...]
     about: str = ""
     world: str = "office"
     link: str = "ideal"
+    services: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

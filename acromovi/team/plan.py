@@ -1,6 +1,7 @@
 """From a team's file to the processes that make it up. Pure: nothing is started here."""
 
 import difflib
+import json
 import sys
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -93,6 +94,8 @@ def load_team(name: str, only: Sequence[str] = ()) -> Team:
     robot_name(path.stem)
     for robot in file.robots:
         _check(robot, path, names)
+    for service in file.services:
+        _check_service(service, path)
     for wanted in only:
         if wanted not in names:
             raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
@@ -143,6 +146,9 @@ def services(team: Team, choices: Choices) -> Program:
     words = ["container", "--services", team.name, "--bus", choices.bus, "--json"]
     for folder in choices.apps:
         words += ["--apps", str(folder)]
+    for service, properties in team.file.services.items():
+        for key, value in properties.items():
+            words += ["--property", f"{service}.{key}={json.dumps(value)}"]
     return Program("the container of services", Stage.AGENTS, _python("acromovi", *words), container=SERVICES)
 
 
@@ -170,6 +176,13 @@ def _check(robot: TeamRobot, path: Path, names: Sequence[str]) -> None:
         raise ConfigError(f"{path}: a robot is called {robot.name} as {taken} is; give it another name")
 
 
-def _nearest(name: str, names: Collection[str]) -> str:
+def _check_service(name: str, path: Path) -> None:
+    from agents.services.all_services import SERVICES as KINDS  # late: few files name one
+
+    if name not in KINDS:
+        raise ConfigError(f"{path}: there is no service {name!r}; {_nearest(name, tuple(KINDS), 'the services')}")
+
+
+def _nearest(name: str, names: Collection[str], whose: str = "its robots") -> str:
     near = difflib.get_close_matches(name, names, 1)
-    return f"did you mean {near[0]!r}?" if near else f"its robots are {', '.join(names)}"
+    return f"did you mean {near[0]!r}?" if near else f"{whose} are {', '.join(names)}"

@@ -3,11 +3,13 @@
 from collections.abc import Mapping
 
 from agents.platform import Agent
+from agents.services.arbiter import Arbiter
 from agents.services.monitor import Monitor
 from agents.services.subscription import Subscription
 
 SERVICES: Mapping[str, type[Agent]] = {
     "monitor": Monitor,
     "subscription": Subscription,
+    "arbiter": Arbiter,
 }
-"""From the local names of the agents to their kinds; each is made with its name alone."""
+"""From the local names of the agents to their kinds; each is made with its name and its properties."""

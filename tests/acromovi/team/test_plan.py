@@ -100,6 +100,12 @@ def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_
     assert happy.stage is services.stage is Stage.AGENTS
 
 
+def test_services_are_given_the_properties_of_the_teams_file(file: Path) -> None:
+    file.write_text(DWARFS + '[services.arbiter]\naudit_file = "who moved what.jsonl"\n')
+    services = plan.services(load_team(str(file)), Choices())
+    assert options(services.command)["--property"] == 'arbiter.audit_file="who moved what.jsonl"'
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [
@@ -109,6 +115,7 @@ def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_
         (DWARFS.replace("iron", "services"), "give it another name"),
         (DWARFS.replace("p2dx", "p2dxx"), "there is no 'p2dxx' among the robots; did you mean"),
         (DWARFS.replace("radio-modem", "radio"), "there is no 'radio' among the links; did you mean"),
+        (DWARFS + "[services.arbitre]\n", "there is no service 'arbitre'; did you mean 'arbiter'"),
         ("robots = []", "a team needs a robot"),
         ("about = 'x'", "key robots is missing"),
         ("robots = 3", "robots must be a list"),
