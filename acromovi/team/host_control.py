@@ -1,12 +1,13 @@
 """`<team>/host/control`: what a team's own agents may ask of the program that holds its processes."""
 
 import difflib
-from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from acromovi.team.supervisor import Entry, Supervisor
-from bus import Bus, Refused, Subscription
+from bus import Bus, KeyNotValid, Refused, Subscription
 from bus.bus import Closeable
+
+MOST_EXTRAS = 32  # containers that others may ask for
 
 
 def control_key(team: str) -> str:
@@ -19,24 +20,41 @@ def alive_key(team: str) -> str:
     return f"{team}/host/alive"
 
 
-class HostControl(Closeable):
-    """Answers `{"do": "status"}` and `{"do": "restart", "container": NAME}`.
+class Hands(Protocol):
+    """Who does what is asked for, soon, in the supervisor's event loop; called on the bus's thread."""
 
+    def restart(self, entry: Entry) -> None:
+        """Have a process started again."""
+        ...
+
+    def start(self, container: str) -> None:
+        """Have an empty container, in addition to those of the team."""
+        ...
+
+    def retire(self, entry: Entry) -> None:
+        """Have such a container ended for good."""
+        ...
+
+
+class HostControl(Closeable):
+    """Answers `{"do": "status"}`, and `restart`, `start` and `end` with `"container": NAME`.
+
+    `start` and `end` are for containers that the team does not have by itself, in which its loader puts applications.
     Queries come on the bus's thread; what follows from them is handed over to the supervisor's.
     """
 
-    def __init__(self, bus: Bus, team: str, supervisor: Supervisor, hand_over: Callable[[Entry], object]) -> None:
+    def __init__(self, bus: Bus, team: str, supervisor: Supervisor, hands: Hands) -> None:
         """Begin to answer, and show the token.
 
         Args:
             bus: Where to answer.
             team: The team's name.
             supervisor: Whose table it is.
-            hand_over: Has a process started again, in the supervisor's event loop; called on the bus's thread.
+            hands: Do it.
         """
         self._team = team
         self._supervisor = supervisor
-        self._hand_over = hand_over
+        self._hands = hands
         self._open: list[Subscription] = [
             bus.serve(control_key(team), self.answer),
             bus.declare_alive(alive_key(team)),
@@ -52,14 +70,39 @@ class HostControl(Closeable):
             case {"do": "status"}:
                 return {"team": self._team, "processes": [entry.as_json() for entry in self._supervisor.table]}
             case {"do": "restart", "container": str(name)}:
-                self._hand_over(self._container(name))
+                self._hands.restart(self._container(name))
                 return {"restarting": name}
-        raise Refused('the host of a team takes {"do": "status"} and {"do": "restart", "container": NAME}')
+            case {"do": "start", "container": str(name)}:
+                self._start(name)
+                return {"starting": name}
+            case {"do": "end", "container": str(name)}:
+                self._hands.retire(self._extra(name))
+                return {"ending": name}
+        raise Refused('the host of a team takes {"do": "status"}, and restart, start or end with {"container": NAME}')
 
     def close(self) -> None:
         """Answer no more."""
         while self._open:
             self._open.pop().close()
+
+    def _start(self, name: str) -> None:
+        there = self._supervisor.container(name)
+        if there is not None and there.program.is_extra:
+            return
+        if there is not None:
+            raise Refused(f"{there.program.name} is one of {self._team} itself; take another name")
+        if sum(entry.program.is_extra for entry in self._supervisor.table) >= MOST_EXTRAS:
+            raise Refused(f"the host of {self._team} has {MOST_EXTRAS} containers for applications, and starts no more")
+        try:
+            self._hands.start(name)
+        except KeyNotValid as err:
+            raise Refused(str(err)) from err
+
+    def _extra(self, name: str) -> Entry:
+        entry = self._container(name)
+        if not entry.program.is_extra:
+            raise Refused(f"{entry.program.name} is one of {self._team} itself, and ends with it")
+        return entry
 
     def _container(self, name: str) -> Entry:
         entry = self._supervisor.container(name)

@@ -33,6 +33,7 @@ class Program:
     """One process of a team.
 
     name: for people. robot: whose it is; empty where it is everybody's. container: the one that it runs, if any.
+    is_extra: it belongs to no robot nor to the team; it is there since one of the team's agents asked for it.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Program:
     command: tuple[str, ...]
     robot: str = ""
     container: str = ""
+    is_extra: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +70,7 @@ class Team:
 class Choices:
     """What the command line says beyond the file.
 
-    apps: folders of applications that the team's services may start.
+    apps: folders of applications that the team's agents may start.
     """
 
     bus: str = "local"
@@ -144,12 +146,22 @@ def container(robot: str, choices: Choices) -> Program:
 def services(team: Team, choices: Choices) -> Program:
     """The container of the team's own agents."""
     words = ["container", "--services", team.name, "--bus", choices.bus, "--json"]
-    for folder in choices.apps:
-        words += ["--apps", str(folder)]
+    words += _folders(choices)
     for service, properties in team.file.services.items():
         for key, value in properties.items():
             words += ["--property", f"{service}.{key}={json.dumps(value)}"]
     return Program("the container of services", Stage.AGENTS, _python("acromovi", *words), container=SERVICES)
+
+
+def extra(name: str, team: Team, choices: Choices) -> Program:
+    """An empty container, for an application.
+
+    Raises:
+        KeyNotValid: The name cannot be that of a container.
+    """
+    words = ["container", robot_name(name), "--bus", choices.bus, "--json"]
+    command = _python("acromovi", *words, *_folders(choices))
+    return Program(f"the container {name}", Stage.AGENTS, command, container=name, is_extra=True)
 
 
 def settings_file(folder: Path) -> Path:
@@ -158,6 +170,10 @@ def settings_file(folder: Path) -> Path:
 
 
 _PORTS = {"laser": "laser_port", "arm": "arm_port", "camera": "camera_url"}
+
+
+def _folders(choices: Choices) -> list[str]:
+    return [word for folder in choices.apps for word in ("--apps", str(folder))]
 
 
 def _python(module: str, *words: str) -> tuple[str, ...]:

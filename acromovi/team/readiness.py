@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import inf
 
+from acromovi.team.plan import SERVICES
 from configs.team_file import TeamRobot
 
 PATIENCE = 15.0
@@ -74,7 +75,7 @@ class Readiness:
         """A container serves, or has ended."""
         if name in self._progress:
             self._progress[name].container_serves = serves
-        else:
+        elif name == SERVICES:
             self._services_serve = serves
 
     def agent(self, robot: str, local: str, is_there: bool, now: float) -> None:

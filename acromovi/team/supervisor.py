@@ -56,6 +56,7 @@ class Entry:
 
     ends: how often it has ended unasked, one after the other. restarts: how often it was started again, in all.
     why: how it ended last; empty if it never has. complaint: the last line of its standard error.
+    is_wanted: whether it is to be started again when it ends.
     """
 
     program: Program
@@ -65,6 +66,7 @@ class Entry:
     restarts: int = 0
     why: str = ""
     complaint: str = ""
+    is_wanted: bool = True
 
     def as_json(self) -> dict[str, Any]:
         """The row as `<team>/host/control` tells it."""
@@ -102,7 +104,7 @@ class Supervisor:
         self._start = start
         self._watcher = watcher
         self._entries: dict[str, Entry] = {}
-        self._tasks: list[asyncio.Task[None]] = []
+        self._tasks: dict[asyncio.Task[None], Entry] = {}
         self._ending = asyncio.Event()
 
     @property
@@ -113,7 +115,9 @@ class Supervisor:
     def begin(self, program: Program) -> Entry:
         """Start a program, and keep it going until `end`."""
         entry = self._entries[program.name] = Entry(program)
-        self._tasks.append(asyncio.ensure_future(self._keep(entry)))
+        task = asyncio.ensure_future(self._keep(entry))
+        self._tasks[task] = entry
+        task.add_done_callback(self._tasks.pop)
         return entry
 
     def container(self, name: str) -> Entry | None:
@@ -131,6 +135,12 @@ class Supervisor:
         if entry.child is child and entry.state is State.RUNNING:
             child.kill()
 
+    async def retire(self, entry: Entry) -> None:
+        """End a process, and start it no more."""
+        entry.is_wanted = False
+        self._entries.pop(entry.program.name, None)
+        await self.restart(entry)
+
     def rest(self) -> None:
         """Start nothing again from now on: all is about to end."""
         self._ending.set()
@@ -138,16 +148,17 @@ class Supervisor:
     async def end(self) -> None:
         """Wait until all have ended, killing what is still there."""
         self.rest()
-        for entry, task in zip(self.table, self._tasks, strict=True):
+        tasks = dict(self._tasks)
+        for task, entry in tasks.items():
             if entry.child is not None and entry.state is State.RUNNING:
                 entry.child.kill()
             else:
                 task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _keep(self, entry: Entry) -> None:
         loop = asyncio.get_running_loop()
-        while not self._ending.is_set():
+        while entry.is_wanted and not self._ending.is_set():
             begun = loop.time()
             entry.child = await self._start(
                 entry.program,
@@ -157,7 +168,7 @@ class Supervisor:
             entry.state = State.RUNNING
             code = await entry.child.wait()
             entry.state = State.WAITING
-            if self._ending.is_set():
+            if self._ending.is_set() or not entry.is_wanted:
                 break
             entry.ends = 1 if loop.time() - begun >= HEALTHY_AFTER else entry.ends + 1
             entry.why = entry.complaint or ending(code)

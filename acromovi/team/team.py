@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -68,12 +68,12 @@ class TeamAtWork(Closeable):
         self._said: dict[str, str] = {}
         self._readiness = Readiness(team.robots)
         self._told: set[str] = set()
-        self._restarting: asyncio.Future[None] | None = None
+        self._under_way: set[asyncio.Future[None]] = set()  # what others have asked for
         self.supervisor = Supervisor(start, self)
         self._queue = StartQueue(self.supervisor.begin)
         self._open: Sequence[Closeable] = (
             Directory(bus, self._on_agent),
-            HostControl(bus, team.name, self.supervisor, self._on_restart),
+            HostControl(bus, team.name, self.supervisor, self),
         )
 
     def begin(self) -> None:
@@ -213,11 +213,30 @@ class TeamAtWork(Closeable):
 
         hand_over(self._loop, note)
 
-    def _on_restart(self, entry: Entry) -> None:
-        def restart() -> None:
-            self._restarting = asyncio.ensure_future(self.supervisor.restart(entry))
+    def restart(self, entry: Entry) -> None:
+        """Have a process started again soon."""
+        hand_over(self._loop, self._do, self.supervisor.restart, entry)
 
-        hand_over(self._loop, restart)
+    def start(self, container: str) -> None:
+        """Have an extra container soon.
+
+        Raises:
+            KeyNotValid: Its name cannot be that of a container.
+        """
+        hand_over(self._loop, self._start, plan.extra(container, self._team, self._choices))
+
+    def retire(self, entry: Entry) -> None:
+        """Have a process ended soon, for good."""
+        hand_over(self._loop, self._do, self.supervisor.retire, entry)
+
+    def _start(self, program: Program) -> None:
+        if self.supervisor.container(program.container) is None:  # it may have been asked for twice
+            self.supervisor.begin(program)
+
+    def _do(self, work: Callable[[Entry], Coroutine[Any, Any, None]], entry: Entry) -> None:
+        task = asyncio.ensure_future(work(entry))
+        self._under_way.add(task)
+        task.add_done_callback(self._under_way.discard)
 
 
 def _plain(sentence: str) -> str:

@@ -122,3 +122,43 @@ def test_end_while_a_process_waits_for_its_turn_does_not_wait_for_it(
 def test_exit_codes_are_told_in_words() -> None:
     assert ending(-9) == "ended by SIGKILL"
     assert ending(3) == "ended with exit code 3"
+
+
+@pytest.mark.parametrize("ignores", [False, True])
+def test_process_that_is_retired_ends_for_good(loop: VirtualTimeLoop, diary: Diary, ignores: bool) -> None:
+    pretence = Pretence(ignores)
+
+    async def main() -> None:
+        supervisor = Supervisor(pretence.start, diary)
+        entry = supervisor.begin(HAPPY)
+        await asyncio.sleep(1.0)
+        await supervisor.retire(entry)
+        await asyncio.sleep(60.0)
+        assert (len(pretence.children), supervisor.table, diary.ends) == (1, [], [])
+        assert await pretence.children[0].wait() == (-9 if ignores else -15)
+        supervisor.begin(HAPPY)
+        await asyncio.sleep(1.0)
+        assert len(pretence.children) == 2
+        await supervisor.end()
+
+    loop.run_until_complete(main())
+
+
+def test_process_that_waits_for_its_next_start_can_be_retired(
+    loop: VirtualTimeLoop, pretence: Pretence, diary: Diary
+) -> None:
+    async def main() -> None:
+        supervisor = Supervisor(pretence.start, diary)
+        entry = supervisor.begin(HAPPY)
+        for number in range(4):
+            while len(pretence.children) <= number:
+                await asyncio.sleep(0.05)
+            pretence.children[number].end(1)
+        await asyncio.sleep(0.1)
+        assert entry.state is State.WAITING
+        await supervisor.retire(entry)
+        await asyncio.sleep(60.0)
+        assert len(pretence.children) == 4
+        await supervisor.end()
+
+    loop.run_until_complete(main())

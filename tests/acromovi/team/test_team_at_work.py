@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from acromovi.team.host_control import control_key
 from acromovi.team.plan import Choices, Team
 from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed
 from agents.platform.names import AgentName
@@ -19,6 +20,7 @@ from tests.waiting import DEADLINE
 HAPPY = TeamRobot("happy", "p3dx-sh", fit=("laser",))
 DOC = TeamRobot("doc", "p3dx-sh")
 EMULATOR, SERVICES = "the emulator", "the container of services"
+PATROL = "the container patrol-apps"
 
 
 class Stage:
@@ -221,6 +223,29 @@ def test_what_happens_to_a_team_at_work_is_told_and_goes_on(play: Play) -> None:
         await stage.emulator_is_ready("happy")
         await asyncio.sleep(1.0)
         assert stage.pretence.names().count("the gateway of happy") == 1
+
+    play(scene, (HAPPY,))
+
+
+def test_container_that_is_asked_for_comes_once_stays_and_ends_for_good(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy")
+        await stage.serves("happy", "base", "laser")
+        await stage.says(SERVICES, container="services")
+        await coming_up
+        for _ in range(2):
+            stage.bus.query(control_key("dwarfs"), {"do": "start", "container": "patrol-apps"})
+        await asyncio.sleep(0.1)
+        stage.pretence.of(PATROL).end(-9)
+        await asyncio.sleep(0.1)
+        assert stage.pretence.names().count(PATROL) == 2
+        assert stage.complaints == ["the container patrol-apps ended by SIGKILL; it is started again"]
+        stage.bus.query(control_key("dwarfs"), {"do": "end", "container": "patrol-apps"})
+        await asyncio.sleep(60.0)
+        assert stage.pretence.names().count(PATROL) == 2
+        assert len(stage.complaints) == 1
+        assert await coming_up == ["happy"]
 
     play(scene, (HAPPY,))
 
