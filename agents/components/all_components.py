@@ -8,6 +8,7 @@ from agents.components.battery import Battery
 from agents.components.bumpers import Bumpers
 from agents.components.camera import Camera
 from agents.components.component import Component
+from agents.components.encoders import Encoders
 from agents.components.generic import Generic
 from agents.components.gripper import Gripper
 from agents.components.infrared import Infrared
@@ -24,6 +25,7 @@ COMPONENTS: Mapping[str, type[Component]] = {
     "laser": Laser,
     "bumpers": Bumpers,
     "ir": Infrared,
+    "encoders": Encoders,
     "battery": Battery,
     "io": InputOutput,
     "sound": Sound,

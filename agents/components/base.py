@@ -18,6 +18,7 @@ from geometry import Pose2D
 SPEED = Limits(0.4, 0.8)  # m/s and rad/s, where the one who asks says nothing
 SLOWEST = Limits(0.05, 0.05)  # m/s and rad/s that the gateway reckons with before it loses its patience
 PATIENCE = 15.0  # s longer than that
+FARTHEST = 1000.0  # m; a place beyond is a slip of the pen
 HOLD = 0.55  # s; so long after a stop the gateway obeys no stream of velocities
 
 
@@ -33,8 +34,9 @@ class Base(Wheels):
 
     @request("drive", agrees_itself=True)
     async def drive(self, linear: float, angular: float = 0.0, seconds: float = 1.0, token: str = "") -> dict[str, Any]:
-        """Drive at m/s and rad/s for so many seconds."""
-        _check(linear=linear, angular=angular, seconds=seconds)
+        """Drive at m/s and rad/s, or as fast as the robot may, for so many seconds."""
+        _check(linear=linear, angular=angular)
+        _check_above_zero(seconds=seconds)
         return await self.steer("drive", lambda pose: Velocity(linear, angular), seconds, token, late="")
 
     @request("move", agrees_itself=True)
@@ -44,7 +46,7 @@ class Base(Wheels):
         if speed is None:
             within = PATIENCE + abs(distance) / SLOWEST.linear
             return await self.travel(keys.MOVE, within, token, distance=distance)
-        start, limits = self.pose, _limits(speed)
+        limits, start = _limits(speed), self.pose
         within = PATIENCE + 2.0 * abs(distance) / speed
         return await self.steer("move", lambda pose: along(start, distance, pose, limits), within, token)
 
@@ -67,13 +69,16 @@ class Base(Wheels):
         """Drive to a place in odom, m, and turn to a heading there, rad, if one is given. It sees no obstacles."""
         _check(x=x, y=y, heading=heading or 0.0)
         goal, limits, is_there = Goal(x, y, heading), _limits(speed), False
+        distance = goal.distance(self.pose)
+        if distance > FARTHEST:
+            raise Refused(f"({x:g}, {y:g}) is {distance:.3g} m away; name a place within {FARTHEST:g} m")
 
         def choose(pose: Pose2D) -> Velocity:
             nonlocal is_there
             velocity, is_there = towards(goal, pose, limits, is_there)
             return velocity
 
-        within = PATIENCE + 3.0 * goal.distance(self.pose) / limits.linear
+        within = PATIENCE + 3.0 * distance / limits.linear
         return await self.steer("go_to", choose, within, token)
 
     @request("stop", agrees_itself=True)
@@ -107,11 +112,16 @@ def _check(**numbers: float) -> None:
             raise Refused(f"{name} must be a finite number, not {value!r}")
 
 
+def _check_above_zero(**numbers: float) -> None:
+    _check(**numbers)
+    for name, value in numbers.items():
+        if value <= 0.0:
+            raise Refused(f"{name} must be more than 0, not {value:g}")
+
+
 def _limits(speed: float | None) -> Limits:
     """What is not to be exceeded when this speed is asked for, m/s."""
     if speed is None:
         return SPEED
-    _check(speed=speed)
-    if not speed > 0.0:
-        raise Refused(f"speed must be more than 0 m/s, not {speed:g}")
+    _check_above_zero(speed=speed)
     return Limits(speed, SPEED.angular)

@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 from agents.platform import Agent, AgentName, Restart, agree, request
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
-from bus import MessageError, NoAnswer, Refused, Sample, TimedOut
+from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
 from bus.keys import Topic
 from bus.messages import decode, stamp_ns
 
@@ -45,8 +45,8 @@ class Component(Agent):
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
         self._latest: Mapping[str, Any] | None = None
-        self._unread: Sample | None = None  # newer than the latest result, and of no interest so far
-        self._heard_at = 0.0  # s of the loop's time
+        self._unread: tuple[Sample, float] | None = None  # newer than the latest result, and of no interest so far
+        self._heard_at = 0.0  # s of the loop's time, when the latest result came
         self._has_heard = asyncio.Event()
         self._stream: Stream | None = None
 
@@ -86,7 +86,14 @@ class Component(Agent):
             key = topic.key(self.robot)
             self._stream = Stream(key, self._hear, 1, self._malformed)
             self.add(self._stream, Restart())
-            self._open.append(self.bus.subscribe(key, self._take_reading, urgent=True))
+            self._open.append(self.bus.subscribe(key, self._take_sample, urgent=True))
+        if self.has_readings:
+            self._open.append(self.bus.converse(self.name.results_key, self._take_look, urgent=True))
+
+    @property
+    def has_readings(self) -> bool:
+        """Whether there is anything to read of it."""
+        return self.topic is not None or bool(self.results)
 
     @property
     def topic(self) -> Topic | None:
@@ -109,7 +116,7 @@ class Component(Agent):
     @request("read")
     async def read(self) -> dict[str, Any]:
         """The latest result; fails where there is none, or an old one only."""
-        if self.topic is None and not self.results:
+        if not self.has_readings:
             raise Refused(f"{self.name} has no readings")
         if not self._has_heard.is_set():
             try:
@@ -120,15 +127,16 @@ class Component(Agent):
         return self.latest()
 
     def latest(self) -> dict[str, Any]:
-        """The latest result.
+        """The latest result; who may look and not ask gets it by a query of the results' key.
 
         Raises:
             Refused: There is none, or nothing has been heard for too long.
         """
         unread, self._unread = self._unread, None
         if unread is not None:
+            sample, at = unread
             try:
-                self._latest = self._made_of(decode(unread.type_name, unread.payload))
+                self._latest, self._heard_at = self._made_of(decode(sample.type_name, sample.payload)), at
             except MessageError as err:
                 raise failure(f"{self.name} cannot read what it hears: {err}") from err
         if self._latest is None:
@@ -157,23 +165,46 @@ class Component(Agent):
     def _made_of(self, message: Any) -> dict[str, Any]:
         return {"stamp": stamp_ns(message.header) / NS_PER_S, **self.result(message)}
 
-    def _take_reading(self, sample: Sample) -> None:
-        """A message of the source has come; on the bus's thread, so that one of no interest costs next to nothing."""
-        assert self._loop is not None
-        assert self._stream is not None  # it has been made before this was subscribed
-        self._heard_at = self._loop.time()
-        if self.eager or self.is_heard:
-            self._stream.take(sample)
-        else:
-            self._unread = sample
-            if not self._has_heard.is_set():
-                hand_over(self._loop, self._has_heard.set)
+    def _show_latest(self, conversation: Conversation) -> None:
+        with conversation, suppress(BusUnavailable):  # who looks may have gone
+            try:
+                conversation.reply(self.latest())
+            except Refused as err:
+                conversation.refuse(err.why)
 
     async def _hear(self, message: Any) -> None:
         self.renew(self._made_of(message))
 
     def _malformed(self, error: Exception) -> None:
         self.home.report(self.name, "a message is left out", error)
+
+    # On the bus's thread, so that a message of no interest costs next to nothing.
+
+    def _take_look(self, arguments: dict[str, Any], conversation: Conversation) -> None:
+        """Someone asks for the latest result."""
+        assert self._loop is not None
+        hand_over(self._loop, self._show_latest, conversation)
+
+    def _take_sample(self, sample: Sample) -> None:
+        """Something has come where the source's messages belong."""
+        assert self._loop is not None
+        assert self.topic is not None
+        if sample.type_name == self.topic.type_name:
+            self._take_reading(sample)
+        else:
+            wrong = MessageError(f"{sample.key} carries {self.topic.type_name}, not {sample.encoding or 'bytes'}")
+            hand_over(self._loop, self._malformed, wrong)
+
+    def _take_reading(self, sample: Sample) -> None:
+        """A message of the source has come."""
+        assert self._loop is not None
+        assert self._stream is not None  # it has been made before this was subscribed
+        if self.eager or self.is_heard:
+            self._stream.take(sample)
+        else:
+            self._unread = sample, self._loop.time()
+            if not self._has_heard.is_set():
+                hand_over(self._loop, self._has_heard.set)
 
 
 def failure(why: str) -> Refused:

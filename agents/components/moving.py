@@ -82,12 +82,6 @@ class Moving(Component):
         with suppress(BusError):  # what matters is told already; and who has lost the lease may stop nothing
             await self.command(self.orders, do="stop", token=token)
 
-    def _take_reading(self, sample: Sample) -> None:
-        if self.motions.are_under_way and self._stream is not None:
-            self._stream.take(sample)
-        else:
-            super()._take_reading(sample)
-
     @on("state")
     async def _hear_state(self, state: RobotState) -> None:
         self._troubles.hear_faults(state.faults, asyncio.get_running_loop().time())
@@ -95,3 +89,11 @@ class Moving(Component):
     @on("lease/state")
     async def _hear_lease(self, lease: dict[str, Any]) -> None:
         self._troubles.hear_lease(lease, asyncio.get_running_loop().time())
+
+    # On the bus's thread.
+
+    def _take_reading(self, sample: Sample) -> None:
+        if self.motions.are_under_way and self._stream is not None:
+            self._stream.take(sample)
+        else:
+            super()._take_reading(sample)

@@ -10,7 +10,7 @@ from contextlib import suppress
 from math import inf
 from typing import Any, ClassVar, NoReturn
 
-from agents.components.component import Component, known
+from agents.components.component import Component, failure, known
 from agents.components.moving_request import OneAtATime
 from agents.components.pose_control import Limits, Velocity
 from agents.components.troubles import Troubles
@@ -93,8 +93,10 @@ class Wheels(Component):
         Raises:
             Refused: Nobody knows any more.
         """
-        now = self.latest()
-        return Pose2D(now["x"], now["y"], now["heading"])
+        match self.latest():
+            case {"x": float(x), "y": float(y), "heading": float(heading)}:
+                return Pose2D(x, y, heading)
+        raise failure(f"{self.robot} has lost count of where it is")
 
     async def travel(self, topic: Topic, within: float, token: str, **arguments: float) -> dict[str, Any]:
         """Let the gateway see to a motion; return the pose at its end.
@@ -149,7 +151,11 @@ class Wheels(Component):
             await self._ask_for(choose(self.pose), token)
 
         async def follow(begun: None) -> None:
-            failed = await self._steer_on(choose, ends_at, token, late)
+            try:
+                failed = await self._steer_on(choose, ends_at, token, late)
+            except Refused:
+                self._halt(token)
+                raise
             self._halt(token)
             if failed:
                 await self._give_up(failed)

@@ -12,6 +12,7 @@ from agents.platform import Agent, AgentName, Container, Outcome, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from p2os_emu.emulator import STEP
 from p2os_emu.world import WorldSpec, load_world
+from tests.agents.components.bench import Bench
 
 T = TypeVar("T")
 ROBOT = "happy"
@@ -141,3 +142,17 @@ def make_lab(loop: VirtualTimeLoop) -> Iterator[MakeLab]:
 def lab(make_lab: MakeLab) -> Lab:
     """A lab with a plain Pioneer in an empty world."""
     return make_lab()
+
+
+@pytest.fixture
+def make_bench(loop: VirtualTimeLoop) -> Iterator[Callable[..., Bench]]:
+    """Put the component of an element on a bench, with what the description says of it."""
+    made: list[Bench] = []
+
+    def make(element: str, **properties: Any) -> Bench:
+        made.append(Bench(loop, element, properties))
+        return made[-1]
+
+    yield make
+    for bench in made:
+        bench.close()
