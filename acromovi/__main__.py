@@ -18,6 +18,7 @@ COMMANDS = {
     "directory": ("acromovi.yellow_pages", "Find agents by service, robot or property"),
     "ask": ("acromovi.ask", "Ask an agent to do something"),
     "agent": ("acromovi.agent", "Start, stop, suspend, resume or move an agent"),
+    "sniff": ("acromovi.sniff", "Listen to what agents say to each other, and draw it"),
     "introspect": ("acromovi.introspect", "Look into a live agent: its mailbox, behaviours and conversations"),
     "container": ("acromovi.container", "Run a container: a robot's agents, a team's services, or an empty one"),
     "run": ("acromovi.run", "Run an application on the robots that are there"),

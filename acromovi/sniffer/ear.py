@@ -1,0 +1,42 @@
+"""Listens to all that agents say, in the order in which they say it."""
+
+import queue
+import time
+
+from acromovi.sniffer.in_order import InOrder
+from acromovi.sniffer.overheard import ALL_THAT_IS_SAID, Heard, read
+from bus.bus import Bus, Closeable
+
+
+class Ear(Closeable):
+    """Hears what the agents of all containers say, from when it is made until it is closed.
+
+    Containers pass it on only while somebody listens; it takes them some milliseconds to notice.
+    """
+
+    def __init__(self, bus: Bus) -> None:
+        self._came: queue.SimpleQueue[Heard] = queue.SimpleQueue()
+        self._in_order = InOrder()
+        self._hearing = bus.subscribe(ALL_THAT_IS_SAID, lambda sample: self._came.put(read(sample, time.time())))
+
+    def heard(self, timeout: float) -> list[Heard]:
+        """What is to be told now; waits `timeout` s at most for something to come."""
+        try:
+            self._in_order.add(self._came.get(timeout=timeout), time.monotonic())
+            self._drain()
+        except queue.Empty:
+            pass
+        return self._in_order.due(time.monotonic())
+
+    def rest(self) -> list[Heard]:
+        """All that has come and was not told yet."""
+        self._drain()
+        return self._in_order.rest()
+
+    def close(self) -> None:
+        """Hear no more."""
+        self._hearing.close()
+
+    def _drain(self) -> None:
+        while not self._came.empty():
+            self._in_order.add(self._came.get(), time.monotonic())
