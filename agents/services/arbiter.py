@@ -76,7 +76,7 @@ class Arbiter(Agent):
             seconds: How long it lasts without `renew`.
             notice: s that the present holder is given.
         """
-        wish = Wish(Place.parse(element[:200]), asker(), priority, seconds)
+        wish = Wish(Place.parse(element), asker(), priority, seconds)
         try:
             _check("priority", priority, -HIGHEST_PRIORITY, HIGHEST_PRIORITY)
             _check("seconds", seconds, 0.1, LONGEST_LEASE)
@@ -96,19 +96,15 @@ class Arbiter(Agent):
         With token and element a lease goes on that was given by an arbiter that is gone: the gateway knows the token.
         """
         _check("seconds", seconds, 0.0, LONGEST_LEASE)
-        grant = self._book.grants.get(lease)
-        if grant is None and token and element:
-            grant = await self._adopt(lease, token, Place.parse(element), seconds or 5.0)
-            return grant.told()
-        grant = self._own(lease)
-        before, grant.seconds = grant.seconds, seconds or grant.seconds
         try:
-            if not await self._keeper.renew(grant, grant.seconds):
+            if lease not in self._book.grants and token and element:
+                return (await self._adopt(lease, token, Place.parse(element), seconds or 5.0)).told()
+            grant = self._own(lease)
+            if not await self._keeper.renew(grant, seconds or grant.seconds):
                 raise Refused(f"the gateway of {grant.place.robot} does not know this lease any more; ask anew")
         except GatewayAway as err:
-            agree()  # no refusal, which would say that the lease has ended
+            agree()  # a refusal would say that the lease has ended
             raise Refused(f"{err} The lease runs on as it was") from err
-        self._keeper.note_renewal(grant, before)
         return grant.told()
 
     @request("release", agrees_itself=True)
@@ -155,6 +151,8 @@ class Arbiter(Agent):
 
     async def _clear(self, claim: Claim, notice: float) -> None:
         """Warn those who hold what is wanted, and give them time to let go."""
+        if not notice:
+            return
         wish = claim.wish
         known = {str(grant.holder) for grant in self._book.held_against(wish)}
         others = [
@@ -198,10 +196,7 @@ class Arbiter(Agent):
 
     async def _adopt(self, lease: str, token: str, place: Place, seconds: float) -> Grant:
         asked_at = self._own_loop.time()
-        try:
-            holder, priority = await self._gateways.renew(place, token, seconds)
-        except GatewayAway as err:
-            raise Refused(str(err)) from err
+        holder, priority = await self._gateways.renew(place, token, seconds)
         if holder != str(asker()):
             raise Refused(f"this token is {holder}'s, not yours")
         if lease not in self._book.grants:

@@ -3,8 +3,9 @@
     async with leased(self, "base@happy", priority=1) as lease:
         await self.request("base@happy", "move", distance=1.0, token=lease.token)
 
-The lease is renewed while its agent is active, and given back at the end of the block. An agent that is suspended or
-frozen does not renew, and loses it.
+An arbiter gives it; where none lives, the robot's gateway itself does, without notice to others. It is renewed while
+its agent is active, also when its arbiter goes or another comes, and given back at the end of the block. An agent that
+is suspended or frozen does not renew, and loses it.
 """
 
 import asyncio
@@ -12,14 +13,28 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any
 
-from agents.platform import Agent, AgentName, Cyclic, Directory, Done, Ending, Performative, RequestNotDone, Template
+from agents.platform import (
+    Agent,
+    AgentName,
+    Cyclic,
+    Directory,
+    Done,
+    Ending,
+    Outcome,
+    Performative,
+    RequestNotDone,
+    Template,
+)
+from agents.services.gateway_leases import ANSWER_TIME, GatewayAway, GatewayLeases
+from agents.services.lease_book import new_id
 from agents.services.leases import ONTOLOGY, SERVICE, LeaseEvent, LeaseLost, LeaseNews, Place
-from bus import BusError, keys
+from bus import BusError, Refused
 
 SECONDS = 3.0
 NOTICE = 0.5
 RENEWALS = 3  # within the time that a lease lasts, so that one may fail
 TIME_TO_LET_GO = 1.0  # s
+TIME_TO_TAKE_OVER = ANSWER_TIME  # s for the gateway to answer, once a warned holder's time is up
 
 OnNews = Callable[[LeaseNews], None]
 
@@ -27,29 +42,35 @@ OnNews = Callable[[LeaseNews], None]
 class HeldLease:
     """A lease on an element, in its holder's hands.
 
-    token: what a command must carry. element, priority, seconds: as they were asked for. news: the last that the
-    arbiter has said, a warning perhaps. ended: set when the lease has ended.
+    token: what a command must carry. place, priority, seconds: as they were asked for. news: the last that has been
+    heard of it, a warning perhaps. ended: set when the lease has ended.
     """
 
-    def __init__(self, agent: Agent, arbiter: AgentName, given: dict[str, Any], on_news: OnNews | None) -> None:
-        """Take up what an arbiter has just given."""
-        self.token: str = given["token"]
-        self.element: str = given["element"]
-        self.priority: int = given["priority"]
-        self.seconds: float = given["seconds"]
+    def __init__(self, agent: Agent, place: Place, priority: int, seconds: float, on_news: OnNews | None) -> None:
+        """Prepare it; `take` is next."""
+        self.token = ""
+        self.place = place
+        self.priority = priority
+        self.seconds = seconds
         self.news: LeaseNews | None = None
         self.ended = asyncio.Event()
         self._agent = agent
-        self._arbiter = arbiter
-        self._id: str = given["lease"]
+        self._gateways = GatewayLeases(agent.query)
+        self._arbiter: AgentName | None = None
+        self._id = new_id()
         self._on_news = on_news
         self._loop = asyncio.get_running_loop()
-        self._expires_at = self._loop.time() + self.seconds
+        self._expires_at = self._warned_until = self._loop.time()
 
     @property
     def is_held(self) -> bool:
         """Whether it has not ended, by all that its holder knows."""
         return not self.ended.is_set() and self._loop.time() < self._expires_at
+
+    @property
+    def wanted_by(self) -> str:
+        """Who is about to take it over by a higher priority; empty text when nobody is, or has not come to it."""
+        return self.news.by if self.news is not None and self._loop.time() < self._warned_until else ""
 
     def check(self) -> None:
         """Make sure that it is still held.
@@ -58,7 +79,25 @@ class HeldLease:
             LeaseLost: It is not.
         """
         if not self.is_held:
-            raise LeaseLost(f"the lease on {self.element} has ended: {self.news or LeaseEvent.EXPIRED}")
+            raise LeaseLost(f"the lease on {self.place} has ended: {self.news or LeaseEvent.EXPIRED}")
+
+    async def take(self, arbiter: AgentName | None, notice: float) -> None:
+        """Become the holder.
+
+        Args:
+            arbiter: Who is to give it; None for the robot's gateway.
+            notice: s that the present holder is given.
+        Raises:
+            RequestNotDone: It was not given; says why.
+        """
+        self._arbiter = arbiter
+        if arbiter is None:
+            await self._take_from_gateway()
+        else:
+            wish: dict[str, Any] = {"element": str(self.place), "priority": self.priority, "seconds": self.seconds}
+            given = (await self._agent.request(arbiter, "lease", **wish, notice=notice)).value()
+            self._id, self.token = given["lease"], given["token"]
+        self._expires_at = self._loop.time() + self.seconds  # more or less; the gateway has the last word
 
     async def hear(self) -> None:
         """Take the next thing that an arbiter says of this lease; nobody else knows its id."""
@@ -68,25 +107,17 @@ class HeldLease:
             self._tell(news)
 
     async def renew(self) -> None:
-        """Let it last for as long again; when its arbiter is gone, another one may take it over.
+        """Let it last for as long again.
 
         Raises:
             Done: It has ended.
         """
         asked_at = self._loop.time()
-        outcome = await self._agent.request(
-            self._arbiter,
-            "renew",
-            reply_within=max(self._expires_at - asked_at, 0.1) / 2.0,
-            lease=self._id,
-            seconds=self.seconds,
-            token=self.token,
-            element=self.element,
-        )
-        if outcome.is_done:
-            self._expires_at = asked_at + self.seconds
-        elif outcome.ending is Ending.DIED:
-            self._arbiter = await find_arbiter(self._agent) or self._arbiter
+        try:
+            if self.is_held and await self._is_renewed():
+                self._expires_at = asked_at + self.seconds
+        except Refused as err:
+            self._tell(LeaseNews(LeaseEvent.LOST, by=err.why))
         if self._loop.time() >= self._expires_at:
             self._tell(LeaseNews(LeaseEvent.EXPIRED))
         if self.ended.is_set():
@@ -97,17 +128,50 @@ class HeldLease:
         if not self.is_held:
             return
         self.ended.set()
-        with suppress(BusError, TimeoutError):  # it expires by itself
-            outcome = await self._agent.request(self._arbiter, "release", reply_within=TIME_TO_LET_GO, lease=self._id)
-            if not outcome.is_done:
-                key = keys.LEASE.key(Place.parse(self.element).robot)
-                await self._agent.query(key, {"do": "release", "token": self.token}, TIME_TO_LET_GO)
+        with suppress(BusError, TimeoutError, GatewayAway):  # it expires by itself
+            if self._arbiter is None or not (await self._ask(self._arbiter, "release", TIME_TO_LET_GO)).is_done:
+                await self._gateways.release(self.place.robot, self.token)
+
+    async def _take_from_gateway(self) -> None:
+        try:
+            self.token = await self._gateways.take(self.place, str(self._agent.name), self.priority, self.seconds)
+        except Refused as err:
+            raise RequestNotDone(f"{Ending.REFUSED}: {err.why}") from err
+        except GatewayAway as err:
+            raise RequestNotDone(f"{Ending.DIED}: {err}") from err
+
+    async def _is_renewed(self) -> bool:
+        """By the arbiter; where it is gone by the gateway, and by the next arbiter that comes.
+
+        Raises:
+            Refused: The lease has ended.
+        """
+        if self._arbiter is not None:
+            patience = (self._expires_at - self._loop.time()) / 2.0
+            about = {"seconds": self.seconds, "token": self.token, "element": str(self.place)}
+            outcome = await self._ask(self._arbiter, "renew", patience, **about)
+            if outcome.ending is Ending.REFUSED:
+                raise Refused(outcome.why)
+            if outcome.ending is not Ending.DIED:
+                return outcome.is_done
+            self._arbiter = None
+        try:
+            await self._gateways.renew(self.place, self.token, self.seconds)
+        except GatewayAway:
+            return False
+        self._arbiter = await find_arbiter(self._agent, self.seconds / RENEWALS / 2.0)
+        return True
+
+    async def _ask(self, arbiter: AgentName, request: str, within: float, **about: Any) -> Outcome:
+        return await self._agent.request(arbiter, request, reply_within=within, lease=self._id, **about)
 
     def _tell(self, news: LeaseNews) -> None:
         if self.ended.is_set():
             return
         self.news = news
-        if not (news.event is LeaseEvent.PREEMPTED and news.within > 0.0):
+        if news.is_warning:
+            self._warned_until = self._loop.time() + news.within + TIME_TO_TAKE_OVER
+        else:
             self.ended.set()
         if self._on_news is not None:
             self._on_news(news)
@@ -132,16 +196,14 @@ async def leased(
         priority: Whoever holds it with a lower one loses it.
         seconds: How long it lasts when its holder can renew it no more.
         notice: s that the present holder is given to let go.
-        arbiter: Whom to ask; by default whoever offers arbitration.
+        arbiter: Whom to ask; by default whoever offers arbitration, and else the robot's gateway.
         on_news: Told when the lease is wanted by somebody of higher priority (`within` s are left), and when it ends.
     Raises:
         RequestNotDone: It was not given; says why.
+        Refused: There can be no such element.
     """
-    chosen = arbiter or await find_arbiter(agent)
-    if chosen is None:
-        raise RequestNotDone(f"nobody gives leases on {element} here; start an arbiter, as `acromovi up` does")
-    outcome = await agent.request(chosen, "lease", element=element, priority=priority, seconds=seconds, notice=notice)
-    lease = HeldLease(agent, chosen, outcome.value(), on_news)
+    lease = HeldLease(agent, Place.parse(element), priority, seconds, on_news)
+    await lease.take(arbiter or await find_arbiter(agent), notice)
     behaviours = [agent.every(seconds / RENEWALS, lease.renew), agent.add(Cyclic(lease.hear))]
     try:
         yield lease
@@ -151,8 +213,8 @@ async def leased(
         await asyncio.shield(lease.release())
 
 
-async def find_arbiter(agent: Agent) -> AgentName | None:
-    """An arbiter that lives, the same for all who ask; None when there is none."""
+async def find_arbiter(agent: Agent, within: float = ANSWER_TIME) -> AgentName | None:
+    """An arbiter that lives, the same for all who ask; None when none has answered within so many seconds."""
     with Directory(agent.bus) as directory:
-        found = await directory.search(service=SERVICE)
+        found = await directory.search(service=SERVICE, within=within)
     return found[0].name if found else None

@@ -62,27 +62,19 @@ class Keeper(Closeable):
         self.inform(grant.holder, grant.id, grant.place, LeaseEvent.PREEMPTED, within, by)
 
     async def renew(self, grant: Grant, seconds: float) -> bool:
-        """Let it last so long from now; false when the gateway does not know it any more.
+        """Let it last so long from now, and from each renewal; false when the gateway does not know it any more.
+
+        The first renewal is written down, and each for another while.
 
         Raises:
             GatewayAway: Nobody knows; it lasts as long as it did.
         """
-        asked_at = self._loop.time()
-        try:
-            await self._gateways.renew(grant.place, grant.token, seconds)
-        except Refused as err:
-            self.end(grant, Entry.LOST, LeaseEvent.LOST, by=err.why)
+        if not await self._last(grant, seconds):
             return False
-        grant.expires_at = asked_at + seconds
-        if grant.id in self._book.grants:
-            self._wind(grant)
+        if not grant.is_renewed or grant.seconds != seconds:
+            grant.is_renewed, grant.seconds = True, seconds
+            self._note(Entry.RENEWED, grant, seconds=seconds)
         return True
-
-    def note_renewal(self, grant: Grant, seconds_before: float) -> None:
-        """Write a renewal down if it is the first, or for another while."""
-        if not grant.is_renewed or grant.seconds != seconds_before:
-            grant.is_renewed = True
-            self._note(Entry.RENEWED, grant, seconds=grant.seconds)
 
     async def take_back(self, grant: Grant) -> None:
         """Have the gateway end a lease, and stop what it was on; once it is out of reach, its own clock does."""
@@ -144,7 +136,20 @@ class Keeper(Closeable):
         left = grant.expires_at - self._loop.time()
         with suppress(GatewayAway):
             if left > 0.0:
-                await self.renew(grant, left)
+                await self._last(grant, left)
+
+    async def _last(self, grant: Grant, seconds: float) -> bool:
+        """Have the gateway let it last so long from now; it ends when the gateway does not know it."""
+        asked_at = self._loop.time()
+        try:
+            await self._gateways.renew(grant.place, grant.token, seconds)
+        except Refused as err:
+            self.end(grant, Entry.LOST, LeaseEvent.LOST, by=err.why)
+            return False
+        grant.expires_at = asked_at + seconds
+        if grant.id in self._book.grants:
+            self._wind(grant)
+        return True
 
     def _note(self, event: Entry, grant: Grant, **more: Any) -> None:
         self._audit.note(event, str(grant.holder), str(grant.place), grant.priority, **more)

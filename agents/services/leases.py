@@ -17,6 +17,7 @@ ONTOLOGY = "acromovi-lease"
 SERVICE = "arbitration"
 ROBOT = "robot"
 """What the gateway calls the lease on a whole robot."""
+LONGEST_NAME = 200  # characters of robot and element
 
 
 class LeaseLost(AgentError):
@@ -41,6 +42,11 @@ class LeaseNews:
     event: LeaseEvent
     within: float = 0.0
     by: str = ""
+
+    @property
+    def is_warning(self) -> bool:
+        """Whether the lease is still held, and somebody is about to take it over."""
+        return self.event is LeaseEvent.PREEMPTED and self.within > 0.0
 
     @classmethod
     def from_content(cls, content: Any) -> Self | None:
@@ -71,6 +77,8 @@ class Place:
         Raises:
             Refused: It is neither.
         """
+        if len(text) > LONGEST_NAME:
+            raise Refused(f"a lease is on an element such as base@happy; {text[:20]}… is longer than any name")
         try:
             if "@" not in text:
                 return cls(robot_name(text), ROBOT)

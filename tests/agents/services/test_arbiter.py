@@ -244,6 +244,7 @@ def test_forged_sender_can_neither_renew_nor_release_nor_get_anothers_token(worl
     ("arguments", "why"),
     [
         ({"element": "base@"}, "a lease is on an element such as base@happy"),
+        ({"element": "b" * 300}, "is longer than any name"),
         ({"element": "a/b"}, "a lease is on an element such as base@happy"),
         ({"element": "sonar@happy"}, "there is no lease on 'sonar'; what moves is base, gripper"),
         ({"element": "base@nobody"}, "the gateway of nobody does not answer"),

@@ -104,13 +104,17 @@ def test_arbiter_that_is_restarted_takes_the_lease_over_and_nobody_stops(world: 
     assert world.events(app) == ["adopted", "renewed", "released"]
 
 
-def test_lease_ends_when_its_arbiter_does_not_come_back(world: LeaseWorld, app: Agent) -> None:
+def test_lease_runs_on_at_the_gateway_when_its_arbiter_does_not_come_back(world: LeaseWorld, app: Agent) -> None:
     async def use(lease: HeldLease) -> None:
         world.kill_named(ARBITER)
-        await asyncio.wait_for(lease.ended.wait(), 5.0)
-        assert world.gateway.moves("base", "")
+        stops = len(world.gateway.stopped)
+        await asyncio.sleep(20.0)
+        assert lease.is_held
+        assert world.gateway.moves("base", lease.token)
+        assert len(world.gateway.stopped) == stops
 
-    assert [each.event for each in holding(world, app, use)] == [LeaseEvent.EXPIRED]
+    assert holding(world, app, use) == []
+    assert world.gateway.moves("base", "")
 
 
 def test_lease_is_given_back_to_the_gateway_when_no_arbiter_is_there(world: LeaseWorld, app: Agent) -> None:
@@ -146,11 +150,80 @@ def test_what_is_held_already_is_not_given(world: LeaseWorld, app: Agent) -> Non
     holding(world, app, use)
 
 
-def test_without_an_arbiter_one_is_told_what_to_start(world: LeaseWorld) -> None:
+def test_warning_that_comes_to_nothing_is_over(world: LeaseWorld, app: Agent) -> None:
+    chief = world.holder("chief")
+
+    async def use(lease: HeldLease) -> None:
+        wish = {"element": "base@happy", "priority": 1}
+        assert not (await chief.request(ARBITER, "lease", reply_within=0.2, **wish)).is_done
+        assert lease.wanted_by == "chief@lab"
+        await asyncio.sleep(2.0)
+        assert lease.wanted_by == ""
+        lease.check()
+
+    assert len(holding(world, app, use)) == 1
+
+
+def test_who_gives_no_notice_takes_over_without_a_warning(world: LeaseWorld, app: Agent) -> None:
+    chief = world.holder("chief")
+
+    async def use(lease: HeldLease) -> None:
+        given = await chief.request(ARBITER, "lease", element="base@happy", priority=1, notice=0.0)
+        assert given.is_done
+        await asyncio.wait_for(lease.ended.wait(), 0.1)
+
+    assert holding(world, app, use) == [LeaseNews(LeaseEvent.PREEMPTED, 0.0, "chief@lab")]
+
+
+def test_without_an_arbiter_the_gateway_gives_it(world: LeaseWorld) -> None:
+    app, other = world.holder("app"), world.holder("other")
+
+    async def use(lease: HeldLease) -> None:
+        await asyncio.sleep(20.0)
+        assert world.gateway.moves("base", lease.token)
+        assert not world.gateway.moves("base", "")
+        with pytest.raises(RequestNotDone, match="refused: app@lab holds the lease on the base"):
+            async with leased(other, "base@happy"):
+                pass
+
+    assert holding(world, app, use) == []
+    assert world.gateway.moves("base", "")
+
+
+def test_lease_from_the_gateway_is_kept_by_the_arbiter_that_comes(world: LeaseWorld) -> None:
     app = world.holder("app")
+
+    async def use(lease: HeldLease) -> None:
+        await world.begin(Arbiter(ARBITER))
+        await asyncio.sleep(5.0)
+        assert world.gateway.moves("base", lease.token)
+
+    assert holding(world, app, use) == []
+    assert world.events(app) == ["adopted", "renewed", "released"]
+
+
+@pytest.mark.parametrize("with_arbiter", [True, False])
+def test_gateway_that_begins_anew_has_lost_the_lease(world: LeaseWorld, with_arbiter: bool) -> None:
+    if with_arbiter:
+        world.arbiter()
+    app = world.holder("app")
+
+    async def use(lease: HeldLease) -> None:
+        world.gateway.kill()
+        await asyncio.sleep(0.5)
+        world.gateway.start()
+        await asyncio.wait_for(lease.ended.wait(), 2.0)
+        assert not world.gateway.moves("base", lease.token)
+
+    assert [each.event for each in holding(world, app, use)] == [LeaseEvent.LOST]
+
+
+def test_who_has_neither_arbiter_nor_gateway_is_told(world: LeaseWorld) -> None:
+    app = world.holder("app")
+    world.gateway.kill()
 
     async def use(lease: HeldLease) -> None:
         raise AssertionError("nobody gave it")
 
-    with pytest.raises(RequestNotDone, match="start an arbiter"):
+    with pytest.raises(RequestNotDone, match="the gateway of happy does not answer; is the robot there"):
         holding(world, app, use)
