@@ -19,13 +19,13 @@ import importlib.util
 import inspect
 import pkgutil
 import sys
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from agents.face.complaints import complaint
 from agents.face.errors import RobotError
 from agents.platform.handler import Handler, NotUnderstood
 
@@ -113,16 +113,6 @@ def find_program(name: str, folders: Sequence[Path] = ()) -> Program:
     if not callable(main) or not inspect.signature(main).parameters:
         raise ProgramNotValid(f"{file or name} has no function main(team); an application begins there")
     return Program(file.stem if file else name, module)
-
-
-def complaint(error: BaseException, file: Path) -> str:
-    """An exception of a program in one sentence: file, line, and what was raised."""
-    if isinstance(error, SyntaxError) and error.filename == str(file):
-        return f"{file.name}, line {error.lineno}: {error.msg}"
-    frames = traceback.extract_tb(error.__traceback__)
-    line = next((frame.lineno for frame in reversed(frames) if frame.filename == str(file)), None)
-    where = file.name if line is None else f"{file.name}, line {line}"
-    return f"{where}: {type(error).__name__}: {error}"
 
 
 def _load_file(file: Path) -> ModuleType:

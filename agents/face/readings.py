@@ -1,7 +1,7 @@
 """What elements say, as a program sees it: metres, seconds and radians; x forward, y left, angles counter-clockwise.
 
-A distance where nothing answered is infinite, so that `nearest < 0.5` needs no special case. Every reading has `stamp`,
-s since 1970 on the clock of the robot's gateway.
+A distance where nothing answered is infinite, so that `nearest < 0.5` needs no special case; any other number that
+nobody knows is NaN. Every reading has `stamp`, s since 1970 on the clock of the robot's gateway.
 """
 
 import math
@@ -25,16 +25,21 @@ def _row(value: Any) -> tuple[float, ...]:
     return tuple(_metres(distance) for distance in value)
 
 
-def _maybe(value: Any) -> float | None:
-    return None if value is None else float(value)
-
-
-def _angle(value: Any) -> float:
+def _number(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
+def _numbers(value: Any) -> tuple[float, ...]:
+    return tuple(map(_number, value))
+
+
+def _by_name(value: Any) -> dict[str, float]:
+    return {str(name): _number(number) for name, number in value.items()}
+
+
 # How a field is read that is not taken as it is.
-METRES, RING, ROW, MAYBE, ANGLE, TUPLE = ({"reader": each} for each in (_metres, _ring, _row, _maybe, _angle, tuple))
+METRES, RING, ROW, TUPLE = ({"reader": each} for each in (_metres, _ring, _row, tuple))
+NUMBER, NUMBERS, BY_NAME = ({"reader": each} for each in (_number, _numbers, _by_name))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,11 +70,11 @@ class Reading:
 class BaseReading(Reading):
     """Where the robot believes it is, in its frame `odom`, and how fast it is."""
 
-    x: float
-    y: float
-    heading: float
-    linear: float
-    angular: float
+    x: float = field(metadata=NUMBER)
+    y: float = field(metadata=NUMBER)
+    heading: float = field(metadata=NUMBER)
+    linear: float = field(metadata=NUMBER)
+    angular: float = field(metadata=NUMBER)
 
     @property
     def pose(self) -> Pose2D:
@@ -89,18 +94,18 @@ class RangesReading(Reading):
 class SonarReading(RangesReading):
     """Ranges of the sonar discs. bearing: of the nearest, from straight ahead, rad; NaN when nothing is near."""
 
-    bearing: float = field(metadata=ANGLE)
+    bearing: float = field(metadata=NUMBER)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaserReading(Reading):
     """One sweep of the laser. ranges: from the right to the left, `angle_increment` apart."""
 
-    angle_min: float
-    angle_increment: float
+    angle_min: float = field(metadata=NUMBER)
+    angle_increment: float = field(metadata=NUMBER)
     ranges: tuple[float, ...] = field(metadata=ROW)
     nearest: float = field(metadata=METRES)
-    bearing: float = field(metadata=ANGLE)
+    bearing: float = field(metadata=NUMBER)
 
     def within(self, left: float, right: float) -> float:
         """The nearest thing between two bearings: `within(0.3, -0.3)` is ahead; infinite when nothing is there."""
@@ -124,8 +129,8 @@ class BumpersReading(Reading):
 class BatteryReading(Reading):
     """voltage: V. fraction: how full, 0 to 1; None where the robot does not say."""
 
-    voltage: float
-    fraction: float | None = field(metadata=MAYBE)
+    voltage: float = field(metadata=NUMBER)
+    fraction: float | None
     charging: bool
 
 
@@ -135,7 +140,7 @@ class IoReading(Reading):
 
     digital_in: tuple[bool, ...] = field(metadata=TUPLE)
     digital_out: tuple[bool, ...] = field(metadata=TUPLE)
-    analog_in: tuple[float, ...] = field(metadata=TUPLE)
+    analog_in: tuple[float, ...] = field(metadata=NUMBERS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,9 +165,9 @@ class GripperReading(Reading):
 class PtzReading(Reading):
     """Where the camera looks. pan: to the left. tilt: up. zoom: magnification, 1 at the widest."""
 
-    pan: float
-    tilt: float
-    zoom: float
+    pan: float = field(metadata=NUMBER)
+    tilt: float = field(metadata=NUMBER)
+    zoom: float = field(metadata=NUMBER)
     moving: bool
 
 
@@ -170,7 +175,7 @@ class PtzReading(Reading):
 class ArmReading(Reading):
     """Where the arm is. joints: by name, rad."""
 
-    joints: dict[str, float]
+    joints: dict[str, float] = field(metadata=BY_NAME)
     powered: bool
     homed: bool
     moving: bool
@@ -178,10 +183,10 @@ class ArmReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraReading(Reading):
-    """What the camera delivers. rate: pictures a second."""
+    """What the camera delivers. width, height: pixels; None where they cannot be told. rate: pictures a second."""
 
-    width: int
-    height: int
+    width: int | None
+    height: int | None
     format: str
     frames: int
     rate: float
@@ -191,18 +196,8 @@ class CameraReading(Reading):
 class JoystickReading(Reading):
     """The joystick on the robot. axes: -1 to 1."""
 
-    axes: tuple[float, ...] = field(metadata=TUPLE)
+    axes: tuple[float, ...] = field(metadata=NUMBERS)
     buttons: tuple[int, ...] = field(metadata=TUPLE)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
-    """One picture. format: `jpeg` or `png`. data: the bytes of such a file."""
-
-    format: str
-    width: int
-    height: int
-    data: bytes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,9 +1,11 @@
 """The elements that tell what a robot senses."""
 
 import base64
+import math
 from collections.abc import Sequence
 
 from agents.face.element import Element
+from agents.face.picture import Picture
 from agents.face.readings import (
     BatteryReading,
     BumpersReading,
@@ -12,7 +14,6 @@ from agents.face.readings import (
     JoystickReading,
     LaserReading,
     OtherReading,
-    Picture,
     RangesReading,
     SonarReading,
 )
@@ -88,7 +89,7 @@ class Camera(Element[CameraReading]):
     reading = CameraReading
 
     def picture(self) -> Picture:
-        """Take a picture: `Path("here.jpg").write_bytes(robot.camera.picture().data)`."""
+        """The newest picture: `robot.camera.picture().save("here.jpg")`."""
         taken = self.ask("picture")
         return Picture(
             format=taken["format"],
@@ -127,5 +128,6 @@ class Compass(Element[OtherReading]):
     """The compass."""
 
     def heading(self) -> float:
-        """From magnetic north, counter-clockwise, rad."""
-        return float(self.read()["heading"])
+        """From magnetic north, counter-clockwise, rad; NaN where it cannot be told."""
+        heading = self.read()["heading"]
+        return math.nan if heading is None else float(heading)

@@ -5,6 +5,7 @@ import concurrent.futures
 import threading
 import time
 from collections.abc import Awaitable, Callable, Coroutine
+from contextlib import suppress
 from typing import Any, TypeVar
 
 from agents.face.errors import RobotError, Stopped
@@ -23,12 +24,14 @@ class Stage:
 
     agent: who asks. loop: where it lives; calls come from any other thread.
     moving: how to stop what the program has set going and has not seen the end of.
+    only_looks: whether the bus lets it read, and ask for nothing.
     """
 
     def __init__(self, agent: Agent, loop: asyncio.AbstractEventLoop) -> None:
         self.agent = agent
         self.loop = loop
         self.moving: dict[object, Halt] = {}
+        self.only_looks = False
         self._changed = threading.Condition()
         self._under_way: set[concurrent.futures.Future[Any]] = set()
         self._last_call = time.monotonic()
@@ -64,9 +67,10 @@ class Stage:
             raise
         return self._wait(work)
 
-    def last(self, work: Coroutine[Any, Any, Result]) -> Result:
-        """The same for what must be done even when the program is to end."""
-        return self._wait(_in_time(work))
+    def last(self, work: Coroutine[Any, Any, object]) -> None:
+        """The same for what must be tried even when the program is to end, whose reason counts for more than this."""
+        with suppress(RobotError, TimeoutError):
+            self._wait(_in_time(work))
 
     def suspend(self) -> None:
         """Let calls wait until `resume`; those under way are finished."""
@@ -123,6 +127,6 @@ class Stage:
                 self._last_call = time.monotonic()
 
 
-async def _in_time(work: Awaitable[Result]) -> Result:
+async def _in_time(work: Awaitable[object]) -> None:
     async with asyncio.timeout(LAST_WORDS):
-        return await work
+        await work

@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from agents.face.backstage import Backstage
+from agents.face.complaints import complain_in_a_sentence
 from agents.face.element import PATIENCE
 from agents.face.errors import RobotError, Stopped, error_of
 from agents.face.horizon import Horizon
@@ -36,6 +37,7 @@ class Team:
         Raises:
             RobotError: It cannot be reached.
         """
+        complain_in_a_sentence()
         backstage = Backstage(bus)
         self._backstage: Backstage | None = backstage
         self._begin(backstage.stage, backstage.stage.call(look(backstage.stage)))
@@ -101,7 +103,12 @@ class Team:
         """Beats for a `for` loop, every `period` seconds, each with the s since the first; beats missed are left out.
 
         The loop ends when the program is to end, and waits while it is suspended.
+
+        Raises:
+            RobotError: The period is none.
         """
+        if not period > 0.0:
+            raise RobotError(f"every takes a period of more than 0 s, not {period!r}")
         clock = self._stage.loop.time
         start, beat = clock(), 0
         while True:

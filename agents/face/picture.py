@@ -1,0 +1,46 @@
+"""One picture, in a program's hands."""
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from agents.face.errors import RobotError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """One picture. format: `jpeg` or `png`. data: such a file. width, height: pixels, None where they are not known."""
+
+    format: str
+    width: int | None
+    height: int | None
+    data: bytes
+
+    def save(self, file: str | Path) -> None:
+        """Write it into a file.
+
+        Raises:
+            RobotError: It cannot be written there.
+        """
+        try:
+            Path(file).write_bytes(self.data)
+        except OSError as err:
+            raise RobotError(f"the picture cannot be written to {file}: {err.strerror}") from err
+
+    def pixels(self) -> npt.NDArray[np.uint8]:
+        """The colours of its pixels: rows from the top, columns from the left, and blue, green and red, 0 to 255.
+
+        Raises:
+            RobotError: It is no picture, or OpenCV is missing, which takes it apart.
+        """
+        if find_spec("cv2") is None:
+            raise RobotError("a picture's pixels are found by OpenCV; install it with: pip install 'acromovi[vision]'")
+        import cv2  # here and not at the top: it is a large part that only this needs
+
+        found = cv2.imdecode(np.frombuffer(self.data, np.uint8), cv2.IMREAD_COLOR)
+        if found is None:
+            raise RobotError(f"what the camera gave is no {self.format} that can be read")
+        return np.asarray(found, np.uint8)
