@@ -1,0 +1,84 @@
+"""The router of a bus is killed and started again while agents talk through it."""
+
+import asyncio
+import socket
+from contextlib import ExitStack
+from typing import Any
+
+from agents.platform import AclMessage, AgentName, Directory, Ending, Performative
+from bus import ZenohBus
+from bus.session import configuration
+from tests.agents.faults import processes
+from tests.agents.faults.party import conversations, party
+from tests.agents.faults.worker import Worker
+from tests.waiting import DEADLINE
+
+CONSOLE, WORKER = AgentName("console", "lab"), AgentName("worker", "happy")
+
+
+def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        address = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    client = configuration("router", {"connect/endpoints": [address]})
+
+    async def main(stack: ExitStack, router: "Router") -> None:
+        there, here, elsewhere = (stack.enter_context(ZenohBus(client)) for _ in range(3))
+        directory = stack.enter_context(Directory(elsewhere))
+        async with party(there, WORKER) as worker, party(here, CONSOLE) as console:
+            await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed")
+            heard = listen(console)
+            begun = {name: asyncio.ensure_future(one) for name, one in conversations(console, WORKER).items()}
+            await processes.until(lambda: worker.at_work == len(begun), "they are in the middle of it")
+
+            router.kill()
+            async with asyncio.timeout(DEADLINE):
+                endings = {name: await one for name, one in begun.items()}
+            assert endings.pop("cancel") in (Ending.DIED, Ending.CANCELLED)
+            assert set(endings.values()) == {Ending.DIED}
+            await processes.until(lambda: directory.names == [], "nobody is listed")
+            await processes.until(lambda: worker.at_work <= 1, "the worker has left all but what clings")
+            assert (await console.request(WORKER, "look")).ending is Ending.DIED
+            worker.publish({"number": 1})  # which nobody hears, and which does no harm
+            console.send(AclMessage(performative=Performative.INFORM, sender=CONSOLE, receivers=(WORKER,)))
+
+            await asyncio.to_thread(router.start)
+            await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed again")
+            assert (await console.request(WORKER, "look")).is_done
+            assert [found.name for found in await directory.search(robot="happy")] == [WORKER]
+            async with console.subscribe(WORKER, "count") as values:
+                assert await anext(values) == 0
+            await processes.until(lambda: worker.is_heard, "its results are listened to again")
+            worker.publish({"number": 2})
+            await processes.until(lambda: heard, "a result has come")
+            assert heard == [{"number": 2}]
+
+    with ExitStack() as stack, Router(address) as router:
+        asyncio.run(main(stack, router))
+
+
+class Router(ExitStack):
+    """A router that can be killed and started again."""
+
+    def __init__(self, address: str) -> None:
+        super().__init__()
+        self._address = address
+        self.start()
+
+    def start(self) -> None:
+        self._process = self.enter_context(
+            processes.running("acromovi", "router", "--listen", self._address, says="routing")
+        )
+
+    def kill(self) -> None:
+        self._process.kill()
+
+
+def listen(console: Worker) -> list[dict[str, Any]]:
+    """What it hears of the worker's results."""
+    heard: list[dict[str, Any]] = []
+
+    async def hear(result: dict[str, Any]) -> None:
+        heard.append(result)
+
+    console.listen(WORKER.results_key, hear)
+    return heard
