@@ -16,6 +16,7 @@ from bus.keys import Topic
 
 PATIENCE_S = 10.0
 DRIVING_PERIOD_S = 0.1
+LOST = "the robot is not connected"  # so the gateway refuses what it cannot pass on
 
 
 class SceneFailed(Exception):
@@ -63,15 +64,20 @@ class Stage:
     def tell(self, topic: Topic, **arguments: Any) -> dict[str, Any]:
         """Give the robot a command; returns its answer.
 
+        A busy machine may lose the robot for a moment: that is waited for.
+
         Raises:
             Refused: It does not obey.
             SceneFailed: Nobody answers.
         """
-        try:
-            (answer,) = self._bus.query(topic.key(self.robot), arguments, PATIENCE_S)
-        except NoAnswer as error:
-            raise SceneFailed(str(error)) from error
-        return answer.value
+        deadline = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                return self._tell(topic, arguments)
+            except Refused as refusal:
+                if not refusal.why.startswith(LOST) or time.monotonic() > deadline:
+                    raise
+                time.sleep(0.1)
 
     def is_refused(self, topic: Topic, **arguments: Any) -> str:
         """Give the robot a command that it must refuse; returns why it does.
@@ -80,10 +86,17 @@ class Stage:
             SceneFailed: It obeys.
         """
         try:
-            self.tell(topic, **arguments)
+            self._tell(topic, arguments)
         except Refused as refusal:
             return str(refusal)
         raise SceneFailed(f"{topic.suffix} {arguments} was not refused")
+
+    def _tell(self, topic: Topic, arguments: dict[str, Any]) -> dict[str, Any]:
+        try:
+            (answer,) = self._bus.query(topic.key(self.robot), arguments, PATIENCE_S)
+        except NoAnswer as error:
+            raise SceneFailed(str(error)) from error
+        return answer.value
 
     def see(
         self, topic: Topic, wanted: Callable[[Any], bool] = lambda _: True, what: str = "", within: float = PATIENCE_S
