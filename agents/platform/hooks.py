@@ -24,7 +24,7 @@ class Hook:
 
 def every(period: float, policy: Policy | None = None) -> Callable[[Method], Method]:
     """Do this method every `period` seconds while the agent is active; begun again after a failure by default."""
-    return _hooked(lambda agent, method: agent.every(period, method, policy))
+    return hooked(lambda agent, method: agent.every(period, method, policy))
 
 
 def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[Method], Method]:
@@ -36,7 +36,7 @@ def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[
     def begin(agent: Agent, method: Callable[..., Any]) -> object:
         return agent.listen(f"{agent.name.platform}/{topic}", method, keep=keep, policy=policy)
 
-    return _hooked(begin)
+    return hooked(begin)
 
 
 def request(name: str, *, agrees_itself: bool = False) -> Callable[[Method], Method]:
@@ -46,7 +46,7 @@ def request(name: str, *, agrees_itself: bool = False) -> Callable[[Method], Met
     the agent has agreed, and every exception is a failure. With `agrees_itself` it may refuse until it has called
     `agree`. When the one who asks cancels or dies, it gets a `CancelledError`, and may clean up.
     """
-    return _hooked(lambda agent, method: agent.answer(name, method, agrees_itself=agrees_itself))
+    return hooked(lambda agent, method: agent.answer(name, method, agrees_itself=agrees_itself))
 
 
 def subscription(name: str) -> Callable[[Method], Method]:
@@ -55,12 +55,12 @@ def subscription(name: str) -> Callable[[Method], Method]:
     Its arguments are checked, and it refuses, as with `request`. It is closed when the subscriber cancels or dies, and
     when this agent ends.
     """
-    return _hooked(lambda agent, method: agent.answer_subscriptions(name, method))
+    return hooked(lambda agent, method: agent.answer_subscriptions(name, method))
 
 
 def answers(name: str) -> Callable[[Method], Method]:
     """Let this method answer queries of a name: what it returns is what the other wants to know, else as `request`."""
-    return _hooked(lambda agent, method: agent.answer_queries(name, method))
+    return hooked(lambda agent, method: agent.answer_queries(name, method))
 
 
 def proposes(name: str) -> Callable[[Method], Method]:
@@ -69,7 +69,7 @@ def proposes(name: str) -> Callable[[Method], Method]:
     It takes the arguments of the request, returns the proposal, and raises `bus.Refused` to make none. Once the
     proposal is accepted, the request is done.
     """
-    return _hooked(lambda agent, method: agent.answer_calls(name, method))
+    return hooked(lambda agent, method: agent.answer_calls(name, method))
 
 
 def hooks_of(agent: Agent) -> list[tuple[Callable[..., Any], Hook]]:
@@ -84,7 +84,9 @@ def marks(function: Callable[..., Any]) -> list[Hook]:
     return list(getattr(function, _HOOKS, []))
 
 
-def _hooked(begin: Callable[[Agent, Callable[..., Any]], object]) -> Callable[[Method], Method]:
+def hooked(begin: Callable[[Agent, Callable[..., Any]], object]) -> Callable[[Method], Method]:
+    """A decorator for methods, which begins them so once their agent is active; for decorators of other rooms."""
+
     def mark(method: Method) -> Method:
         setattr(method, _HOOKS, [*getattr(method, _HOOKS, []), Hook(begin)])
         return method

@@ -1,0 +1,238 @@
+"""What flows between the components of the navigation.
+
+Lengths in m, angles in rad, counter-clockwise, speeds in m/s and rad/s, stamps in s since 1970. Unless said otherwise,
+places are in the robot's `odom` frame, whose x points to where the robot looked when its gateway connected.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import isfinite
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bus import MessageError
+
+Floats = NDArray[np.float64]
+Place = tuple[float, float]
+
+MILLIMETRES = 3  # digits that ranges are sent with; no sensor here measures finer
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """Anything that flows. On the bus it is a JSON object of its fields; an array is a list, its infinities null."""
+
+    arrays: ClassVar[frozenset[str]] = frozenset()
+    parts: ClassVar[Mapping[str, type["Data"]]] = {}  # fields that are tuples of other data
+
+    def to_json(self) -> dict[str, Any]:
+        """As it travels."""
+        told: dict[str, Any] = {}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name in self.arrays:
+                told[field.name] = _listed(value)
+            elif field.name in self.parts:
+                told[field.name] = [part.to_json() for part in value]
+            else:
+                told[field.name] = value
+        return told
+
+    @classmethod
+    def from_json(cls, told: Mapping[str, Any]) -> Self:
+        """As it has come.
+
+        Raises:
+            MessageError: It is not of this kind.
+        """
+        try:
+            given = {
+                name: _array(value)
+                if name in cls.arrays
+                else tuple(cls.parts[name].from_json(part) for part in value)
+                if name in cls.parts
+                else tuple(value)
+                if isinstance(value, list)
+                else value
+                for name, value in told.items()
+            }
+            return cls(**given)
+        except (TypeError, ValueError) as err:
+            raise MessageError(f"this is no {cls.__name__}: {err}") from err
+
+
+def _listed(values: Floats) -> list[Any]:
+    return [value if isfinite(value) else None for value in np.round(values, MILLIMETRES).tolist()]
+
+
+def _array(values: list[Any]) -> Floats:
+    array = np.array(values, dtype=np.float64)
+    array[np.isnan(array)] = np.inf
+    return array
+
+
+# Missions.
+
+
+@dataclass(frozen=True, slots=True)
+class GoalPoint(Data):
+    """Where a person wants the robot to be.
+
+    mission: its name. heading: at the end; None where any will do. tolerance: how near is there. A mission without a
+    place is cancelled: the robot stops.
+    """
+
+    mission: str
+    x: float | None
+    y: float | None
+    heading: float | None = None
+    tolerance: float = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class LogMessage(Data):
+    """Something that a person may want to know. level: `info`, `warning` or `error`."""
+
+    stamp: float
+    component: str
+    mission: str
+    level: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class WorldCoord(Data):
+    """Where the reactive components are to bring the robot.
+
+    order: rising; whoever has a higher one knows that this is old. aim: `go` there, `turn` towards `heading`, or
+    `rest`, when nobody is to move it. speed: at most. is_last: it is to stop there, not to pass.
+    """
+
+    stamp: float
+    order: int
+    aim: str
+    x: float = 0.0
+    y: float = 0.0
+    heading: float = 0.0
+    speed: float = 0.0
+    is_last: bool = True
+
+
+# Readings.
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry(Data):
+    """Pose and speed. jumps: counts how often the pose was set anew, and what was known of places is void."""
+
+    stamp: float
+    x: float
+    y: float
+    heading: float
+    linear: float
+    angular: float
+    jumps: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class SonarRead(Data):
+    """All sonar discs at once, in the robot's frame.
+
+    pose: of the robot, x, y and heading in odom. places_x, places_y, headings: of the discs. ranges: infinite where
+    there was no echo.
+    """
+
+    arrays: ClassVar[frozenset[str]] = frozenset({"places_x", "places_y", "headings", "ranges"})
+
+    stamp: float
+    pose: tuple[float, float, float]
+    places_x: Floats
+    places_y: Floats
+    headings: Floats
+    ranges: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class LaserRead(Data):
+    """One scan.
+
+    pose: of the robot in odom when the scan was made. mount: of the scanner on the robot, x, y and heading. ranges: at
+    `angle_min + i * angle_increment` about the scanner, infinite where nothing was hit within `range_max`.
+    """
+
+    arrays: ClassVar[frozenset[str]] = frozenset({"ranges"})
+
+    stamp: float
+    pose: tuple[float, float, float]
+    mount: tuple[float, float, float]
+    angle_min: float
+    angle_increment: float
+    range_max: float
+    ranges: Floats
+
+
+# What is seen in them.
+
+
+@dataclass(frozen=True, slots=True)
+class Door(Data):
+    """A door-like exit: a place where one can leave.
+
+    x, y: its centre. width. normal: where one looks who goes through it, away from where it was seen. confidence: 0 to
+    1.
+    """
+
+    x: float
+    y: float
+    width: float
+    normal: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class DLEData(Data):
+    """The door-like exits of one scan, the nearest first."""
+
+    parts: ClassVar[Mapping[str, type[Data]]] = {"doors": Door}
+
+    stamp: float
+    pose: tuple[float, float, float]
+    doors: tuple[Door, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ObstRead(Data):
+    """What is in the way, of late.
+
+    nearest: distance from the robot's outline, infinite where nothing is. bearing: of it, in the robot's frame.
+    points_x, points_y: of obstacles seen now, in odom. is_dead_end: one cannot go on towards where it goes.
+    """
+
+    arrays: ClassVar[frozenset[str]] = frozenset({"points_x", "points_y"})
+
+    stamp: float
+    pose: tuple[float, float, float]
+    nearest: float | None
+    bearing: float
+    points_x: Floats
+    points_y: Floats
+    is_dead_end: bool
+
+
+@dataclass(frozen=True, slots=True)
+class MotionCmd(Data):
+    """How a component wants the robot to move.
+
+    stamp: of the reading from which it follows; the fuser uses it so long as its age limit says. source: who wants it.
+    weight: beside what others want; at zero it wants nothing. limit: the fastest forward that it allows, whatever
+    others want.
+    """
+
+    stamp: float
+    source: str
+    linear: float
+    angular: float
+    weight: float
+    limit: float | None = None

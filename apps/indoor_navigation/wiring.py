@@ -1,0 +1,169 @@
+"""The wiring: which components there are, where they run, who hears whom, and every number; read from one file."""
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import configs
+from agents.platform import AgentName, Kinds
+from apps.indoor_navigation.component import Component, heard
+from configs import ConfigError
+
+WIRING = Path(__file__).with_name("wiring.toml")
+
+Table = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentEntry:
+    """A component, as the file has it.
+
+    kind: `module:Class`. process: where it runs. hears: `component.Data`, each of which it is pushed. tells: kind of
+    data to the component that it is sent to. asks: query to the component that answers it. numbers: its own.
+    """
+
+    kind: str
+    process: str
+    hears: tuple[str, ...] = ()
+    tells: dict[str, str] = field(default_factory=dict)
+    asks: dict[str, str] = field(default_factory=dict)
+    numbers: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class WiringFile:
+    """The file as it stands. about: for people."""
+
+    components: dict[str, ComponentEntry]
+    about: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One component, ready to be started. properties: what its agent is given."""
+
+    local: str
+    kind: str
+    process: str
+    properties: Mapping[str, Any]
+
+    def agent(self, robot: str) -> AgentName:
+        """What it is called for a robot."""
+        return AgentName(self.local, robot)
+
+
+class Wiring:
+    """Checked: whoever hears something is pushed it by somebody who gives it."""
+
+    def __init__(self, file: WiringFile, source: str, kinds: Kinds | None = None) -> None:
+        """Check a file.
+
+        Args:
+            file: As it was read.
+            source: Named in messages.
+            kinds: Where the classes of components are looked for.
+        Raises:
+            ConfigError: Something does not fit; says what.
+        """
+        self._source = source
+        self._file = file
+        self._classes = {name: self._class(name, entry, kinds or Kinds()) for name, entry in file.components.items()}
+        for name, entry in file.components.items():
+            self._check(name, entry)
+        self.parts = tuple(
+            Part(name, entry.kind, entry.process, _properties(entry)) for name, entry in file.components.items()
+        )
+
+    @property
+    def processes(self) -> tuple[str, ...]:
+        """In the order in which they are named first."""
+        return tuple(dict.fromkeys(part.process for part in self.parts))
+
+    def of_process(self, process: str) -> tuple[Part, ...]:
+        """The components that run in a process.
+
+        Raises:
+            ConfigError: There is no such process.
+        """
+        if process not in self.processes:
+            raise self._error(f"there is no process {process!r}; {_choose(process, self.processes)}")
+        return tuple(part for part in self.parts if part.process == process)
+
+    def _class(self, name: str, entry: ComponentEntry, kinds: Kinds) -> type[Component]:
+        try:
+            found = kinds.find(entry.kind)
+        except LookupError as err:
+            raise self._error(f"components.{name}.kind: {err}") from err
+        if not issubclass(found, Component):
+            raise self._error(f"components.{name}.kind: {entry.kind} is no component of the navigation")
+        configs.build(found.numbers_type, entry.numbers, f"{self._source}: components.{name}.numbers")
+        return found
+
+    def _check(self, name: str, entry: ComponentEntry) -> None:
+        heard_here = {kind.__name__ for kind in heard(self._classes[name])}
+        for connection in entry.hears:
+            source, what = _split(connection)
+            self._check_there(f"components.{name}.hears", source)
+            given = [kind.__name__ for kind in self._classes[source].gives]
+            if what not in given:
+                raise self._error(f"components.{name}.hears: {source} gives no {what!r}; {_choose(what, given)}")
+            if what not in heard_here:
+                raise self._error(f"components.{name}.hears: {name} does nothing with {what}; leave it out")
+        for what in heard_here - {_split(connection)[1] for connection in entry.hears}:
+            raise self._error(f"components.{name}.hears: {name} needs somebody's {what}")
+        for kind in self._classes[name].tells:
+            if kind.__name__ not in entry.tells:
+                raise self._error(f"components.{name}.tells: say to whom {name} sends its {kind.__name__}")
+        for where, table in (("tells", entry.tells), ("asks", entry.asks)):
+            for receiver in table.values():
+                self._check_there(f"components.{name}.{where}", receiver)
+
+    def _check_there(self, where: str, component: str) -> None:
+        if component not in self._file.components:
+            known = list(self._file.components)
+            raise self._error(f"{where}: there is no component {component!r}; {_choose(component, known)}")
+
+    def _error(self, what: str) -> ConfigError:
+        return ConfigError(f"{self._source}: {what}")
+
+
+def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
+    """Read and check a wiring.
+
+    Args:
+        path: The file.
+        changes: Tables laid over the file's, as `{"components": {"goto": {"numbers": {"speed": 0.3}}}}`.
+    Raises:
+        ConfigError: It cannot be used; says why.
+    """
+    table = _laid_over(configs.read(path), changes or {})
+    return Wiring(configs.build(WiringFile, table, str(path)), str(path))
+
+
+def _laid_over(table: Table, changes: Table) -> dict[str, Any]:
+    merged = dict(table)
+    for key, value in changes.items():
+        below = table.get(key)
+        merged[key] = _laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
+    return merged
+
+
+def _properties(entry: ComponentEntry) -> dict[str, Any]:
+    return {
+        "hears": [list(_split(connection)) for connection in entry.hears],
+        "tells": dict(entry.tells),
+        "asks": dict(entry.asks),
+        "numbers": dict(entry.numbers),
+    }
+
+
+def _split(connection: str) -> tuple[str, str]:
+    source, _, what = connection.partition(".")
+    return source, what
+
+
+def _choose(name: str, known: tuple[str, ...] | list[str]) -> str:
+    near = difflib.get_close_matches(name, known, 1)
+    return f"did you mean {near[0]}?" if near else f"choose one of {', '.join(known) or 'none'}"
