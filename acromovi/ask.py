@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from bus.bus import Bus
 
 PATIENCE = 10.0  # s
+READ = "read"  # what one may have who may only look
 EPILOG = """\
 examples:
   acromovi ask sonar@happy read
@@ -58,12 +59,28 @@ def run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus:
         with KnownAgents(bus) as known:
             known.expect(peer)
-        outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
-    if not outcome.is_done:
-        print(f"acromovi ask: {outcome.ending}: {outcome.why}", file=sys.stderr)
-        return 1
-    print(json.dumps(outcome.result, ensure_ascii=False, indent=None if arguments.json else 2))
+        if arguments.request == READ and not may_query(bus, peer.acl_key):
+            result: Any = bus.query(peer.results_key, timeout=arguments.timeout)[0].value
+        else:
+            bus.check_may_query(peer.acl_key)
+            outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
+            if not outcome.is_done:
+                print(f"acromovi ask: {outcome.ending}: {outcome.why}", file=sys.stderr)
+                return 1
+            result = outcome.result
+    print(json.dumps(result, ensure_ascii=False, indent=None if arguments.json else 2))
     return 0
+
+
+def may_query(bus: "Bus", key: str) -> bool:
+    """Whether this program's role lets it."""
+    from bus.errors import NotAllowed
+
+    try:
+        bus.check_may_query(key)
+    except NotAllowed:
+        return False
+    return True
 
 
 async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any], within: float) -> "Outcome":
@@ -74,6 +91,6 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
 
     name = f"ask-{uuid.uuid4().hex[:6]}"
     async with Container(bus, name) as container:
-        agent = Agent(AgentName(name, "terminal"))
+        agent = Agent(AgentName(name, bus.own_name or "terminal"))
         await container.start(agent)
         return await agent.request(peer, request, reply_within=within, **given)

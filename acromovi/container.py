@@ -182,7 +182,7 @@ async def leave_if_second(container: "Container", end: End) -> None:
 
     await asyncio.sleep(MEETING_TIME)  # else only this one answers
     try:
-        found = await query(container.bus, f"*/containers/{container.name}/control", {"do": "list"}, LOOK_FOR_OTHERS)
+        found = await query(container.bus, f"*/containers/{container.name}/description", None, LOOK_FOR_OTHERS)
     except (BusError, TimeoutError):
         return  # someone who does not answer is frozen, and cannot be judged
     elder = min(found, key=lambda answer: (answer.value["since"], answer.value["identity"])).value

@@ -33,13 +33,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask the agent's container, and print what it says."""
-    from acromovi.known_containers import find_container, home_of, tell
+    from acromovi.known_containers import find_container, home_of
     from agents.platform.names import AgentName
     from bus.session import ZenohBus
 
     agent = AgentName.parse(arguments.agent)
     with ZenohBus.open(arguments.bus) as bus:
-        seen = tell(bus, find_container(bus, home_of(bus, agent)), "introspect", name=str(agent))
+        home = find_container(bus, home_of(bus, agent))
+        asked = {"do": "introspect", "name": str(agent)}
+        seen = bus.query(home.description_key, asked)[0].value
     if arguments.json:
         print(json.dumps(seen, ensure_ascii=False))
     else:

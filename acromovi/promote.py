@@ -47,10 +47,9 @@ def run(options: argparse.Namespace) -> int:
     try:
         program = chosen(options)
         name = options.name or program.name
-        agent = Application(
-            program, AgentName.parse(name if "@" in name else f"{name}@{PLATFORM}"), dict(options.arguments)
-        )
         with ending_in_time() as end, ZenohBus.open(options.bus) as bus:
+            full_name = name if "@" in name else f"{name}@{bus.own_name or PLATFORM}"
+            agent = Application(program, AgentName.parse(full_name), dict(options.arguments))
             asyncio.run(_live(bus, agent, end))
     except (RobotError, AgentError) as err:
         print(f"acromovi promote: {err}", file=sys.stderr)

@@ -25,6 +25,8 @@ examples:
   acromovi up acromovi                  the team of configs/teams/acromovi.toml, until Ctrl-C
   acromovi up my-team.toml              a team of one's own
   acromovi up acromovi --only happy,doc
+  acromovi up acromovi --bus secure:keys
+      on a bus with keys, each robot with its own, robot.NAME, and what looks after all with admin.acromovi
   acromovi up acromovi --json --quiet   one line once all serve:
       {"console": null, "robots": [NAME, ...], "control": PATH}
 
@@ -51,11 +53,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Bring a team up, hold it, and end it in order."""
+    from acromovi.team.identities import folder_of_keys
     from acromovi.team.plan import Choices, load_team
     from acromovi.team.team import TeamFailed
 
     team = load_team(arguments.team, arguments.only)
-    choices = Choices(arguments.bus, arguments.seed, tuple(arguments.apps))
+    keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
+    choices = Choices(arguments.bus, arguments.seed, tuple(arguments.apps), keys)
     folder = Path(tempfile.mkdtemp(prefix=FOLDER))
     try:
         return asyncio.run(_hold(team, choices, folder, arguments))
@@ -71,6 +75,7 @@ def _names(text: str) -> tuple[str, ...]:
 
 
 async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argparse.Namespace) -> int:
+    from acromovi.team.identities import teams_key
     from acromovi.team.processes import Processes
     from acromovi.team.team import TeamAtWork
     from bus import ZenohBus
@@ -83,7 +88,7 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
         print(f"acromovi up: {sentence}", file=sys.stderr, flush=True)
 
     asked_to_end = _signals(ENDINGS)
-    with ZenohBus.open(choices.bus) as bus:
+    with ZenohBus.open(choices.bus_of(teams_key(team.name))) as bus:
         await _see_that_nobody_is_there(bus, team)
         processes = await Processes.open(folder)
         at_work = TeamAtWork(team, choices, folder, processes.start, bus, tell, complain)

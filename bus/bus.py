@@ -127,8 +127,22 @@ class Bus(Closeable):
 
     Handlers run on threads of the bus, one call at a time for each subscription, and must be quick. What a handler
     raises is logged, and the subscription lives on. Messages are the classes of `bus.messages`; a dict travels as JSON.
-    Every method raises `KeyNotValid` for a malformed key and `BusUnavailable` after `close`.
+    Every method raises `KeyNotValid` for a malformed key, `BusUnavailable` after `close`, and on a secure bus
+    `NotAllowed` for what the role of this program's certificate does not permit.
     """
+
+    @property
+    def own_name(self) -> str | None:
+        """The only name under which this participant may speak: its keys begin with it. None where it may take any."""
+        return None
+
+    def check_may_query(self, key_expr: str) -> None:
+        """See whether a query would be let through, before anything is begun for its sake.
+
+        Raises:
+            NotAllowed: It would not be.
+        """
+        return
 
     @abstractmethod
     def publisher(self, key: str, type_name: str) -> Publisher:

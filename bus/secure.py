@@ -103,7 +103,11 @@ def admitting(access: Mapping[str, Any], common_names: Iterable[str]) -> dict[st
 
 
 class Permit:
-    """What one certificate allows, by the router's own rules."""
+    """What one certificate allows, by the router's own rules.
+
+    common_name: ROLE.NAME.
+    own_name: the only name under which its owner may speak; None where it may take any.
+    """
 
     def __init__(self, common_name: str, rules: Sequence[Mapping[str, Any]], sentence: str) -> None:
         self.common_name = common_name
@@ -113,6 +117,7 @@ class Permit:
             for rule in rules
             if "ingress" in rule["flows"]
         ]
+        self.own_name = None if self._allows("put", "**") else common_name.partition(".")[2]
 
     @classmethod
     def of(cls, profile: Profile) -> "Permit | None":
@@ -138,9 +143,12 @@ class Permit:
         Raises:
             NotAllowed: The rules do not allow this message, in Zenoh's words (`put`, `query`), on this key.
         """
-        wanted = zenoh.KeyExpr(key)
-        if not any(message in messages and any(k.includes(wanted) for k in keys) for messages, keys in self._rules):
+        if not self._allows(message, key):
             raise NotAllowed(f"{self._sentence} ({message.replace('_', ' ')} on {key})")
+
+    def _allows(self, message: str, key: str) -> bool:
+        wanted = zenoh.KeyExpr(key)
+        return any(message in messages and any(k.includes(wanted) for k in keys) for messages, keys in self._rules)
 
 
 def valid_name(certificate: Path) -> str:
@@ -222,6 +230,9 @@ def _present(path: Path) -> Path:
     """The path of a file that is there."""
     if not path.is_file():
         how = "make keys with `acromovi keys make`, and give their folder: --bus secure:FOLDER"
+        if all_keys := sorted(each.parent for each in path.parent.glob(f"*.*/{CERTIFICATE}")):
+            names = ", ".join(each.name for each in all_keys)
+            how = f"it has the keys of several; say whose you use, as in --bus secure:{all_keys[-1]}; there are {names}"
         raise ConfigError(f"there is no {path.name} in {path.parent}; {how}")
     return path
 

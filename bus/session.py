@@ -123,6 +123,15 @@ class ZenohBus(Bus):
             )
         return bus
 
+    @property
+    def own_name(self) -> str | None:
+        """The only name under which this program may speak."""
+        return None if self._permit is None else self._permit.own_name
+
+    def check_may_query(self, key_expr: str) -> None:
+        """See whether a query would be let through."""
+        self._require("query", key_expr)
+
     def publisher(self, key: str, type_name: str) -> Publisher:
         """Declare a stream."""
         plain_key(key)

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import configs
+from acromovi.team.identities import robots_key, teams_key
 from bus.keys import robot_name
+from bus.secure import Profile
 from configs import ConfigError
 from configs.team_file import TeamFile, TeamRobot
 from p2os_emu.links.profile import LinkProfile
@@ -71,11 +73,17 @@ class Choices:
     """What the command line says beyond the file.
 
     apps: folders of applications that the team's agents may start.
+    keys: the folder where each process has a key of its own for the bus; None where all come as the bus says.
     """
 
     bus: str = "local"
     seed: int | None = None
     apps: tuple[Path, ...] = ()
+    keys: Path | None = None
+
+    def bus_of(self, owner: str) -> str:
+        """How a process reaches the bus, with the key of this owner."""
+        return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
 
 
 def load_team(name: str, only: Sequence[str] = ()) -> Team:
@@ -127,7 +135,8 @@ def gateway(team: Team, robot: TeamRobot, ports: Mapping[str, Any], folder: Path
     """
     emulated = {part: ports.get(key) for part, key in _PORTS.items()}
     real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
-    words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", choices.bus, "--json", "--wait"]
+    bus = choices.bus_of(robots_key(robot.name))
+    words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
     for part, place in (emulated if robot.is_emulated else real).items():
         words += [f"--{part}", place] if place else []
     if configs.load(LinkProfile, "links", robot.link or team.file.link).modem is not None:
@@ -139,13 +148,13 @@ def gateway(team: Team, robot: TeamRobot, ports: Mapping[str, Any], folder: Path
 
 def container(robot: str, choices: Choices) -> Program:
     """The container of a robot's agents."""
-    words = ("container", "--robot", robot, "--bus", choices.bus, "--json")
+    words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
     return Program(f"the container of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=robot)
 
 
 def services(team: Team, choices: Choices) -> Program:
     """The container of the team's own agents."""
-    words = ["container", "--services", team.name, "--bus", choices.bus, "--json"]
+    words = ["container", "--services", team.name, "--bus", choices.bus_of(teams_key(team.name)), "--json"]
     words += _folders(choices)
     for service, properties in team.file.services.items():
         for key, value in properties.items():
@@ -159,7 +168,7 @@ def extra(name: str, team: Team, choices: Choices) -> Program:
     Raises:
         KeyNotValid: The name cannot be that of a container.
     """
-    words = ["container", robot_name(name), "--bus", choices.bus, "--json"]
+    words = ["container", robot_name(name), "--bus", choices.bus_of(teams_key(team.name)), "--json"]
     command = _python("acromovi", *words, *_folders(choices))
     return Program(f"the container {name}", Stage.AGENTS, command, container=name, is_extra=True)
 

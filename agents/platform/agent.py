@@ -221,6 +221,10 @@ class Agent(Traveller):
         self._go(Step.INVOKE)
         self._enter_directory()
 
+    async def look_on(self, home: Home) -> None:
+        """Be in a container unseen, for one whom the bus lets only look: it listens, and is neither found nor asked."""
+        self._move_in(home)
+
     async def arrive(self, home: Home, luggage: Luggage) -> None:
         """Come into a container from another: set up and unpack, and let all that comes wait until `settle`."""
         self._go(Step.MOVE)

@@ -73,14 +73,15 @@ class Container:
             name: What tools call it, as no other on the bus; by default one that nobody else has.
             report: Told of everything that goes wrong, beside whoever listens to the reports on the bus.
             wall_time: s since 1970; only ever written into messages.
-            platform: The robot or team to which it belongs, under whose keys it is found; by default its name.
+            platform: The robot or team to which it belongs, under whose keys it is found; by default its name, or the
+                only one under which the bus lets it speak.
             kinds: Which agents it may be told to start; by default those of the packages `agents` and `apps`.
         Raises:
             NameNotValid: Name or platform is not one chunk of a key.
         """
         name = name or f"container-{uuid.uuid4().hex[:8]}"
         self._bus = bus
-        self._called = ContainerName(name, platform or name)
+        self._called = ContainerName(name, platform or bus.own_name or name)
         self._report = report
         self._wall_time = wall_time
         self._agents: dict[AgentName, Agent] = {}
@@ -227,7 +228,7 @@ class Container:
         if not self._shown:
             self._reports = self._bus.publisher(self._called.reports_key, JSON)
             self._said = self._bus.publisher(self._called.said_key, JSON)
-            self._shown += [self._reports, self._said, self._control.serve()]
+            self._shown += [self._reports, self._said, *self._control.serve()]
             self._shown.append(self._bus.declare_alive(self._called.alive_key))
             self._shown.append(Watchdog(lambda: self.agents, self._tell_blocked))
 

@@ -10,8 +10,9 @@ A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what
 | `introspect` | `name` | what the agent holds and does (introspection.py) |
 | `move` | `name`, `to` | name, state and container of the agent, once it lives in the other |
 
-`adopt`, `settle`, `deliver`, `begin` and `forsake` are what containers say to each other when an agent moves
-(transit.py).
+`list`, which is also meant by nothing, and `introspect` are answered on `<platform>/containers/<name>/description` too,
+for those who may look and not control. `adopt`, `settle`, `deliver`, `begin` and `forsake` are what containers say to
+each other when an agent moves (transit.py).
 
 A no is an error reply with one sentence.
 """
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
 log = logging.getLogger("agents")
 
 Given = Mapping[str, Any]
+Order = Callable[[Given], Awaitable[dict[str, Any]]]
+
+READING = ("list", "introspect")  # what changes nothing
 
 
 class OrderNotValid(AgentError, ValueError):
@@ -53,7 +57,7 @@ class Control:
         self._identity = uuid.uuid4().hex
         self._since = container.wall_time()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._orders: dict[str, Callable[[Given], Awaitable[dict[str, Any]]]] = {
+        self._orders: dict[str, Order] = {
             "list": self._list,
             "start": self._start,
             "stop": self._stop,
@@ -74,14 +78,21 @@ class Control:
         """What tells this container from another that has taken the same name."""
         return self._identity
 
-    def serve(self) -> Subscription:
-        """Obey from now on; needs a running event loop."""
-        loop = asyncio.get_running_loop()
+    def serve(self) -> list[Subscription]:
+        """Obey and answer from now on; needs a running event loop."""
+        loop, called, bus = asyncio.get_running_loop(), self._container.called, self._container.bus
 
         def take(arguments: dict[str, Any], conversation: Conversation) -> None:
-            hand_over(loop, self._begin, arguments, conversation)
+            hand_over(loop, self._begin, arguments, conversation, self._orders)
 
-        return self._container.bus.converse(self._container.called.control_key, take, urgent=True)
+        def show(arguments: dict[str, Any], conversation: Conversation) -> None:
+            reading = {name: self._orders[name] for name in READING}
+            hand_over(loop, self._begin, {"do": "list", **arguments}, conversation, reading)
+
+        return [
+            bus.converse(called.control_key, take, urgent=True),
+            bus.converse(called.description_key, show, urgent=True),
+        ]
 
     async def close(self) -> None:
         """Give up what is under way; whoever waits for it is told."""
@@ -91,19 +102,19 @@ class Control:
         await self._arrivals.close()
         self._departures.close()
 
-    def _begin(self, arguments: dict[str, Any], conversation: Conversation) -> None:
-        if arguments.get("do") == "begin":
+    def _begin(self, arguments: dict[str, Any], conversation: Conversation, orders: Mapping[str, Order]) -> None:
+        if arguments.get("do") == "begin" and orders is self._orders:
             self._call(arguments, conversation)
             return
-        task = asyncio.ensure_future(self._answer(arguments, conversation))
+        task = asyncio.ensure_future(self._answer(arguments, conversation, orders))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         task.add_done_callback(lambda task: conversation.close())  # one that was cancelled first has not done so
 
-    async def _answer(self, arguments: dict[str, Any], conversation: Conversation) -> None:
+    async def _answer(self, arguments: dict[str, Any], conversation: Conversation, orders: Mapping[str, Order]) -> None:
         with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
             try:
-                conversation.reply(await self._do(arguments))
+                conversation.reply(await self._do(arguments, orders))
             except asyncio.CancelledError:
                 conversation.refuse(f"the container {self._container.name} is being closed")
                 raise
@@ -121,13 +132,14 @@ class Control:
             with contextlib.suppress(BusUnavailable):
                 conversation.refuse(str(err))
 
-    async def _do(self, given: Given) -> dict[str, Any]:
+    async def _do(self, given: Given, orders: Mapping[str, Order]) -> dict[str, Any]:
         order = text_of(given, "do")
-        if order not in self._orders:
-            near = difflib.get_close_matches(order, self._orders, 1)
-            advice = f"did you mean {near[0]}?" if near else f"it obeys {', '.join(self._orders)}"
-            raise OrderNotValid(f"a container does not obey {order!r}; {advice}")
-        return await self._orders[order](given)
+        if order not in orders:
+            near = difflib.get_close_matches(order, orders, 1)
+            advice = f"did you mean {near[0]}?" if near else f"it obeys {', '.join(orders)}"
+            where = "" if orders is self._orders else " where it is described"
+            raise OrderNotValid(f"a container does not obey {order!r}{where}; {advice}")
+        return await orders[order](given)
 
     async def _list(self, given: Given) -> dict[str, Any]:
         called = self._container.called

@@ -17,7 +17,7 @@ from agents.platform.home import Home
 from agents.platform.names import AgentName
 from agents.platform.outcome import Ending, Outcome, why_of
 from agents.platform.talk import replies
-from bus import BusError, NoAnswer, Refused, TimedOut
+from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
 
 ONTOLOGY = "acromovi"
 LANGUAGE = "json"
@@ -101,6 +101,8 @@ class Dialogue:
                 async for answer in heard:
                     yield self._read(answer.value)
             raise self._ended(Ending.DIED, f"{self.peer} has gone before the end")
+        except NotAllowed as err:
+            raise self._ended(Ending.NOT_ALLOWED, str(err)) from err
         except TimedOut as err:
             raise self._late() from err
         except NoAnswer as err:

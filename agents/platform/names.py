@@ -103,6 +103,11 @@ class ContainerName:
         return self._key("control")
 
     @property
+    def description_key(self) -> str:
+        """Where it says who lives in it, and what one of them holds and does; whoever may look may ask."""
+        return self._key("description")
+
+    @property
     def said_key(self) -> str:
         """The stream of all that its agents say; it flows only while somebody listens."""
         return self._key("said")
@@ -120,7 +125,7 @@ class ContainerName:
             NameNotValid: It is the key of something else.
         """
         match key.split("/"):
-            case [platform, "containers", name, "alive" | "control" | "said" | "reports"]:
+            case [platform, "containers", name, "alive" | "control" | "description" | "said" | "reports"]:
                 return cls(name, platform)
         raise NameNotValid(f"{key!r} is no key of a container")
 

@@ -18,6 +18,7 @@ class Ending(StrEnum):
     REJECTED = "rejected"  # it made a proposal, which was not accepted
     NOT_UNDERSTOOD = "not-understood"  # one of the two does not understand the other
     TIMED_OUT = "timed out"  # no end in time; the other has been told to leave it, and may have done it
+    NOT_ALLOWED = "not allowed"  # the role of one's certificate does not permit to ask; the other knows nothing of it
     DIED = "peer died"  # nobody of this name is there, or not any more; what was asked may have been done
 
 

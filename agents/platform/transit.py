@@ -85,8 +85,8 @@ class Departures:
         if to == self._container.name:
             raise NotMoved(f"it lives in {to} already")
         try:
-            anywhere = f"*/containers/{ContainerName(to, to)}/control"
-            found = await query(self._container.bus, anywhere, {"do": "list"}, ORDER_TIME)
+            anywhere = f"*/containers/{ContainerName(to, to)}/description"
+            found = await query(self._container.bus, anywhere, None, ORDER_TIME)
         except (NoAnswer, TimeoutError) as err:
             raise NotMoved(f"there is no container {to!r}") from err
         if len(found) > 1:
@@ -181,7 +181,7 @@ class Departures:
     async def _lives(self, name: AgentName, there: ContainerName) -> bool:
         """Whether an agent lives there already, although the answer that says so was lost."""
         with contextlib.suppress(BusError, TimeoutError):
-            listed = await self._tell(there, {"do": "list"}, ORDER_TIME)
+            listed = (await query(self._container.bus, there.description_key, None, ORDER_TIME))[0].value
             return any(row["name"] == str(name) and row["state"] != State.TRANSIT for row in listed["agents"])
         return False
 

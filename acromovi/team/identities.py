@@ -1,0 +1,60 @@
+"""Whose keys the processes of a team use on a secure bus.
+
+What is a robot's comes with the robot's own key; the host and the team's services, which look after all, with the key
+of an admin who is called as the team is.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from bus.secure import CERTIFICATE, Permit, Profile
+from configs import ConfigError
+
+
+def robots_key(robot: str) -> str:
+    """The owner of the key of a robot's gateway and agents."""
+    return f"robot.{robot}"
+
+
+def teams_key(team: str) -> str:
+    """The owner of the key of a team's host and services."""
+    return f"admin.{team}"
+
+
+def folder_of_keys(profile: str, team: str, robots: Iterable[str]) -> Path | None:
+    """Where each process of a team finds a key of its own.
+
+    Args:
+        profile: The bus, as of `--bus`.
+        team: The team's name.
+        robots: Its robots.
+    Returns:
+        The folder, as `acromovi keys` fills it; None where all share what the profile says.
+    Raises:
+        ConfigError: Keys are missing, or the only one that is given is not an admin's.
+        BusUnavailable: The only one that is given is not valid now.
+    """
+    found = Profile.find(profile)
+    if found.folder is None:
+        return None
+    owners = [*map(robots_key, robots), teams_key(team)]
+    if (found.folder / CERTIFICATE).is_file():
+        permit = Permit.of(found)
+        if permit is not None and permit.own_name is not None:
+            raise ConfigError(
+                f"{found.folder} is the key of {permit.common_name}, which may not speak for a whole team; give the "
+                f"folder in which the keys {', '.join(owners)} are: --bus secure:FOLDER"
+            )
+        return None
+    missing = [owner for owner in owners if not (found.folder / owner / CERTIFICATE).is_file()]
+    if missing:
+        first = "; ".join(_making(owner, found.folder) for owner in missing)
+        lacks = f"{found.folder} lacks the keys of {', '.join(missing)}"
+        raise ConfigError(f"{lacks}; make them, and start the router again: {first}")
+    return found.folder.absolute()
+
+
+def _making(owner: str, folder: Path) -> str:
+    """The command that makes a key."""
+    role, _, name = owner.partition(".")
+    return f"acromovi keys make --role {role} --name {name} --out {folder}"
