@@ -22,6 +22,7 @@ GROUPS = {
     "radio": "a million packets over a damaged radio modem: used, rejected, counted",
     "fuzz": "ten million generated frames into every parser: no crash, memory flat",
     "agents": "requests, informs, crowds of agents, and searches of the directory",
+    "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

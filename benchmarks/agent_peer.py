@@ -10,9 +10,17 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from agents.platform import Agent, AgentName, Container, Performative, Template, request
-from bus import ZenohBus
+from agents.services.lease_client import leased
+from bus import ZenohBus, keys
+from bus.messages import twist
 
+VELOCITY_PERIOD_S = 0.1
 INFORMS = Template.of(Performative.INFORM)
+
+
+def command_of(kind: str, *arguments: str) -> list[str]:
+    """The command line of one."""
+    return [sys.executable, "-m", "benchmarks.agent_peer", kind, *arguments]
 
 
 class Echo(Agent):
@@ -90,6 +98,22 @@ async def sessions(profile: str, platform: str, number: str, agents: str) -> Non
         bus.close()
 
 
+async def holder(profile: str, name: str, element: str, speed: str) -> None:
+    """One agent that leases a base and drives it, for ever."""
+    base = AgentName.parse(element)
+    with ZenohBus.open(profile) as bus:
+        async with Container(bus, name) as container:
+            agent = Agent(AgentName("driver", name))
+            await container.start(agent)
+            velocity = twist(float(speed), 0.0)
+            async with leased(agent, element) as lease:
+                with bus.publisher(keys.CMD_VEL.key(base.platform), keys.CMD_VEL.type_name) as wheels:
+                    print(json.dumps({"ready": True}), flush=True)
+                    while True:
+                        wheels.put(velocity, lease.token.encode())
+                        await asyncio.sleep(VELOCITY_PERIOD_S)
+
+
 async def _serve() -> None:
     print(json.dumps({"ready": True}), flush=True)
     await asyncio.to_thread(sys.stdin.read)
@@ -100,6 +124,7 @@ KINDS: dict[str, Callable[..., Coroutine[Any, Any, None]]] = {
     "counters": counters,
     "crowd": crowd,
     "sessions": sessions,
+    "holder": holder,
 }
 
 if __name__ == "__main__":

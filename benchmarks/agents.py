@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from agents.platform import AclMessage, Agent, AgentName, Container, Directory, Performative
+from benchmarks.agent_peer import command_of
 from benchmarks.figures import Figure, p50_p99, percentile
 from benchmarks.processes import CpuMeter, resident_megabytes
 from bus import ZenohBus
@@ -33,13 +34,14 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 
 
 @contextmanager
-def peer(*arguments: str) -> Iterator[int]:
+def peer(kind: str, *arguments: str) -> Iterator[int]:
     """Run the other side; gives its process's number once it serves."""
-    command = [sys.executable, "-m", "benchmarks.agent_peer", *arguments]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        command_of(kind, *arguments), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout is not None
         if not process.stdout.readline():
-            raise RuntimeError(f"the peer {arguments[0]} did not come up")
+            raise RuntimeError(f"the peer {kind} did not come up")
         yield process.pid
 
 

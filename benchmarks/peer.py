@@ -34,7 +34,7 @@ class CableRobot:
     """Runs in a thread between `with` and its end.
 
     written: time at which the SIP whose position is this many steps of 1 mm had left, s on the steady clock.
-    velocities: arrival time and value of each VEL.
+    velocities: arrival time and value of each VEL; a STOP is one of zero.
     """
 
     def __init__(self, name: str, model: str = "p3dx-sh") -> None:
@@ -61,6 +61,11 @@ class CableRobot:
         self._thread.join()
         os.close(self._master)
         os.close(self._slave)
+
+    @property
+    def speed(self) -> float:
+        """The last that it was told, m/s."""
+        return self.velocities[-1][1] if self.velocities else 0.0
 
     def _run(self) -> None:
         due = time.monotonic()
@@ -89,6 +94,8 @@ class CableRobot:
             self._enabled = bool(received.value)
         elif received.command is Command.VEL and isinstance(received.value, float):
             self.velocities.append((now, received.value))
+        elif received.command in (Command.STOP, Command.ESTOP):
+            self.velocities.append((now, 0.0))
 
     def _send_sip(self) -> None:
         if self._handshake.state is not ConnectionState.OPEN:
