@@ -27,8 +27,8 @@ REJECTED_PERIOD = 2.0
 """Seconds until a port is opened again behind which there was a robot that this gateway does not serve."""
 BRAKING_TIME = 1.0
 """Seconds for a robot or an arm to stop before its motors are switched off on leaving."""
-LONGEST_WAIT = 0.4
-"""Seconds; often enough that the driver does not take an idle moment for a freeze."""
+LONGEST_WAIT = 0.25
+"""Seconds; often enough that the driver does not take an idle moment for a freeze, on a busy computer either."""
 
 SIGNS_OF_A_DEAD_LINE = (LinkLost, SweepFailed, ElementLost, ElementSilent)
 

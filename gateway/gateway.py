@@ -3,7 +3,7 @@
 import json
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -54,7 +54,8 @@ def tell(options: Options, sentence: str, facts: dict[str, Any]) -> None:
 class Gateway:
     """Hears the bridge, and brings the robot to the bus as soon as both are there.
 
-    The bus is opened on a thread of its own: loading Zenoh and the message types takes longer than the handshake.
+    The bus is opened, and the robot brought to it, on a thread of its own: that takes longer than the handshake, and
+    would keep the bridge's thread so long that the driver takes it for a freeze.
     """
 
     def __init__(
@@ -77,8 +78,9 @@ class Gateway:
         self._complaint = ""
         self._bus: Bus | None = None
         self._bus_error: Exception | None = None
-        self._join: Callable[[], RobotOnBus] | None = None
+        self._joined: RobotOnBus | None = None
         self._robot: RobotOnBus | None = None
+        self._is_known = threading.Event()  # who the robot is; or all is over, and it does not matter
         self._is_closed = threading.Event()
         self._opener = threading.Thread(target=self._open_bus, name="bus opener", daemon=True)
         self._opener.start()
@@ -103,10 +105,12 @@ class Gateway:
             self._say(event)
         if self._robot is None:
             self._kept = [*self._kept, *events][-MOST_KEPT:]
-            if self._join is None or self._driver.identity is None:
+            if self._driver.identity is not None:
+                self._is_known.set()
+            if self._joined is None:
                 return
             events, self._kept = self._kept, []
-            self._robot = self._join()
+            self._robot = self._joined
         self._robot.happened(events, now, stamp_ns)
         self._say_elements(now)
 
@@ -115,9 +119,10 @@ class Gateway:
         for cable in self._cables:
             cable.close()
         self._is_closed.set()
+        self._is_known.set()
         self._opener.join()
-        if self._robot is not None:
-            self._robot.close()
+        if self._joined is not None:
+            self._joined.close()
         if self._bus is not None:
             self._bus.close()
 
@@ -138,9 +143,9 @@ class Gateway:
                 except BusUnavailable as error:
                     self._complain(f"{error}; trying again")
                     self._is_closed.wait(BUS_PERIOD)
-            bus = self._bus
-            if bus is not None:
-                self._join = lambda: self._join_robot(bus)
+            self._is_known.wait()
+            if self._bus is not None and not self._is_closed.is_set():
+                self._joined = self._join_robot(self._bus)
         except Exception as error:  # of any kind: the bridge's thread raises it, and the program ends
             self._bus_error = error
         self._bridge.wake()

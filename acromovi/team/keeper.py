@@ -16,8 +16,9 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-DEADLINES = (1.2, 2.0, 2.5)
-"""Seconds after the beginning of the end at which the processes of each stage are killed."""
+DEADLINES = (0.9, 2.3, 2.6)
+"""Seconds after the beginning of the end at which the processes of each stage are killed. A gateway may need a second
+until its robot stands."""
 
 
 class Kept:

@@ -67,7 +67,8 @@ class TeamAtWork(Closeable):
         self._serves = False
         self._said: dict[str, str] = {}
         self._readiness = Readiness(team.robots)
-        self._told: set[str] = set()
+        self._told: set[str] = set()  # robots of which it was told that they serve
+        self._lost: set[str] = set()  # and that they are lost
         self._under_way: set[asyncio.Future[None]] = set()  # what others have asked for
         self.supervisor = Supervisor(start, self)
         self._queue = StartQueue(self.supervisor.begin)
@@ -174,13 +175,15 @@ class TeamAtWork(Closeable):
             case "connected":
                 self._readiness.connected(robot, self._loop.time())
                 self._queue.add(plan.container(robot, self._choices))
+                self._tell_of_return(robot)
             case "waiting":
                 self._complain(f"{robot} is not there yet: waiting for {said.get('port')}")
-            case "lost":
+            case "lost" if robot in self._told:  # before that it is still coming
+                self._lost.add(robot)
                 self._tell(f"{robot} is lost: {said.get('reason')}")
-            case "element lost":
+            case "element lost" if robot in self._told:
                 self._tell(f"{robot} has lost its {said.get('element')}")
-            case "element found" if self._serves:
+            case "element found" if robot in self._told:
                 self._tell(f"{robot} has its {said.get('element')}")
 
     # While it comes up.
@@ -204,6 +207,14 @@ class TeamAtWork(Closeable):
         progress = self._readiness[robot]
         without = f", without {', '.join(progress.missing())}" if progress.missing() else ""
         self._tell(f"{robot} serves after {now - self._begun:.1f} s: {', '.join(sorted(progress.agents))}{without}")
+
+    def _tell_of_return(self, robot: str) -> None:
+        if robot in self._lost:
+            self._lost.remove(robot)
+            self._tell(f"{robot} is back")
+        elif self._serves and robot not in self._told:
+            self._told.add(robot)
+            self._tell(f"{robot} has come")
 
     # On the bus's thread.
 

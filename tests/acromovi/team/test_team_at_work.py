@@ -142,6 +142,7 @@ def test_real_robot_that_is_not_there_is_said_once_and_holds_nobody_up(play: Pla
         assert await coming_up == ["doc"]
         assert stage.complaints == ["iron is not there yet: waiting for /dev/nowhere"]
         await stage.serves("iron", "base")
+        assert stage.told[-1] == "iron has come"
         assert "the container of iron" in stage.pretence.names()
 
     play(scene, (DOC, TeamRobot("iron", "p3dx", "/dev/nowhere")))
@@ -214,7 +215,9 @@ def test_what_happens_to_a_team_at_work_is_told_and_goes_on(play: Play) -> None:
         await stage.says("the gateway of happy", event="element lost", element="laser")
         await stage.says("the gateway of happy", event="element found", element="laser")
         await stage.says("the gateway of happy", event="lost", reason="silence")
-        assert stage.told == ["happy has lost its laser", "happy has its laser", "happy is lost: silence"]
+        await stage.says("the gateway of happy", event="connected")
+        lines = ["happy has lost its laser", "happy has its laser", "happy is lost: silence", "happy is back"]
+        assert stage.told == lines
         stage.pretence.of("the container of happy").end(-9)
         await asyncio.sleep(0.1)
         assert stage.complaints == ["the container of happy ended by SIGKILL; it is started again"]
@@ -246,6 +249,21 @@ def test_container_that_is_asked_for_comes_once_stays_and_ends_for_good(play: Pl
         assert stage.pretence.names().count(PATROL) == 2
         assert len(stage.complaints) == 1
         assert await coming_up == ["happy"]
+
+    play(scene, (HAPPY,))
+
+
+def test_robot_that_stumbles_while_it_comes_up_is_not_told_as_lost(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy")
+        await stage.says("the gateway of happy", event="connected")
+        await stage.says("the gateway of happy", event="lost", reason="silence")
+        await stage.says("the gateway of happy", event="connected")
+        await stage.says(SERVICES, container="services")
+        await stage.serves("happy", "base", "laser")
+        await coming_up
+        assert [line.partition(" after ")[0] for line in stage.told] == ["happy serves"]
 
     play(scene, (HAPPY,))
 
