@@ -6,10 +6,21 @@ so that a container does not carry what only programs use.
 
 from typing import TYPE_CHECKING
 
-__all__ = ["Failed", "NotThere", "Refused", "Robot", "RobotError", "Stopped", "Team", "TimedOut", "request"]
+__all__ = [
+    "Failed",
+    "LeaseLost",
+    "NotThere",
+    "Refused",
+    "Robot",
+    "RobotError",
+    "Stopped",
+    "Team",
+    "TimedOut",
+    "request",
+]
 
 if TYPE_CHECKING:
-    from agents.face import Failed, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut, request
+    from agents.face import Failed, LeaseLost, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut, request
 else:
 
     def __getattr__(name: str) -> object:

@@ -10,7 +10,7 @@
 """
 
 from agents.face.element import Element
-from agents.face.errors import Failed, NotThere, Refused, RobotError, Stopped, TimedOut
+from agents.face.errors import Failed, LeaseLost, NotThere, Refused, RobotError, Stopped, TimedOut
 from agents.face.robot import Robot
 from agents.face.team import Team
 from agents.platform import request
@@ -18,6 +18,7 @@ from agents.platform import request
 __all__ = [
     "Element",
     "Failed",
+    "LeaseLost",
     "NotThere",
     "Refused",
     "Robot",

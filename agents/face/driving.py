@@ -5,6 +5,7 @@ import contextlib
 
 import bus
 from agents.face.errors import NotThere, Refused, RobotError
+from agents.face.holding import Lease
 from agents.face.stage import Stage
 from bus import Publisher, keys, messages
 
@@ -21,24 +22,27 @@ class Driving:
         self._robot = robot
         self._velocity = (0.0, 0.0)
         self._token = ""
+        self._lease: Lease | None = None
         self._task: asyncio.Task[None] | None = None
         self._obeyed_from = 0.0
 
-    async def go(self, linear: float, angular: float, token: str) -> None:
-        """Drive so from now on: m/s, rad/s.
+    async def go(self, linear: float, angular: float, lease: Lease | None) -> None:
+        """Drive so from now on, or until the lease is lost: m/s, rad/s.
 
         Raises:
+            LeaseLost: It is lost already, or about to be.
             Refused: The robot may not, or cannot; says why. It comes to rest, if it was driven by this.
             NotThere: Nobody drives it.
         """
         if not self._is_streaming:
             await asyncio.sleep(self._obeyed_from - self._stage.loop.time())
         try:
+            token = lease.token if lease is not None else ""
             await self._ask(linear, angular, token)
         except RobotError:
             await self.end()
             raise
-        self._velocity, self._token = (linear, angular), token
+        self._velocity, self._token, self._lease = (linear, angular), token, lease
         if not self._is_streaming:
             self._task = asyncio.ensure_future(self._stream())
 
@@ -73,7 +77,7 @@ class Driving:
 
     async def _stream(self) -> None:
         with self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name) as wheels:
-            while self._stage.is_attended:
+            while self._stage.is_attended and (self._lease is None or self._lease.is_held):
                 self._say(wheels, *self._velocity)
                 await asyncio.sleep(PERIOD)
             self._say(wheels, 0.0, 0.0)

@@ -3,6 +3,7 @@
 RobotError
  +-- NotThere                 no such robot, element or agent, or not any more
  +-- Refused                  the other said no, and has done nothing
+ |    +-- LeaseLost           the lease that allowed it is lost, or about to be
  +-- Failed                   it tried, in vain
  +-- TimedOut (TimeoutError)  it has not come to an end in time
 
@@ -27,6 +28,10 @@ class Refused(RobotError):
     """The other said no, and has done nothing."""
 
 
+class LeaseLost(Refused):
+    """The lease is lost under which it was to be done, or somebody of higher priority is about to take it."""
+
+
 class Failed(RobotError):
     """It was tried, in vain."""
 
@@ -42,6 +47,7 @@ class Stopped(BaseException):
 _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
     Ending.REFUSED: (Refused, "{peer} refuses {request}: {why}"),
     Ending.NOT_UNDERSTOOD: (Refused, "{peer} does not understand {request}: {why}"),
+    Ending.NOT_ALLOWED: (Refused, "{request} is not allowed: {why}"),
     Ending.FAILED: (Failed, "{peer} could not {request}: {why}"),
     Ending.TIMED_OUT: (TimedOut, "{request}: {why}"),
     Ending.DIED: (NotThere, "{why}; see `acromovi ps` for who is there"),

@@ -1,9 +1,10 @@
 """The sole right to move an element, for the time of a block."""
 
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
 from typing import TYPE_CHECKING
 
-from agents.face.errors import Refused
+import bus
+from agents.face.errors import LeaseLost, Refused
 from agents.face.stage import Stage
 from agents.platform import AgentName, RequestNotDone
 
@@ -14,7 +15,8 @@ if TYPE_CHECKING:  # who holds no lease need not load the services
 class Lease:
     """A lease in a program's hands. While it is held nobody else moves the element, but anyone may stop it.
 
-    Somebody of a higher priority may take it, and it is lost while the program is suspended; motions are refused then.
+    It is renewed in the background. Somebody of a higher priority may take it, and it is lost while the program is
+    suspended; motions then raise `LeaseLost`, as they do from the moment on that somebody is about to take it.
     """
 
     def __init__(self, stage: Stage, element: AgentName) -> None:
@@ -29,16 +31,35 @@ class Lease:
         return self._held is not None and self._held.is_held
 
     @property
+    def wanted_by(self) -> str:
+        """Who is about to take it, `rescue@apps` for example; empty while nobody is."""
+        return self._held.wanted_by if self._held is not None else ""
+
+    @property
+    def loss(self) -> LeaseLost | None:
+        """Why no motion is to begin any more; None while all is well."""
+        if self._held is None or not self._held.is_held:
+            why = self._held.news if self._held is not None else "it has been given back"
+            return LeaseLost(f"the lease on {self._element} is lost: {why or 'it has not been renewed'}")
+        if by := self.wanted_by:
+            return LeaseLost(f"{by} is about to take the lease on {self._element}; leave the block to let go")
+        return None
+
+    @property
     def token(self) -> str:
-        """What motions carry while it is held.
+        """What motions carry.
 
         Raises:
-            Refused: It has been lost; says to whom, if that is known.
+            LeaseLost: It is lost, or about to be; says to whom, if that is known.
         """
-        assert self._held is not None
-        if not self._held.is_held:
-            raise Refused(f"the lease on {self._element} is lost: {self._held.news or 'it has not been renewed'}")
-        return self._held.token
+        if loss := self.loss:
+            raise loss
+        return self.last_token
+
+    @property
+    def last_token(self) -> str:
+        """What stopping carries, as long as the lease is held; empty text when it is not."""
+        return self._held.token if self._held is not None and self._held.is_held else ""
 
     def take(self, priority: int, seconds: float, notice: float) -> None:
         """Become the holder.
@@ -53,11 +74,19 @@ class Lease:
                 return await self._letting_go.enter_async_context(
                     leased(self._stage.agent, str(self._element), priority=priority, seconds=seconds, notice=notice)
                 )
-            except RequestNotDone as err:
-                raise Refused(str(err)) from err
+            except (RequestNotDone, bus.Refused) as err:
+                raise Refused(f"no lease on {self._element}: {err}") from err
 
-        self._held = self._stage.call(enter())
+        self._stage.moving[self] = self._letting_go.aclose  # however the program ends
+        try:
+            self._held = self._stage.call(enter())
+        except BaseException:
+            self.release()
+            raise
 
     def release(self) -> None:
         """Give it back, also when the program is to end."""
-        self._stage.last(self._letting_go.aclose())
+        if self._stage.moving.pop(self, None):
+            with suppress(TimeoutError):  # nobody takes it: it expires
+                self._stage.last(self._letting_go.aclose())
+        self._held = None

@@ -30,29 +30,42 @@ class Mover(Element[R], Generic[R]):
 
         Args:
             priority: Whoever has a lower one must let go.
-            seconds: How long it outlives this program, should that die.
+            seconds: How long it outlives this program at most, should that die or freeze.
             notice: s that the present holder is given.
         Raises:
             Refused: Somebody else has it; says who.
+            LeaseLost: In the block, by whatever moves the element: somebody of a higher priority has taken it, or is
+                about to; `wanted_by` tells who, before.
         """
-        lease = Lease(self._stage, self.agent)
+        before, lease = self._lease, Lease(self._stage, self.agent)
         lease.take(priority, seconds, notice)
         self._lease = lease
         try:
             yield lease
         finally:
-            self._lease = None
             if self in self._stage.moving:
                 self._stop_at_once()
+            self._lease = before
             lease.release()
 
     @property
     def _token(self) -> str:
         return self._lease.token if self._lease is not None else ""
 
+    @property
+    def _is_anothers(self) -> bool:
+        """Whether the lease has been lost: that has stopped the element, and what moves it now is not ours to stop."""
+        return self._lease is not None and not self._lease.is_held
+
+    @property
+    def _right(self) -> dict[str, Any]:
+        """What a wish to stop carries."""
+        token = self._lease.last_token if self._lease is not None else ""
+        return {"token": token} if token else {}
+
     def stop(self) -> None:
         """Stop."""
-        self.ask("stop")
+        self.ask("stop", **self._right)
 
     def _move(self, request: str, /, **arguments: Any) -> Any:
         """Ask for a motion and wait for its end; a wait that is broken off stops it."""
@@ -64,8 +77,10 @@ class Mover(Element[R], Generic[R]):
         except TimedOut:
             self._stop_at_once()
             raise
-        except RobotError:
+        except RobotError as err:
             self._stage.moving.pop(self, None)  # it has not begun, or has ended
+            if self._lease is not None and (loss := self._lease.loss):
+                raise loss from err
             raise
         except BaseException:  # Ctrl-C, or the program is to end
             self._stop_at_once()
@@ -81,7 +96,8 @@ class Mover(Element[R], Generic[R]):
         self._stage.moving.pop(self, None)
 
     async def _halt(self) -> None:
-        await self._stage.agent.request(self.agent, "stop", reply_within=1.0)
+        if not self._is_anothers:
+            await self._stage.agent.request(self.agent, "stop", reply_within=1.0, **self._right)
 
 
 class Base(Mover[BaseReading]):
@@ -122,7 +138,7 @@ class Base(Mover[BaseReading]):
         if seconds is None:
             self._stage.moving[self] = self._halt
             try:
-                self._stage.call(self._driving.go(linear, angular, self._token))
+                self._stage.call(self._driving.go(linear, angular, self._lease))
             except RobotError:
                 self._stage.moving.pop(self, None)  # it is at rest, or moved by somebody else
                 raise
@@ -150,6 +166,8 @@ class Base(Mover[BaseReading]):
 
     async def _halt(self) -> None:
         await self._driving.end()
+        if self._is_anothers:
+            return
         outcome = await self._stage.agent.request(self.agent, "stop", reply_within=1.0)
         if not outcome.is_done:  # its agent is gone; the robot's driver may not be
             await self._stage.agent.query(keys.STOP.key(self.agent.platform), timeout=0.5)

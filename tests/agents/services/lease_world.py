@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import Any, TypeVar
 
 from agents.platform import Agent, AgentName, Container, Outcome, Report, Request
+from agents.platform.talk import hand_over
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
 from bus import Bus, BusUnavailable, Conversation, MemoryBus, MemoryNetwork, Refused
@@ -24,7 +25,7 @@ class Gateway:
     stopped: what had to stand still, with the time. delay: s until it answers what it has done.
     """
 
-    def __init__(self, loop: VirtualTimeLoop, network: MemoryNetwork, robot: str) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, network: MemoryNetwork, robot: str) -> None:
         self.stopped: list[tuple[float, str]] = []
         self.delay = 0.0
         self._loop = loop
@@ -69,7 +70,8 @@ class Gateway:
 
     def _answer(self, given: dict[str, Any], conversation: Conversation) -> None:
         try:
-            self._loop.call_later(self.delay, self._reply, conversation, self._serve(given))
+            answer = self._serve(given)
+            hand_over(self._loop, self._loop.call_later, self.delay, self._reply, conversation, answer)
         except Refused as refusal:
             conversation.refuse(refusal.why)
 
