@@ -89,9 +89,10 @@ class Component(Agent):
         self._ways[kind].put(data.to_json())
 
     def tell(self, data: Data) -> None:
-        """Send something to the component that the wiring names; it must arrive, so this may wait for the way."""
-        receiver = self.properties["tells"][type(data).__name__]
-        self.bus.send(send_key(self.robot, receiver, type(data)), data.to_json())
+        """Send something to the components that the wiring names; it must arrive, so this may wait for the way."""
+        kind = type(data)
+        for receiver in self.properties["tells"][kind.__name__]:
+            self.bus.send(send_key(self.robot, receiver, kind), data.to_json())
 
     async def ask(self, what: str, **arguments: Any) -> dict[str, Any]:
         """Ask the component that the wiring names.

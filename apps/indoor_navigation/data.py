@@ -204,20 +204,24 @@ class DLEData(Data):
 
 @dataclass(frozen=True, slots=True)
 class ObstRead(Data):
-    """What is in the way, of late.
+    """What is in the way, and what is free, as far as the sensors see now.
 
-    nearest: distance from the robot's outline, infinite where nothing is. bearing: of it, in the robot's frame.
-    points_x, points_y: of obstacles seen now, in odom. is_dead_end: one cannot go on towards where it goes.
+    nearest: distance from the robot's outline, None where nothing is near. bearing: of it, in the robot's frame.
+    origin_x, origin_y: of each ray, in odom; end_x, end_y: how far it is known to be free. hits: 1 where an obstacle
+    is at its end, 0 where the ray only ends. is_dead_end: one cannot go on towards where it goes.
     """
 
-    arrays: ClassVar[frozenset[str]] = frozenset({"points_x", "points_y"})
+    arrays: ClassVar[frozenset[str]] = frozenset({"origin_x", "origin_y", "end_x", "end_y", "hits"})
 
     stamp: float
     pose: tuple[float, float, float]
     nearest: float | None
     bearing: float
-    points_x: Floats
-    points_y: Floats
+    origin_x: Floats
+    origin_y: Floats
+    end_x: Floats
+    end_y: Floats
+    hits: Floats
     is_dead_end: bool
 
 

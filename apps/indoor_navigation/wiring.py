@@ -21,13 +21,13 @@ class ComponentEntry:
     """A component, as the file has it.
 
     kind: `module:Class`. process: where it runs. hears: `component.Data`, each of which it is pushed. tells: kind of
-    data to the component that it is sent to. asks: query to the component that answers it. numbers: its own.
+    data to the components that it is sent to. asks: query to the component that answers it. numbers: its own.
     """
 
     kind: str
     process: str
     hears: tuple[str, ...] = ()
-    tells: dict[str, str] = field(default_factory=dict)
+    tells: dict[str, tuple[str, ...]] = field(default_factory=dict)
     asks: dict[str, str] = field(default_factory=dict)
     numbers: dict[str, Any] = field(default_factory=dict)
 
@@ -116,9 +116,10 @@ class Wiring:
         for kind in self._classes[name].tells:
             if kind.__name__ not in entry.tells:
                 raise self._error(f"components.{name}.tells: say to whom {name} sends its {kind.__name__}")
-        for where, table in (("tells", entry.tells), ("asks", entry.asks)):
-            for receiver in table.values():
-                self._check_there(f"components.{name}.{where}", receiver)
+        for receiver in (receiver for receivers in entry.tells.values() for receiver in receivers):
+            self._check_there(f"components.{name}.tells", receiver)
+        for answerer in entry.asks.values():
+            self._check_there(f"components.{name}.asks", answerer)
 
     def _check_there(self, where: str, component: str) -> None:
         if component not in self._file.components:
@@ -153,7 +154,7 @@ def _laid_over(table: Table, changes: Table) -> dict[str, Any]:
 def _properties(entry: ComponentEntry) -> dict[str, Any]:
     return {
         "hears": [list(_split(connection)) for connection in entry.hears],
-        "tells": dict(entry.tells),
+        "tells": {what: list(receivers) for what, receivers in entry.tells.items()},
         "asks": dict(entry.asks),
         "numbers": dict(entry.numbers),
     }

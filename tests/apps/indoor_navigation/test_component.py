@@ -62,7 +62,7 @@ class Pair:
         self.base = Base("base_server@happy", {})
         wiring = {
             "hears": [["base_server", "Odometry"]],
-            "tells": {"GoalPoint": "base_server"},
+            "tells": {"GoalPoint": ["base_server"]},
             "asks": {"goal": "base_server"},
         }
         self.steering = Steering("steering@happy", wiring)

@@ -24,7 +24,7 @@ hears = ["steering.MotionCmd"]
 kind = "apps.fake_navigation:Steering"
 process = "reactive"
 hears = ["base.Odometry"]
-tells = {GoalPoint = "base"}
+tells = {GoalPoint = ["base"]}
 numbers = {speed = 0.5}
 """
 
@@ -79,7 +79,7 @@ def test_a_component_is_given_its_part_of_the_wiring(file_of: Callable[[str], Pa
     assert str(steering.agent("happy")) == "steering@happy"
     assert steering.properties == {
         "hears": [["base", "Odometry"]],
-        "tells": {"GoalPoint": "base"},
+        "tells": {"GoalPoint": ["base"]},
         "asks": {},
         "numbers": {"speed": 0.5},
     }
@@ -98,7 +98,7 @@ def test_a_number_is_changed_for_one_run(file_of: Callable[[str], Path]) -> None
         ("base.Odometry", "bose.Odometry", "there is no component 'bose'; did you mean base?"),
         ('["base.Odometry"]', "[]", "steering needs somebody's Odometry"),
         ('["base.Odometry"]', '["base.Odometry", "steering.MotionCmd"]', "steering does nothing with MotionCmd"),
-        ('tells = {GoalPoint = "base"}', "", "say to whom steering sends its GoalPoint"),
+        ('tells = {GoalPoint = ["base"]}', "", "say to whom steering sends its GoalPoint"),
         ("speed = 0.5", "sped = 0.5", "unknown key sped; did you mean speed?"),
         ("speed = 0.5", 'speed = "fast"', "speed must be a number, not 'fast'"),
         (":Steering", ":Stering", "there is no agent 'Stering' in apps.fake_navigation"),
