@@ -16,7 +16,7 @@ from contextlib import suppress
 from math import isfinite
 from typing import Any, ClassVar
 
-from agents.platform import Agent, AgentName, Restart, agree, request
+from agents.platform import Agent, AgentName, OneShot, Restart, State, agree, request
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
@@ -127,7 +127,7 @@ class Component(Agent):
         return self.latest()
 
     def latest(self) -> dict[str, Any]:
-        """The latest result; who may look and not ask gets it by a query of the results' key.
+        """The latest result.
 
         Raises:
             Refused: There is none, or nothing has been heard for too long.
@@ -165,10 +165,16 @@ class Component(Agent):
     def _made_of(self, message: Any) -> dict[str, Any]:
         return {"stamp": stamp_ns(message.header) / NS_PER_S, **self.result(message)}
 
-    def _show_latest(self, conversation: Conversation) -> None:
+    def _begin_look(self, conversation: Conversation) -> None:
+        if self.state is State.SUSPENDED:
+            conversation.refuse(f"{self.name} is suspended")
+        else:
+            self.add(OneShot(lambda: self._show_reading(conversation), "show its latest result"))
+
+    async def _show_reading(self, conversation: Conversation) -> None:
         with conversation, suppress(BusUnavailable):  # who looks may have gone
             try:
-                conversation.reply(self.latest())
+                conversation.reply(await self.read())
             except Refused as err:
                 conversation.refuse(err.why)
 
@@ -181,9 +187,9 @@ class Component(Agent):
     # On the bus's thread, so that a message of no interest costs next to nothing.
 
     def _take_look(self, arguments: dict[str, Any], conversation: Conversation) -> None:
-        """Someone asks for the latest result."""
+        """Someone who may look, and not ask, wants what `read` gives."""
         assert self._loop is not None
-        hand_over(self._loop, self._show_latest, conversation)
+        hand_over(self._loop, self._begin_look, conversation)
 
     def _take_sample(self, sample: Sample) -> None:
         """Something has come where the source's messages belong."""

@@ -8,11 +8,11 @@ from math import copysign, cos, hypot, pi, sqrt
 
 from geometry import Pose2D, wrap_angle
 
-THERE = 0.04
+THERE = 0.02
 """m from the goal at which the robot has arrived."""
 STILL_THERE = 0.1
 """m; so far it may slip while it turns to its final heading, without driving again."""
-ALIGNED = 0.03
+ALIGNED = 0.02
 """rad."""
 FACING = pi / 3
 """rad beyond which it turns on the spot before it drives."""

@@ -8,7 +8,8 @@ import pytest
 from agents.components.all_components import COMPONENTS, component_for
 from agents.components.generic import Generic
 from agents.platform import Ending
-from bus import Sample, keys
+from agents.platform.talk import query
+from bus import Refused, Sample, keys
 from bus.messages import Bumpers, header
 from tests.agents.components.bench import Bench
 
@@ -228,3 +229,22 @@ def test_what_makes_no_sense_reaches_no_gateway(
     assert outcome.why
     assert bench.obeyed == []
     assert bench.reports == []
+
+
+class TestLooking:
+    """Who may look, and not ask, queries the key of the results."""
+
+    def test_gives_the_latest_result(self, bench: Bench) -> None:
+        bench.say(keys.BUMPERS, touch(True))
+        (answer,) = bench.do(query(bench.robot, bench.component.name.results_key, None, 5.0))
+        assert answer.value == bench.ask().result
+
+    def test_is_refused_where_there_is_none(self, bench: Bench) -> None:
+        with pytest.raises(Refused, match="bumpers@happy has heard nothing yet"):
+            bench.do(query(bench.robot, bench.component.name.results_key, None, 5.0))
+
+    def test_is_refused_while_the_agent_rests(self, bench: Bench) -> None:
+        bench.say(keys.BUMPERS, touch(True))
+        bench.component.suspend()
+        with pytest.raises(Refused, match="bumpers@happy is suspended"):
+            bench.do(query(bench.robot, bench.component.name.results_key, None, 5.0))

@@ -2,81 +2,38 @@
 
 import asyncio
 import base64
-import json
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from math import hypot
 from typing import Any
 
 import pytest
 
-from acromovi.children import EmulatedRobots, emulator, end, gateway
-from agents.platform import Agent, AgentName, Container, Directory
-from bus import ZenohBus
+from acromovi.children import EmulatedRobots, emulator, gateway
 from cameras import picture_size
+from tests.agents.components.application import Application, application, container
 
 NEEDED = {"base", "gripper", "ptz", "camera"}
 TO_THE_BOX = 1.0  # m
-PATIENCE = 30.0  # s
 
 
-@contextmanager
-def container(robot: str) -> Iterator[None]:
-    """Run `acromovi container` until the block ends."""
-    command = [sys.executable, "-m", "acromovi", "container", "--robot", robot, "--json"]
-    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            assert json.loads(process.stdout.readline()) == {"container": robot}
-            yield
-        finally:
-            end(process)
+async def take_the_box(robot: Application) -> dict[str, Any]:
+    opened = await robot.ask("gripper", "open")
+    assert opened["paddles"] == "open"
+    await robot.ask("base", "move", distance=TO_THE_BOX)
+    assert (await robot.ask("gripper", "close"))["holds"]
+    return await robot.ask("gripper", "up")
 
 
-class Application:
-    """Asks the agents of one robot."""
-
-    def __init__(self, agent: Agent, robot: str) -> None:
-        self._agent = agent
-        self._robot = robot
-
-    async def ask(self, element: str, name: str, **arguments: Any) -> dict[str, Any]:
-        who = AgentName(element, self._robot)
-        result = (await self._agent.request(who, name, reply_within=PATIENCE, **arguments)).value()
-        assert isinstance(result, dict)
-        return result
-
-    async def find(self, elements: set[str]) -> None:
-        """Wait until the agents of these elements are there."""
-        with Directory(self._agent.bus) as directory:
-            async with asyncio.timeout(PATIENCE):
-                while elements - {name.local for name in directory.names if name.platform == self._robot}:
-                    await asyncio.sleep(0.05)
-
-    async def take_the_box(self) -> dict[str, Any]:
-        opened = await self.ask("gripper", "open")
-        assert opened["paddles"] == "open"
-        await self.ask("base", "move", distance=TO_THE_BOX)
-        assert (await self.ask("gripper", "close"))["holds"]
-        return await self.ask("gripper", "up")
-
-    async def look_round(self) -> dict[str, Any]:
-        looks = await self.ask("ptz", "look", pan=0.4, tilt=-0.1)
-        assert hypot(looks["pan"] - 0.4, looks["tilt"] + 0.1) < 0.02
-        return await self.ask("camera", "picture")
+async def look_round(robot: Application) -> dict[str, Any]:
+    looks = await robot.ask("ptz", "look", pan=0.4, tilt=-0.1)
+    assert hypot(looks["pan"] - 0.4, looks["tilt"] + 0.1) < 0.02
+    return await robot.ask("camera", "picture")
 
 
 def test_robot_takes_a_box_and_shows_what_it_sees_by_requests_alone(robot: str) -> None:
     async def story(robots: EmulatedRobots) -> None:
-        with ZenohBus.open() as bus:
-            async with Container(bus, f"app-{robot}") as office:
-                agent = Agent(AgentName("app", f"app-{robot}"))
-                await office.start(agent)
-                application = Application(agent, robot)
-                await application.find(NEEDED)
-                lifted, picture = await asyncio.gather(application.take_the_box(), application.look_round())
+        async with application(robot) as app:
+            await app.find(NEEDED)
+            lifted, picture = await asyncio.gather(take_the_box(app), look_round(app))
         assert (lifted["lift"], lifted["holds"]) == ("up", True)
         assert picture_size(base64.b64decode(picture["data"])) == (64, 48)
         height = robots.ask("truth")["objects"]["red box"][2]
