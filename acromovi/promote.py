@@ -3,28 +3,33 @@
 import argparse
 import asyncio
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from acromovi.container import End, ending_in_time
 from acromovi.options import add_bus
 from acromovi.run import add_application, chosen
 
 if TYPE_CHECKING:
-    from agents.face.application import Application
-    from agents.platform import Report
-    from bus.bus import Bus
+    from agents.face.program import Program
+    from agents.platform import AgentName
 
+LOADER = "loader"
 EPILOG = """\
 examples:
   acromovi promote wander.py robot=happy
       the agent wander@apps, in a container of its own, until Ctrl-C
+  acromovi promote wander.py robot=happy --into loader
+      the same in the care of a team that runs (acromovi up TEAM --apps FOLDER): it lives on when this terminal is
+      closed, and is started again when its process ends. wander.py must lie in FOLDER on the team's machine
+  acromovi promote wander.py --into workshop
+      in a container that was started with: acromovi container workshop --apps FOLDER
   acromovi ask wander@apps turns
       ask it, from anywhere on the bus, for a function that is marked with @request("turns")
   acromovi agent suspend wander@apps
       let it rest; also resume and stop
 
-Exit codes: 0 it has ended, 1 it has failed (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by
-SIGTERM.
+Exit codes: 0 it has ended, or lives where it was sent, 1 it has failed (the reason is on stderr), 2 wrong usage, 130
+stopped by Ctrl-C, 143 by SIGTERM.
 """
 
 
@@ -33,51 +38,57 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     add_application(parser)
     parser.add_argument("--name", help="of the agent, such as night_watch or night_watch@lab (default: the file's)")
+    parser.add_argument(
+        "--into",
+        metavar="PLACE",
+        help="where it is to live: a container, or loader, in the care of the team that runs (loader@TEAM of several)",
+    )
     add_bus(parser)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Let the agent live until it ends, or a signal comes."""
+    """Let the agent live until it ends, or a signal comes; or send it where it is to live."""
     from agents import RobotError
-    from agents.face.application import Application
     from agents.face.backstage import PLATFORM
     from agents.platform import AgentError, AgentName
-    from bus.session import ZenohBus
 
     try:
         program = chosen(options)
         name = options.name or program.name
-        with ending_in_time() as end, ZenohBus.open(options.bus) as bus:
-            full_name = name if "@" in name else f"{name}@{bus.own_name or PLATFORM}"
-            agent = Application(program, AgentName.parse(full_name), dict(options.arguments))
-            asyncio.run(_live(bus, agent, end))
+        agent = AgentName.parse(name if "@" in name else f"{name}@{PLATFORM}")
+        if options.into:
+            return _send(program, agent, options)
+        return _live(program, agent, options)
     except (RobotError, AgentError) as err:
         print(f"acromovi promote: {err}", file=sys.stderr)
         return 1
-    return end.code
 
 
-async def _live(bus: "Bus", agent: "Application", end: End) -> None:
-    """Host the agent, in a container of its own."""
-    from agents.platform import AlreadyThere, Container, Directory
+def _live(program: "Program", name: "AgentName", options: argparse.Namespace) -> int:
+    """Host it here."""
+    from acromovi.alone import live_alone
+    from acromovi.container import ending_in_time
+    from agents.face.application import Application
+    from bus.session import ZenohBus
 
-    with Directory(bus) as directory:
-        if await directory.find(agent.name) is not None:
-            raise AlreadyThere(f"there is an agent {agent.name} already; give this one another --name")
+    with ending_in_time() as end, ZenohBus.open(options.bus) as bus:
+        if bus.own_name is not None and "@" not in (options.name or ""):
+            name = AgentName(name.local, bus.own_name)
+        agent = Application(program, name, dict(options.arguments))
+        has_begun = asyncio.run(live_alone(bus, agent, "promote", end))
+    return end.code or int(agent.has_failed or not has_begun)
 
-    def report(report: "Report") -> None:
-        why = "" if report.error is None else f": {report.error}"
-        print(f"acromovi promote: {report.agent}: {report.what}{why}", file=sys.stderr, flush=True)
 
-    async with Container(bus, agent.name.local, report, platform=agent.name.platform) as container:
-        has_begun = await container.start(agent)
-        if has_begun:
-            asked = ", ".join(agent.describe()["requests"]) or "nothing"
-            print(f"{agent.name} lives, and can be asked for {asked}; stop with Ctrl-C", flush=True)
-        told = asyncio.ensure_future(end.wait())
-        ended = asyncio.ensure_future(agent.ended.wait())
-        await asyncio.wait([told, ended], return_when=asyncio.FIRST_COMPLETED)
-        told.cancel()
-        ended.cancel()
-    if not end.code and (agent.has_failed or not has_begun):
-        end.tell(1)
+def _send(program: "Program", name: "AgentName", options: argparse.Namespace) -> int:
+    """Have a loader or a container host it."""
+    from acromovi.sending import into_container, into_loader
+    from agents.services.loaded import digest
+    from bus.session import ZenohBus
+
+    given = {"program": program.name, "arguments": dict(options.arguments)}
+    given["sha256"] = digest(Path(str(program.module.__file__)))
+    send = into_loader if options.into.partition("@")[0] == LOADER else into_container
+    with ZenohBus.open(options.bus) as bus:
+        container = send(bus, options.into, name, given)
+    print(f"{name} lives in {container}; end it with: acromovi agent stop {name}")
+    return 0

@@ -3,15 +3,8 @@
 import argparse
 import asyncio
 import sys
-from typing import TYPE_CHECKING
 
-from acromovi.container import End, ending_in_time
 from acromovi.options import add_bus
-
-if TYPE_CHECKING:
-    from agents.platform import Report
-    from agents.wrappers.wrapped import Wrapped
-    from bus.bus import Bus
 
 EPILOG = """\
 examples:
@@ -36,7 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Let the agent live until a signal comes."""
+    """Let the agent live until it is stopped, or a signal comes."""
+    from acromovi.alone import live_alone
+    from acromovi.container import ending_in_time
     from agents.platform import AgentError, AgentName
     from agents.wrappers.wrapped import Wrapped
     from agents.wrappers.wrapper_file import load_wrapper
@@ -45,26 +40,8 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         agent = Wrapped(AgentName.parse(arguments.name), *load_wrapper(arguments.file))
         with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
-            asyncio.run(_live(bus, agent, end))
+            has_begun = asyncio.run(live_alone(bus, agent, "wrap", end))
     except AgentError as error:
         print(f"acromovi wrap: {error}", file=sys.stderr)
         return 1
-    return end.code
-
-
-async def _live(bus: "Bus", agent: "Wrapped", end: End) -> None:
-    """Host it, in a container of its own."""
-    from agents.platform import Container
-
-    def report(report: "Report") -> None:
-        why = "" if report.error is None else f": {report.error}"
-        print(f"acromovi wrap: {report.agent}: {report.what}{why}", file=sys.stderr, flush=True)
-
-    name = agent.name
-    async with Container(bus, f"{name.local}-{name.platform}", report, platform=name.platform) as container:
-        if not await container.start(agent):
-            end.tell(1)
-            return
-        asked = ", ".join(agent.describe()["requests"]) or "nothing"
-        print(f"{name} lives, and can be asked for {asked}; stop with Ctrl-C", flush=True)
-        await end.wait()
+    return end.code or int(not has_begun)

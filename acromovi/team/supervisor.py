@@ -171,7 +171,7 @@ class Supervisor:
             if self._ending.is_set() or not entry.is_wanted:
                 break
             entry.ends = 1 if loop.time() - begun >= HEALTHY_AFTER else entry.ends + 1
-            entry.why = entry.complaint or ending(code)
+            entry.why = ending(code) if code < 0 else entry.complaint or ending(code)  # a signal has its own reason
             self._watcher.ended(entry)
             await asyncio.sleep(DELAYS[min(entry.ends, len(DELAYS)) - 1])
             entry.complaint = ""

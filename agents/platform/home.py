@@ -1,12 +1,15 @@
 """What a container is to its agents."""
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from agents.platform.acl import AclMessage
 from agents.platform.ends import End
 from agents.platform.names import AgentName
 from bus import Bus
+
+if TYPE_CHECKING:
+    from agents.platform.kinds import Kinds
 
 
 class Home(Protocol):
@@ -20,6 +23,11 @@ class Home(Protocol):
     @property
     def name(self) -> str:
         """The container's name."""
+        ...
+
+    @property
+    def kinds(self) -> "Kinds":
+        """Which agents the container may be told to start, and where their programs lie."""
         ...
 
     def report(self, agent: AgentName, what: str, error: Exception | None) -> None:

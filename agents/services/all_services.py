@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from agents.platform import Agent
 from agents.services.arbiter import Arbiter
+from agents.services.loader import Loader
 from agents.services.monitor import Monitor
 from agents.services.subscription import Subscription
 
@@ -11,5 +12,6 @@ SERVICES: Mapping[str, type[Agent]] = {
     "monitor": Monitor,
     "subscription": Subscription,
     "arbiter": Arbiter,
+    "loader": Loader,
 }
 """From the local names of the agents to their kinds; each is made with its name and its properties."""

@@ -17,7 +17,7 @@ from agents.platform.names import ContainerName
 from agents.services.events import Level
 from agents.services.restarts import RestartRules, Restarts
 from agents.services.streams import Tell
-from agents.services.watching import ElementName, Named
+from agents.services.watching import Named
 from bus import BusError, NoAnswer, Refused, TimedOut
 
 FROZEN_AFTER = 1.0  # s without its token after which a container is asked about
@@ -45,7 +45,7 @@ class Supervision:
         Args:
             team: Whose host it asks.
             rules: When agents are started again.
-            is_there: Whether an agent, a container or an element is there at this moment.
+            is_there: Whether an agent or a container is there at this moment.
             ask: Queries a key of the bus, with patience in s.
             tell: Told what is done about what.
             do: Begins a behaviour.
@@ -73,10 +73,10 @@ class Supervision:
         self._begin(container, lambda: self._look_after(container))
 
     def agent_failed(self, agent: AgentName, container: ContainerName, report: Mapping[str, Any]) -> None:
-        """A container has said that one of its agents has failed, and what it was."""
+        """A container has said that one of its agents has failed, or has not begun, and what it was."""
         match report:
-            case {"ended": End.NOT_SET_UP} if self._is_there(ElementName(agent.local, agent.platform)):
-                return  # the container of a robot tries again by itself
+            case {"ended": End.NOT_SET_UP} if agent.platform != self._team:
+                return  # whoever started it is told; only the team's own agents are started by nobody who would hear it
             case {"kind": str(kind), "properties": dict(properties)}:
                 order = {"do": "start", "name": str(agent), "kind": kind, "properties": properties}
                 self._begin(agent, lambda: self._start_again(agent, container, order))

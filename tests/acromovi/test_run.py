@@ -95,7 +95,8 @@ def test_an_agent_is_made_of_an_application_and_asked(application: str, robot: s
             _, complaint = second.communicate(timeout=10.0)
         assert (second.returncode, complaint) == (
             1,
-            f"acromovi promote: there is an agent {name} already; give this one another --name\n",
+            f"acromovi promote: an agent {name} lives in the container {robot}-apps already; end it there, or take "
+            "another name\n",
         )
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=10.0)

@@ -138,17 +138,19 @@ def test_an_agent_that_flaps_is_given_up_too(world: World) -> None:
     world.run(shop.close())
 
 
-def test_a_robots_container_sees_to_setups_of_its_elements_itself(world: World) -> None:
+@pytest.mark.parametrize(("platform", "births"), [("happy", 1), (TEAM, 6)])
+def test_who_has_not_begun_is_left_to_whoever_started_it_unless_it_is_the_teams_own(
+    world: World, platform: str, births: int
+) -> None:
     watched = Watched(world)
-    Robot(world).has("worker")
-    world.pass_time(1.0)
-    happy = world.container("happy")
+    shop = world.container("shop", kinds=Workers())
     Worker.broken = True
-    world.run(happy.start(Worker(AgentName("worker", "happy"))))
+    world.run(shop.start(Worker(AgentName("worker", platform))))
     world.pass_time(60.0)
-    assert Worker.births == 1
+    assert Worker.births == births
     assert "its setup failed (RuntimeError: a wheel is missing)" in watched.sentences()
-    world.run(happy.close())
+    assert ("is given up" in watched.sentences()) == (platform == TEAM)
+    world.run(shop.close())
 
 
 class Host:

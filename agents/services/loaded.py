@@ -1,0 +1,97 @@
+"""An application that a container starts by the name of its program: a kind of agents like any other.
+
+    {"do": "start", "name": "patrol@apps", "kind": "agents.services.loaded:LoadedApplication",
+     "properties": {"program": "patrol", "arguments": {"robot": "happy"}}}
+
+Names travel on the bus and programs never: a program lies in a folder which the container was given with `--apps`, or
+is one that Acromovi brings. So whoever may write into that folder says what runs on that machine, and nobody else.
+"""
+
+import asyncio
+import hashlib
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from agents.face.application import Application
+from agents.face.program import PACKAGE, Program, ProgramNotValid, find_program
+from agents.platform import AgentName
+
+KIND = f"{__name__}:LoadedApplication"
+
+
+class LoadedApplication(Application):
+    """Loads its program where it lives.
+
+    Properties: `program`, its name; `arguments`, for its `main`; `sha256`, if it is to be this text and no other.
+    """
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        """Make it, without its program.
+
+        Raises:
+            ProgramNotValid: The properties name none.
+        """
+        given = dict(properties or {})
+        program, arguments = given.get("program"), given.get("arguments", {})
+        if not isinstance(program, str) or not isinstance(arguments, dict):
+            raise ProgramNotValid('the properties of an application are like {"program": "patrol", "arguments": {}}')
+        super().__init__(Program(program, ModuleType(program)), name, arguments)
+        self.properties = given
+
+    async def load(self) -> Program:
+        """The program, with arguments that it takes."""
+        return await asyncio.to_thread(self._load)
+
+    def _load(self) -> Program:
+        name, folders = str(self.properties["program"]), self.home.kinds.folders
+        check_text(locate(name, folders), self.properties.get("sha256", ""))
+        try:
+            program = find_program(name, folders)
+        except SystemExit as err:
+            raise ProgramNotValid(f"{name} calls sys.exit as it is loaded; do that in its main") from err
+        program.check(self._arguments)
+        return program
+
+
+def locate(name: str, folders: Sequence[Path]) -> Path:
+    """The file of an application, without executing it.
+
+    Raises:
+        ProgramNotValid: There is none of this name, or it is no name but a path.
+    """
+    if not name.isidentifier():
+        raise ProgramNotValid(f"{name!r} names no application; give the name of its file without folder and .py")
+    for folder in folders:
+        if (file := folder / f"{name}.py").is_file():
+            return file
+    spec = find_spec(f"{PACKAGE}.{name}")
+    if spec is not None and spec.origin is not None:
+        return Path(spec.origin)
+    raise ProgramNotValid(f"there is no application {name!r} there; {_advice(name, folders)}")
+
+
+def check_text(file: Path, sha256: object) -> None:
+    """See that a file holds the program that is meant.
+
+    Args:
+        file: The program.
+        sha256: Its digest in hexadecimal; any program is meant if it is empty.
+    Raises:
+        ProgramNotValid: It holds another.
+    """
+    if sha256 and digest(file) != sha256:
+        raise ProgramNotValid(f"{file} there is another program than yours; copy yours there, and load it again")
+
+
+def digest(file: Path) -> str:
+    """The SHA-256 of a program, in hexadecimal."""
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def _advice(name: str, folders: Sequence[Path]) -> str:
+    if not folders:
+        return "it takes none but those that Acromovi brings, unless it is started with --apps FOLDER"
+    return f"copy {name}.py into {' or '.join(map(str, folders))} on that machine"

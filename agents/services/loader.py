@@ -1,0 +1,288 @@
+"""The agent that turns applications into agents, keeps them alive, and ends them.
+
+Each gets a container of its own, a process that the team's host (`acromovi up`) starts for it: a program that blocks,
+or takes the whole process with it, hurts nobody else. What then goes wrong is mended by whoever sees it: an agent that
+fails in its container by the monitor, a process that ends by the host; this one starts the application in it anew.
+
+What it has loaded is written down nowhere but in the directory: the agents themselves say whose they are, so a loader
+that is started again knows them all.
+"""
+
+import asyncio
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, ClassVar
+
+from agents.face.application import SERVICE as APPLICATION
+from agents.face.backstage import PLATFORM
+from agents.face.program import ProgramNotValid
+from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
+from agents.platform.ends import End
+from agents.platform.names import ALL_CONTAINERS, ContainerName
+from agents.platform.talk import hand_over
+from agents.services.loaded import KIND, check_text, locate
+from agents.services.restarts import RestartRules, Restarts
+from bus import BusError, NoAnswer, Refused
+from bus.bus import Closeable
+
+SERVICE = "loading"
+MEETING_TIME = 0.3  # s in which a session that has just been opened learns who is there
+PROCESS_TIME = 20.0  # s for a container that is started to serve, on a machine that has much to do
+START_TIME = 35.0  # s for an application to begin; a container's own patience with a setup is 30 s
+ANSWER_TIME = 3.0  # s for anything else
+LAST_WORDS = 0.5  # s for a container to answer whoever has told it to stop an agent
+CALM = 0.1  # s in which an agent comes back with its container, as after a cut line
+LOOKS_BACK = (1.0, 3.0)  # s after which it looks again for whom it has loaded, on a machine that has much to do
+MANY = 64  # reports that wait
+
+
+@dataclass(slots=True)
+class Load:
+    """One application. has_begun: whether it has ever been at work. why: what went wrong last."""
+
+    name: AgentName
+    program: str
+    arguments: dict[str, Any]
+    container: str
+    sha256: str = ""
+    has_begun: bool = False
+    why: str = ""
+
+    def properties(self, loader: AgentName) -> dict[str, Any]:
+        """Of its agent."""
+        sha256 = {"sha256": self.sha256} if self.sha256 else {}
+        return {"program": self.program, "arguments": self.arguments, "loader": str(loader), **sha256}
+
+
+@dataclass(slots=True)
+class _Containers:
+    """Those that are there, by their names; `changed` is set, and replaced, as one comes."""
+
+    there: dict[str, ContainerName] = field(default_factory=dict)
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    async def wait_for(self, name: str, within: float) -> ContainerName:
+        """One of them, once it is there.
+
+        Raises:
+            TimeoutError: It has not come.
+        """
+        async with asyncio.timeout(within):
+            while name not in self.there:
+                await self.changed.wait()
+        return self.there[name]
+
+
+class Loader(Agent):
+    """Loads applications. Its property `restart` has the rules for those whose process has ended (`RestartRules`)."""
+
+    services: ClassVar[tuple[str, ...]] = (SERVICE,)
+
+    def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
+        super().__init__(name, properties)
+        self._loads: dict[AgentName, Load] = {}
+        self._held_open: list[Closeable] = []
+
+    async def setup(self) -> None:
+        """See which containers there are, and whom it has loaded in an earlier life.
+
+        Raises:
+            ConfigError: The rules cannot be used.
+        """
+        loop = asyncio.get_running_loop()
+        self._containers = _Containers()
+        self._restarts = Restarts(RestartRules(self.properties.get("restart"), f"the restart rules of {self.name}"))
+        self._directory = Directory(self.bus)
+        watching = self.bus.watch_alive(ALL_CONTAINERS, partial(hand_over, loop, self._follow_container))
+        self._held_open += [self._directory, watching]
+        self.listen("*/containers/*/reports", self._hear_report, keep=MANY)
+        await asyncio.sleep(MEETING_TIME)
+        await self._remember()
+        for pause in LOOKS_BACK:
+            self.add(OneShot(partial(self._remember, pause), "remember"))
+
+    async def take_down(self) -> None:
+        """Look no more; what was loaded lives on."""
+        for held in self._held_open:
+            held.close()
+
+    @request("load", agrees_itself=True)
+    async def load(
+        self, application: str, name: str = "", arguments: Any = None, into: str = "", sha256: str = ""
+    ) -> dict[str, Any]:
+        """Make an agent of an application: one that lies in a folder of the team's host, or that Acromovi brings."""
+        load = self._read(application, name, {} if arguments is None else arguments, into, sha256)
+        if load.name in self._loads or self._directory.knows(load.name):
+            raise Refused(f"there is an agent {load.name} already; unload it, or give this one another name")
+        agree()
+        self._loads[load.name] = load
+        try:
+            if not into:
+                await self._ask_host("start", load.container)
+            await self._start(load, PROCESS_TIME)
+        except Exception as err:
+            self._loads.pop(load.name, None)
+            await self._end_container(load)
+            raise Refused(err.why if isinstance(err, Refused) else f"{load.name} has not begun: {err}") from err
+        load.has_begun = True
+        return self._row(load)
+
+    @request("unload", agrees_itself=True)
+    async def unload(self, name: str) -> dict[str, Any]:
+        """End an application that was loaded."""
+        load = self._loads.get(agent_name(name))
+        if load is None:
+            known = ", ".join(map(str, sorted(self._loads))) or "nothing"
+            raise Refused(f"{name} has not been loaded here; {known} has")
+        agree()
+        container = self._containers.there.get(load.container)
+        if container is not None:
+            with suppress(BusError, TimeoutError):  # it has ended, or its process does so now
+                await self.query(container.control_key, {"do": "stop", "name": str(load.name)}, ANSWER_TIME)
+        await self._forget(load)
+        return {"name": str(load.name)}
+
+    @request("loaded")
+    async def loaded(self) -> list[dict[str, Any]]:
+        """All that was loaded and not ended since, whether it is at work, and what went wrong with it last."""
+        return [self._row(load) for load in self._loads.values()]
+
+    def _read(self, application: str, name: str, arguments: Any, into: str, sha256: str) -> Load:
+        if not isinstance(arguments, dict):
+            raise Refused(f'arguments are like {{"robot": "happy"}}, not {arguments!r}')
+        try:
+            if not into:  # another container has folders of its own
+                check_text(locate(application, self.home.kinds.folders), sha256)
+        except ProgramNotValid as err:
+            raise Refused(str(err)) from err
+        if into and into not in self._containers.there:
+            known = ", ".join(sorted(self._containers.there))
+            raise Refused(f"there is no container {into!r}; those that are there: {known}")
+        agent = agent_name(name or application)
+        return Load(agent, application, arguments, into or _own_container(agent), sha256)
+
+    def _row(self, load: Load) -> dict[str, Any]:
+        return {
+            "name": str(load.name),
+            "application": load.program,
+            "arguments": load.arguments,
+            "container": load.container,
+            "is_there": self._directory.knows(load.name),
+            "why": load.why or None,
+        }
+
+    async def _remember(self, after: float = 0.0) -> None:
+        """Find in the directory what it has loaded before it was started itself."""
+        await asyncio.sleep(after)
+        for agent in await self._directory.search(APPLICATION, loader=str(self.name)):
+            given = {"program": "", "arguments": {}, "sha256": "", **agent.properties}
+            load = Load(agent.name, given["program"], given["arguments"], agent.container, given["sha256"], True)
+            self._loads.setdefault(agent.name, load)
+
+    async def _start(self, load: Load, within: float) -> None:
+        """Start it in its container, as soon as that is there."""
+        try:
+            container = await self._containers.wait_for(load.container, within)
+        except TimeoutError as err:
+            raise Refused(f"the container {load.container} has not come within {within:g} s") from err
+        order = {"do": "start", "name": str(load.name), "kind": KIND, "properties": load.properties(self.name)}
+        await self.query(container.control_key, order, START_TIME)
+
+    async def _start_again(self, load: Load) -> None:
+        """Start it in a container that has come back, by the rules."""
+        await asyncio.sleep(CALM)
+        if self._directory.knows(load.name):
+            return
+        now = asyncio.get_running_loop().time
+        while (pause := self._restarts.failed(load.name, now())) is not None:
+            await asyncio.sleep(pause)
+            if self._loads.get(load.name) is not load or self._directory.knows(load.name):
+                return
+            self._restarts.attempted(load.name, now())
+            try:
+                await self._start(load, ANSWER_TIME)
+            except Refused as err:
+                load.why = err.why
+            except (BusError, TimeoutError) as err:
+                load.why = f"its container {load.container} does not answer: {err}"
+                return  # it begins again when that comes back
+            else:
+                return
+        await self._forget(load)
+        self.home.report(self.name, f"{load.name} is given up, since it ends its process again and again", None)
+
+    async def _let_go(self, load: Load) -> None:
+        """Somebody else sees to it from now on, or nobody is to; it is to end in peace before its process does."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(ANSWER_TIME):
+                while self._directory.knows(load.name):
+                    await asyncio.sleep(CALM)
+        await asyncio.sleep(LAST_WORDS)
+        await self._forget(load)
+
+    async def _forget(self, load: Load) -> None:
+        if self._loads.get(load.name) is load:
+            del self._loads[load.name]
+            self._restarts.forget(load.name)
+            await self._end_container(load)
+
+    async def _end_container(self, load: Load) -> None:
+        """Have its process ended, if it is its own."""
+        if load.container == _own_container(load.name):
+            with suppress(Refused, TimeoutError):  # it was never there, or whoever it is says so itself
+                await self._ask_host("end", load.container)
+
+    async def _ask_host(self, do: str, container: str) -> None:
+        try:
+            await self.query(f"{self.name.platform}/host/control", {"do": do, "container": container}, ANSWER_TIME)
+        except NoAnswer as err:
+            advice = "say into which container, such as one of: acromovi container workshop --apps FOLDER"
+            raise Refused(f"{self.name.platform} was not started by acromovi up, so {advice}") from err
+
+    def _follow_container(self, key: str, is_alive: bool) -> None:
+        try:
+            container = ContainerName.of_key(key)
+        except NameNotValid:
+            return  # a stranger's token
+        if not is_alive:
+            self._containers.there.pop(container.name, None)
+            return
+        self._containers.there[container.name] = container
+        self._containers.changed.set()
+        self._containers.changed = asyncio.Event()
+        for load in self._loads.values():
+            if load.container == container.name and load.has_begun:
+                self.add(OneShot(partial(self._start_again, load), f"start {load.name} again"))
+
+    async def _hear_report(self, report: dict[str, Any]) -> None:
+        load = self._loads.get(_named_in(report))
+        match report:
+            case {"ended": End.STOPPED | End.MOVED} if load is not None and load.has_begun:
+                self.add(OneShot(partial(self._let_go, load), f"let go of {load.name}"))
+            case {"what": str(what), "error": str(error)} if load is not None:
+                load.why = f"{what}: {error}"
+
+
+def agent_name(text: str) -> AgentName:
+    """The name of an application's agent: `patrol` is `patrol@apps`.
+
+    Raises:
+        Refused: It is none.
+    """
+    try:
+        return AgentName.parse(text if "@" in text else f"{text}@{PLATFORM}")
+    except NameNotValid as err:
+        raise Refused(str(err)) from err
+
+
+def _own_container(agent: AgentName) -> str:
+    return f"{agent.local}-{agent.platform}"
+
+
+def _named_in(report: Mapping[str, Any]) -> AgentName:
+    try:
+        return AgentName.parse(str(report.get("agent")))
+    except NameNotValid:
+        return AgentName("nobody", "nowhere")
