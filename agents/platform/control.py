@@ -57,6 +57,7 @@ class Control:
         self._identity = uuid.uuid4().hex
         self._since = container.wall_time()
         self._tasks: set[asyncio.Task[None]] = set()
+        self._stopping: set[asyncio.Task[None]] = set()  # those of them that stop an agent
         self._orders: dict[str, Order] = {
             "list": self._list,
             "start": self._start,
@@ -95,8 +96,8 @@ class Control:
         ]
 
     async def close(self) -> None:
-        """Give up what is under way; whoever waits for it is told."""
-        for task in self._tasks:
+        """Give up what is under way, whoever waits for it is told; an agent that is being stopped ends as it is to."""
+        for task in self._tasks - self._stopping:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await self._arrivals.close()
@@ -161,8 +162,13 @@ class Control:
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _stop(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
-        await self._container.stop(agent.name)
+        agent, task = self._container.agent(named_in(given)), asyncio.current_task()
+        assert task is not None
+        self._stopping.add(task)
+        try:
+            await self._container.stop(agent.name)
+        finally:
+            self._stopping.discard(task)
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _suspend(self, given: Given) -> dict[str, Any]:

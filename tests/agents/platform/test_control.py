@@ -24,6 +24,8 @@ class Walker(Agent):
         self.steps = 0
         if self.properties.get("lame"):
             raise ValueError("it is lame")
+        if self.properties.get("slow"):
+            await asyncio.sleep(1.0)
 
     @every(1.0)
     async def step(self):
@@ -147,23 +149,40 @@ def test_a_setup_that_fails_is_told_to_who_started_it(world: World) -> None:
 
 
 def test_who_waits_for_an_order_is_told_that_the_container_closes(world: World) -> None:
-    world.start()
-    agent = world.container.agent("w@team")
     heard: list[str] = []
 
     async def main() -> None:
-        async def slow_end() -> None:
-            await asyncio.sleep(1.0)
-
-        agent.take_down = slow_end  # type: ignore[method-assign]
-        key = world.container.called.control_key
-        asking = asyncio.ensure_future(query(world.outside, key, {"do": "stop", "name": "w@team"}, 60.0))
+        given = {"do": "start", "name": "w@team", "kind": "walker_for_tests:Walker", "properties": {"slow": True}}
+        asking = asyncio.ensure_future(query(world.outside, world.container.called.control_key, given, 60.0))
         await asyncio.sleep(0.1)
         await world.container.close()
         heard.extend(str(each) for each in await asyncio.gather(asking, return_exceptions=True))
 
     world.run(main())
     assert heard == ["the container yard is being closed"]
+
+
+def test_an_agent_that_is_being_stopped_ends_as_it_is_to_although_its_container_closes(world: World) -> None:
+    world.start()
+    agent = world.container.agent("w@team")
+    heard: list[dict[str, Any]] = []
+    ended: list[bool] = []
+
+    async def main() -> None:
+        async def slow_end() -> None:
+            await asyncio.sleep(1.0)
+            ended.append(True)
+
+        agent.take_down = slow_end  # type: ignore[method-assign]
+        key = world.container.called.control_key
+        asking = asyncio.ensure_future(query(world.outside, key, {"do": "stop", "name": "w@team"}, 60.0))
+        await asyncio.sleep(0.1)
+        await world.container.close()
+        heard.extend(answer.value for answer in await asking)
+
+    world.run(main())
+    assert heard == [{"name": "w@team", "state": "deleted"}]
+    assert ended
 
 
 def test_introspection_shows_mailbox_behaviours_streams_and_what_is_in_flight(world: World) -> None:
