@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     from bus.session import ZenohBus
 
     name = arguments.name or arguments.robot or SERVICES
-    platform = arguments.name or arguments.robot or arguments.services
+    platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
         container = Container(bus, name, platform=platform, kinds=Kinds(arguments.apps))
         asyncio.run(live(container, arguments, end))

@@ -117,7 +117,7 @@ class Permit:
             for rule in rules
             if "ingress" in rule["flows"]
         ]
-        self.own_name = None if self._allows("put", "**") else common_name.partition(".")[2]
+        self.own_name = None if self.allows("put", "**") else common_name.partition(".")[2]
 
     @classmethod
     def of(cls, profile: Profile) -> "Permit | None":
@@ -143,10 +143,11 @@ class Permit:
         Raises:
             NotAllowed: The rules do not allow this message, in Zenoh's words (`put`, `query`), on this key.
         """
-        if not self._allows(message, key):
+        if not self.allows(message, key):
             raise NotAllowed(f"{self._sentence} ({message.replace('_', ' ')} on {key})")
 
-    def _allows(self, message: str, key: str) -> bool:
+    def allows(self, message: str, key: str) -> bool:
+        """Whether the rules allow this message, in Zenoh's words, on this key."""
         wanted = zenoh.KeyExpr(key)
         return any(message in messages and any(k.includes(wanted) for k in keys) for messages, keys in self._rules)
 

@@ -4,21 +4,23 @@ import asyncio
 import threading
 import uuid
 from collections.abc import Coroutine
+from contextlib import suppress
 from typing import Any
 
 from agents.face.errors import RobotError
 from agents.face.stage import LAST_WORDS, Stage
-from agents.platform import Agent, AgentName, Container
-from bus import Bus, BusError, ZenohBus
+from agents.platform import Agent, AgentError, AgentName, Container
+from bus import Bus, BusError, NotAllowed, ZenohBus
 from configs.loader import ConfigError
 
 PLATFORM = "apps"  # where agents live that belong to no robot
+OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 
 
 class Backstage:
     """What a plain script stands on; its thread ends with the program, whatever the program does.
 
-    stage: that of its agent, `app-1f3a@apps`.
+    stage: that of its agent, `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the owner of the key.
     """
 
     def __init__(self, bus: Bus | str) -> None:
@@ -27,21 +29,31 @@ class Backstage:
         Args:
             bus: A profile to open, or a bus that stays open afterwards.
         Raises:
-            RobotError: The bus cannot be reached.
+            RobotError: The bus cannot be reached, or allows no program on it.
         """
         self._own_bus = _opened(bus) if isinstance(bus, str) else None
         name = f"app-{uuid.uuid4().hex[:8]}"
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
         self._thread.start()
-        self._container = Container(self._own_bus or bus, name)  # type: ignore[arg-type]
-        agent = Agent(AgentName(name, PLATFORM))
-        self._run(self._container.start(agent))
+        home: Bus = self._own_bus or bus  # type: ignore[assignment]
+        self._container = Container(home, name)
+        agent = Agent(AgentName(name, home.own_name or PLATFORM))
         self.stage = Stage(agent, self._loop)
+        try:
+            self._run(self._container.start(agent), OPENING_TIME)
+        except NotAllowed:  # who may only look needs no agent that others see
+            self._run(agent.look_on(self._container), OPENING_TIME)
+            self.stage.only_looks = True
+        except (BusError, AgentError, TimeoutError) as err:
+            self.close()
+            why = str(err) or f"nothing has happened there for {OPENING_TIME:g} s"
+            raise RobotError(f"the bus cannot be joined: {why}") from err
 
     def close(self) -> None:
         """End the agent, the thread and the bus."""
-        self._run(self._container.close())
+        with suppress(BusError, TimeoutError):  # it is left in any case
+            self._run(self._container.close(), LAST_WORDS)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(LAST_WORDS)
         if not self._thread.is_alive():
@@ -49,8 +61,8 @@ class Backstage:
         if self._own_bus is not None:
             self._own_bus.close()
 
-    def _run(self, work: Coroutine[Any, Any, Any]) -> None:
-        asyncio.run_coroutine_threadsafe(work, self._loop).result(LAST_WORDS)
+    def _run(self, work: Coroutine[Any, Any, Any], within: float) -> None:
+        asyncio.run_coroutine_threadsafe(work, self._loop).result(within)
 
 
 def _opened(profile: str) -> Bus:

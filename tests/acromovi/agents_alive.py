@@ -10,14 +10,14 @@ from bus import ZenohBus
 
 
 @contextmanager
-def living(container: str, *agents: Agent) -> Iterator[None]:
+def living(container: str, *agents: Agent, profile: str = "local") -> Iterator[None]:
     """These agents at work in a container of their own, in a thread of its own, until the block ends."""
     loop = asyncio.new_event_loop()
     are_there = threading.Event()
     leave = asyncio.Event()
 
     async def live() -> None:
-        with ZenohBus.open() as bus:
+        with ZenohBus.open(profile) as bus:
             async with Container(bus, container) as home:
                 for agent in agents:
                     await home.start(agent)

@@ -203,6 +203,21 @@ def test_introspection_shows_mailbox_behaviours_streams_and_what_is_in_flight(wo
     assert [(each["sender"], each["agreed"]) for each in seen["in_flight"]] == [("console@lab", True)]
 
 
+def test_who_may_look_only_sees_the_same_and_changes_nothing(world: World) -> None:
+    def look(**given: object) -> dict[str, Any]:
+        key = world.container.called.description_key
+        answer: dict[str, Any] = world.run(query(world.outside, key, given, 60.0))[0].value
+        return answer
+
+    world.start()
+    assert look() == look(do="list") == world.order("list")
+    assert look(do="introspect", name="w@team") == world.order("introspect", name="w@team")
+    for do in "stop", "suspend", "start", "begin", "adopt":
+        with pytest.raises(Refused, match=f"a container does not obey '{do}' where it is described"):
+            look(do=do, name="w@team")
+    assert world.container.agent("w@team").state is State.ACTIVE
+
+
 def test_reports_are_heard_on_the_bus(world: World) -> None:
     heard: list[dict[str, Any]] = []
     world.outside.subscribe("*/containers/*/reports", lambda sample: heard.append(json.loads(sample.payload)))
