@@ -120,7 +120,7 @@ class AclMessage:
         written = {name: _WRITERS[name](name, getattr(self, name)) for name in _WRITERS}
         said = {name: value for name, value in written.items() if value not in (None, "", [])}
         if self.content is not None:
-            _check_depth(self.content, MAX_DEPTH - 1)
+            _check_extent(self.content, MAX_DEPTH - 1)
             said["content"] = self.content
         try:
             payload = json.dumps(said, allow_nan=False, separators=(",", ":")).encode()
@@ -137,16 +137,20 @@ class AclMessage:
         Raises:
             AclError: It is too large, too deep, no JSON object, or no message: a field is unknown, missing or wrong.
         """
-        return cls.from_dict(json_object(payload))
+        return cls._of(json_object(payload))
 
     @classmethod
     def from_dict(cls, value: Mapping[str, Any]) -> Self:
         """Read a message that is a JSON object already.
 
         Raises:
-            AclError: It is too deep, or a field is unknown, missing or wrong.
+            AclError: It is too large, too deep, no JSON, or a field is unknown, missing or wrong.
         """
-        _check_depth(value, MAX_DEPTH)
+        _check_extent(value)
+        return cls._of(value)
+
+    @classmethod
+    def _of(cls, value: Mapping[str, Any]) -> Self:
         for name in value:
             if name not in _READERS:
                 raise AclError(f"{name!r} is no field of a message; the fields are {', '.join(_READERS)}")
@@ -172,18 +176,37 @@ def json_object(payload: bytes) -> dict[str, Any]:
         raise AclError(f"{len(payload)} bytes are not JSON: {err}") from err
     if not isinstance(value, dict):
         raise AclError(f"a message is a JSON object, not {_kind(value)}")
-    _check_depth(value, MAX_DEPTH)
+    _check_extent(value)
     return value
 
 
-def _check_depth(value: Any, limit: int) -> None:
-    """Refuse what is nested deeper than the limit; level by level, so that no depth can exhaust the stack."""
-    level = [value]
-    for _ in range(limit + 1):
-        level = [outer for outer in level if isinstance(outer, Mapping | list | tuple)]
-        if not level:
+def _check_extent(value: Any, depth: int = MAX_DEPTH) -> None:
+    """Refuse what is nested deeper than that, or cannot be written in `MAX_SIZE` bytes, going by its texts and members.
+
+    It goes level by level, so that no depth can exhaust the stack.
+
+    Raises:
+        AclError: It is too deep or too large, or holds a number that JSON has not.
+    """
+    size, level = 0, [value]
+    for _ in range(depth + 1):
+        inner: list[Any] = []
+        is_nested = False
+        for part in level:
+            if isinstance(part, str):
+                size += len(part)
+            elif isinstance(part, dict | list | tuple):
+                is_nested = True
+                size += len(part)
+                inner += part
+                inner += part.values() if isinstance(part, dict) else ()
+            elif isinstance(part, float) and not math.isfinite(part):
+                raise AclError(f"{part} cannot be written as JSON")
+        if size > MAX_SIZE:
+            raise AclError(f"a message of more than {MAX_SIZE} bytes is too large")
+        if not is_nested:
             return
-        level = [inner for outer in level for inner in (outer.values() if isinstance(outer, Mapping) else outer)]
+        level = inner
     raise AclError(f"a message is at most {MAX_DEPTH} levels deep")
 
 

@@ -22,7 +22,9 @@ from agents.platform.serving import Serving
 from agents.platform.talk import hand_over
 from bus import Conversation
 
-MOST_REQUESTS = 100  # of one protocol that one agent answers at a time; it refuses more, so a flood costs no memory
+# How many conversations of one protocol an agent answers at a time. It refuses more, so that a flood costs no memory.
+MOST_REQUESTS = 100  # of one asker, so that one who floods does not keep the others out
+MOST_AT_ALL = 400
 AT_WORK = (State.ACTIVE, State.WAITING)
 FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJECT_PROPOSAL)
 
@@ -50,7 +52,8 @@ class Desk:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._lock = threading.Lock()  # for what is under way
         self._under_way: dict[tuple[str, AgentName], Serving] = {}
-        self._in_flight: Counter[str] = Counter()
+        self._in_flight: Counter[str] = Counter()  # by protocol
+        self._of_one: Counter[tuple[str, AgentName]] = Counter()  # by protocol and asker
         self._unnamed = itertools.count()
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -103,7 +106,7 @@ class Desk:
             return
         serving = Serving(self._home_there, self._me, message, conversation)
         if not self._admit(key, protocol, serving):
-            why = f"{self._me} is busy with {MOST_REQUESTS} {protocol.noun}s already"
+            why = f"{self._me} is busy with {self._in_flight[protocol.name]} {protocol.noun}s already"
             self._turn_away(message, Performative.REFUSE, why, conversation)
             return
         assert self._loop is not None
@@ -131,10 +134,12 @@ class Desk:
 
     def _admit(self, key: tuple[str, AgentName], protocol: Protocol, serving: Serving) -> bool:
         """Count one more conversation, unless there are too many."""
+        one = protocol.name, serving.message.sender
         with self._lock:
-            if self._in_flight[protocol.name] >= MOST_REQUESTS:
+            if self._in_flight[protocol.name] >= MOST_AT_ALL or self._of_one.get(one, 0) >= MOST_REQUESTS:
                 return False
             self._in_flight[protocol.name] += 1
+            self._of_one[one] += 1
             self._under_way[key] = serving
             return True
 
@@ -176,6 +181,10 @@ class Desk:
 
     def _ended(self, key: tuple[str, AgentName], serving: Serving, protocol: Protocol) -> None:
         serving.close()  # one that was cancelled before it began has not done so itself
+        one = protocol.name, serving.message.sender
         with self._lock:
             self._in_flight[protocol.name] -= 1
+            self._of_one[one] -= 1
+            if not self._of_one[one]:
+                del self._of_one[one]  # a forged name leaves no trace
             del self._under_way[key]
