@@ -69,6 +69,7 @@ def _live(program: "Program", name: "AgentName", options: argparse.Namespace) ->
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
     from agents.face.application import Application
+    from agents.platform import AgentName
     from bus.session import ZenohBus
 
     with ending_in_time() as end, ZenohBus.open(options.bus) as bus:
