@@ -37,7 +37,8 @@ class LiveTeam:
         """A command line as people type it, for this team's bus: `acromovi ...` or `python FILE ...`."""
         program, *rest = words
         if program == "acromovi":
-            return [sys.executable, "-m", "acromovi", *rest, "--bus", str(self.bus)]
+            bus = [] if rest[0] == "new" else ["--bus", str(self.bus)]
+            return [sys.executable, "-m", "acromovi", *rest, *bus]
         assert program == "python"
         return [sys.executable, "-c", SCRIPT, str(self.bus), *rest]
 

@@ -91,8 +91,10 @@ class Application(Agent):
     async def take_down(self) -> None:
         """Stop what it moves."""
         self._horizon.close()
-        self.ended.set()
-        await self._stage.halt()
+        try:
+            await self._stage.halt()
+        finally:
+            self.ended.set()  # last: who waits for this may close the container, and who has stopped it is to hear so
 
     async def _main(self) -> None:
         self.has_failed = False

@@ -41,10 +41,7 @@ class Backstage:
         agent = Agent(AgentName(name, home.own_name or PLATFORM))
         self.stage = Stage(agent, self._loop)
         try:
-            self._run(self._container.start(agent), OPENING_TIME)
-        except NotAllowed:  # who may only look needs no agent that others see
-            self._run(agent.look_on(self._container), OPENING_TIME)
-            self.stage.only_looks = True
+            self._join(agent)
         except (BusError, AgentError, TimeoutError) as err:
             self.close()
             why = str(err) or f"nothing has happened there for {OPENING_TIME:g} s"
@@ -60,6 +57,13 @@ class Backstage:
             self._loop.close()
         if self._own_bus is not None:
             self._own_bus.close()
+
+    def _join(self, agent: Agent) -> None:
+        try:
+            self._run(self._container.start(agent), OPENING_TIME)
+        except NotAllowed:  # who may only look needs no agent that others see
+            self._run(agent.look_on(self._container), OPENING_TIME)
+            self.stage.only_looks = True
 
     def _run(self, work: Coroutine[Any, Any, Any], within: float) -> None:
         asyncio.run_coroutine_threadsafe(work, self._loop).result(within)

@@ -89,7 +89,7 @@ class Horizon:
         elements: dict[str, set[str]] = {}
         for found in await self._directory.search(COMPONENT):
             elements.setdefault(found.name.platform, set()).add(found.name.local)
-        return [robot for robot, has in elements.items() if has.issuperset(having)]
+        return sorted(robot for robot, has in elements.items() if has.issuperset(having))
 
     def _has_agents(self, platform: str) -> bool:
         return any(name.platform == platform for name in self._directory.names)

@@ -7,7 +7,7 @@ import pytest
 
 import agents
 
-CONTAINERS = "agents.components.all_components", "agents.services.all_services", "agents.wrappers", "acromovi.container"
+CONTAINERS = "agents.components.all_components", "agents.components.robot_agents", "agents.wrappers", "acromovi.container"
 
 
 def loaded_with(statement: str) -> set[str]:
@@ -17,7 +17,7 @@ def loaded_with(statement: str) -> set[str]:
     return set(done.stdout.split())
 
 
-def test_a_container_does_not_carry_the_face() -> None:
+def test_a_robots_container_does_not_carry_the_face() -> None:
     assert not loaded_with(f"import {', '.join(CONTAINERS)}")
 
 
