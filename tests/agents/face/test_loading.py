@@ -7,7 +7,7 @@ import pytest
 
 import agents
 
-CONTAINERS = "agents.components.all_components", "agents.components.robot_agents", "agents.wrappers", "acromovi.container"
+CONTAINERS = "agents.components.robot_agents", "agents.wrappers", "acromovi.container"
 
 
 def loaded_with(statement: str) -> set[str]:
