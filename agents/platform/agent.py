@@ -37,6 +37,7 @@ from agents.platform.handler import Handler
 from agents.platform.home import Home
 from agents.platform.hooks import hooks_of
 from agents.platform.life import State, Step, after
+from agents.platform.luggage import Luggage
 from agents.platform.mailbox import ANY, Mailbox, Template
 from agents.platform.names import AgentName
 from agents.platform.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
@@ -44,7 +45,7 @@ from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Sc
 from agents.platform.serving import Serving
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
-from agents.platform.traveller import Luggage, Traveller
+from agents.platform.traveller import Traveller
 from bus import JSON, Bus, Publisher, Subscription
 
 

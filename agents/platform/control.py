@@ -12,7 +12,7 @@ A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what
 
 `list`, which is also meant by nothing, and `introspect` are answered on `<platform>/containers/<name>/description` too,
 for those who may look and not control. `adopt`, `settle`, `deliver`, `begin` and `forsake` are what containers say to
-each other when an agent moves (transit.py).
+each other when an agent moves (departures.py).
 
 A no is an error reply with one sentence.
 """
@@ -26,12 +26,14 @@ import uuid
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from agents.platform.arrivals import Arrivals
+from agents.platform.departures import Departures
 from agents.platform.errors import AgentError
 from agents.platform.introspection import introspect
 from agents.platform.kinds import kind_of
+from agents.platform.luggage import opened, unpacked
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
-from agents.platform.transit import Arrivals, Departures, opened, unpacked
 from bus import BusError, BusUnavailable, Conversation, Subscription
 
 if TYPE_CHECKING:
@@ -203,7 +205,7 @@ class Control:
         return {}
 
     async def _forsake(self, given: Given) -> dict[str, Any]:
-        await self._arrivals.forsake(named_in(given))
+        await self._arrivals.forsake(named_in(given), text_of(given, "from"))
         return {}
 
 

@@ -16,6 +16,7 @@ from typing import Any
 from bus import Conversation, Sample
 
 MOST_CALLERS = 100  # that wait before a shut door; more are passed on, to be refused
+ENTER_TIME = 1.0  # s; beginning one takes no longer than a thread waits for its turn
 MOST_LETTERS = 10_000  # messages that wait before a shut door; more are lost and counted
 
 _process = os.urandom(6)
@@ -62,7 +63,8 @@ class Door:
         self.lost = 0
         self._take = take
         self._begin = begin
-        self._lock = threading.Lock()
+        self._lock = threading.Condition(threading.Lock())
+        self._entering = 0  # conversations that are being begun at this moment
         self._keeps_callers = False
         self._keeps_letters = False
         self._kept: list[Letter | Caller] = []
@@ -89,16 +91,21 @@ class Door:
     def caller(self, message: dict[str, Any], conversation: Conversation) -> None:
         """A conversation begins."""
         with self._lock:
-            caller = Caller(_label_of_opening(message), message, conversation) if self._is_special else None
+            caller = Caller(_label_of_opening(message), message, conversation) if self._looks_at_callers else None
             is_new = caller is None or self._is_new(caller.label)
-            keeps = self._keeps_callers and sum(isinstance(each, Caller) for each in self._kept) < MOST_CALLERS
-            if caller is not None and is_new and keeps:
+            if caller is not None and is_new and self._has_room_for_callers:
                 self._kept.append(caller)
                 return
-        if is_new:
-            self._begin(message, conversation)
-        else:
-            conversation.close()  # it is being answered where it came in first
+            self._entering += 1
+        try:
+            if is_new:
+                self._begin(message, conversation)
+            else:
+                conversation.close()  # it is being answered where it came in first
+        finally:
+            with self._lock:
+                self._entering -= 1
+                self._lock.notify_all()
 
     # In the loop.
 
@@ -113,8 +120,10 @@ class Door:
             self._known = None
 
     def keep_callers(self) -> None:
-        """Let conversations wait."""
-        self._keeps_callers = True
+        """Let conversations wait. Those that came before have been begun when this returns."""
+        with self._lock:
+            self._keeps_callers = True
+            self._lock.wait_for(lambda: not self._entering, ENTER_TIME)
 
     def keep_letters(self) -> None:
         """Let messages wait as well. Those that came before have been taken when this returns."""
@@ -155,8 +164,12 @@ class Door:
                     self._begin(each.message, each.conversation)
 
     @property
-    def _is_special(self) -> bool:
+    def _looks_at_callers(self) -> bool:
         return self._keeps_callers or self._known is not None
+
+    @property
+    def _has_room_for_callers(self) -> bool:
+        return self._keeps_callers and sum(isinstance(each, Caller) for each in self._kept) < MOST_CALLERS
 
     def _is_new(self, label: str) -> bool:
         if self._known is None:

@@ -6,32 +6,18 @@ does begins, and what comes waits before its door.
 
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from agents.platform.acl import AclMessage, Performative
+from agents.platform.acl import Performative
 from agents.platform.desk import Desk
 from agents.platform.door import Caller, Door, Letter
 from agents.platform.errors import NotMoved
 from agents.platform.initiator import Initiator
-from agents.platform.life import State, Step
+from agents.platform.life import State, Step, after
+from agents.platform.luggage import Luggage
 from agents.platform.mailbox import Mailbox
 from agents.platform.schedule import Schedule
 from bus import Conversation
-
-
-@dataclass(frozen=True, slots=True)
-class Luggage:
-    """What an agent takes along.
-
-    state: what its `pack` says.
-    mailbox: the messages that wait in its mailbox, oldest first.
-    is_suspended: whether it is to rest where it arrives, as it did before.
-    """
-
-    state: Mapping[str, Any]
-    mailbox: tuple[AclMessage, ...]
-    is_suspended: bool
 
 
 class Traveller(Initiator):
@@ -66,9 +52,10 @@ class Traveller(Initiator):
             IllegalTransition: It is not at work.
         """
         was = self._state
+        after(was, Step.MOVE)
+        self._door.keep_callers()  # before it is in transit, since who is let in is then admitted as before
         self._go(Step.MOVE)
         self._schedule.gate.shut()
-        self._door.keep_callers()
         try:
             for serving in self._desk.under_way:
                 if serving.message.performative is Performative.SUBSCRIBE:

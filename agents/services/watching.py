@@ -94,6 +94,8 @@ class Watching:
         if who in self._missed:  # its token was faster
             self._missed.remove(who)
             self._tell(who, f"{who} has been {how}", Level.OK)
+        elif how == End.MOVED:  # it lives on, and may be missed later
+            self._tell(who, f"{who} has been moved", Level.OK)
         else:
             self._closing.add(who)
 

@@ -1,6 +1,7 @@
 """Agents that move from one container into another, on a bus in memory and in virtual time."""
 
 import asyncio
+import json
 from collections.abc import Coroutine, Iterator
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,8 @@ class Wanderer(Agent):
     def pack(self):
         if self.properties.get("cannot pack"):
             raise RuntimeError("too much")
+        if self.properties.get("packs nonsense"):
+            return {"count": {1, 2}}
         return {"count": self.count, "read": self.read}
 
     def unpack(self, state):
@@ -80,13 +83,14 @@ class World:
         self.loop = loop
         self.network = MemoryNetwork()
         self.reports: list[Report] = []
-        self.here, self.there, self.lab = (self.container(name, folder) for name in ("here", "there", "lab"))
+        self.here, self.there = (self.container(name, Kinds([folder])) for name in ("here", "there"))
+        self.lab = self.container("lab", Kinds())
         self.console = Agent("console@lab")
         self.run(self.lab.start(self.console))
 
-    def container(self, name: str, folder: Path) -> Container:
+    def container(self, name: str, kinds: Kinds) -> Container:
         made = Container(
-            MemoryBus(self.network), name, self.reports.append, self.loop.time, platform="team", kinds=Kinds([folder])
+            MemoryBus(self.network), name, self.reports.append, self.loop.time, platform="team", kinds=kinds
         )
 
         async def show() -> None:
@@ -283,6 +287,8 @@ def test_a_subscriber_is_told_to_subscribe_again(world: World) -> None:
         ({}, "no/where", "be a part of a container's name"),
         ({"stays in": "here"}, "there", "the setup of wanderer@team failed: RuntimeError: only there"),
         ({"cannot pack": True}, "there", "wanderer@team cannot pack: RuntimeError: too much"),
+        ({"packs nonsense": True}, "there", "wanderer@team stays in here: "),
+        ({}, "lab", "wanderer@team stays in here: there is no module 'wanderer_for_tests'"),
     ],
 )
 def test_an_agent_that_cannot_move_goes_on_where_it_is(
@@ -350,7 +356,7 @@ def test_two_moves_at_once_are_one(world: World) -> None:
 
     done, refused = world.run(main())
     assert done["container"] == "there"
-    assert str(refused) == "an agent that is transit cannot move"
+    assert str(refused) == "wanderer@team is moving already"
     assert world.ask("next").value() == [1, "there"]
 
 
@@ -370,6 +376,16 @@ def test_it_lives_on_there_when_the_container_dies_from_which_it_came(world: Wor
     assert [report.what for report in world.reports] == [
         "the container from which it came has died; what came there last is lost"
     ]
+
+
+def test_it_is_told_as_moved_and_not_as_stopped(world: World) -> None:
+    world.begin()
+    told: list[Any] = []
+    world.lab.bus.subscribe(
+        world.here.called.reports_key, lambda sample: told.append(json.loads(sample.payload)["ended"])
+    )
+    world.run(world.move())
+    assert told == ["moved"]
 
 
 def test_it_is_let_go_there_when_it_lives_on_where_it_was(world: World) -> None:
@@ -398,6 +414,84 @@ def test_it_lives_there_when_only_the_answer_was_lost_that_says_so(world: World)
     world.there._control._orders["settle"] = mute
     world.run(world.move())
     assert world.lives() == ([], ["active"])
+
+
+def test_messages_follow_once_when_nobody_knows_whether_they_came_along(world: World) -> None:
+    """It has begun to live there by itself, and so without what waited here."""
+    world.begin()
+    settle = world.there._control._settle
+
+    async def without_letters(given: Any) -> dict[str, Any]:
+        await settle({**given, "letters": given["letters"][:3]})
+        raise Refused("none of this name has arrived")
+
+    world.there._control._orders["settle"] = without_letters
+
+    async def main() -> tuple[int, Any]:
+        count = 0
+        moving = asyncio.ensure_future(world.move())
+        while not moving.done():
+            world.tell(count)
+            count += 1
+            await asyncio.sleep(0.001)
+        return count, (await world.console.request(WANDERER, "read")).value()
+
+    count, read = world.run(main())
+    assert sorted(read) == list(range(count))
+
+
+def test_who_was_given_up_lives_once_although_it_had_begun_to_live_there(world: World) -> None:
+    """The other container was frozen: it settles the agent, and hears right after that it lives on here."""
+    world.begin()
+    settle = world.there._control._settle
+
+    async def too_late(given: Any) -> dict[str, Any]:
+        await settle(given)
+        raise Refused("the answer is lost")
+
+    async def nobody_knows(*whom: object) -> bool:
+        return False
+
+    world.there._control._orders["settle"] = too_late
+    world.here._control._departures._lives = nobody_knows  # type: ignore[assignment, method-assign]
+    with pytest.raises(Refused):
+        world.run(world.move())
+    world.loop.run_for(0.1)
+    assert world.lives() == (["active"], [])
+    assert world.ask("next").value() == [1, "here"]
+
+
+def test_an_agent_that_is_stopped_on_the_way_lives_nowhere(world: World) -> None:
+    world.begin(setup=1.0)
+
+    async def main() -> None:
+        moving = asyncio.ensure_future(world.move())
+        await asyncio.sleep(0.2)
+        assert world.lives() == (["transit"], ["transit"])
+        await world.order(world.here, "stop", name=str(WANDERER))
+        with pytest.raises(Refused, match="it has been ended meanwhile"):
+            await moving
+        await asyncio.sleep(20.0)
+
+    world.run(main())
+    assert world.lives() == ([], [])
+
+
+def test_an_agent_that_is_given_up_while_it_is_set_up_there_is_ended_there(world: World) -> None:
+    async def main() -> None:
+        origin = world.here.called.control_key
+        luggage = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
+        adopt = {"name": str(WANDERER), "kind": KIND, "properties": {"setup": 1.0}, "from": origin, "luggage": luggage}
+        arriving = asyncio.ensure_future(world.order(world.there, "adopt", **adopt))
+        await asyncio.sleep(0.5)
+        await world.order(world.there, "forsake", name=str(WANDERER), **{"from": "team/containers/another/control"})
+        assert world.lives() == ([], ["transit"])
+        await world.order(world.there, "forsake", name=str(WANDERER), **{"from": origin})
+        with pytest.raises(Refused, match="was ended while it arrived in there"):
+            await arriving
+
+    world.run(main())
+    assert world.lives() == ([], [])
 
 
 def test_a_move_that_fails_at_the_last_moment_leaves_nothing_there(world: World) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from agents.platform import FAIL_AGENT, Agent, AgentName, Ending, Kinds, request
+from agents.platform.talk import query
 from agents.services.monitor import Monitor
 from bus import MemoryBus
 from bus.messages import DiagnosticArray, DiagnosticStatus, decode, header
@@ -96,6 +97,22 @@ def test_who_is_stopped_on_purpose_is_not_missed(world: World) -> None:
     assert watched.told("worker@shop")[-1] == ("ok", "worker@shop has been stopped")
     assert watched.told("shop")[-1] == ("ok", "the container shop has been closed")
     assert Worker.births == 2
+
+
+def test_who_has_moved_is_missed_when_it_goes_where_it_lives_now(world: World) -> None:
+    watched = Watched(world)
+    shop, hall = (world.container(name, kinds=Workers()) for name in ("shop", "hall"))
+    world.run(hall.start(Agent(AgentName("porter", "hall"))))
+    world.run(shop.start(Worker(WORKER)))
+    order = {"do": "move", "name": str(WORKER), "to": "hall"}
+    world.run(query(world.lab.bus, shop.called.control_key, order, 60.0))
+    world.pass_time(1.0)
+    assert watched.told("worker@shop") == [("ok", "worker@shop has come"), ("ok", "worker@shop has been moved")]
+    hall.bus.close()
+    world.pass_time(1.0)
+    assert watched.told("worker@shop")[-1] == ("error", "worker@shop has gone")
+    for container in (shop, hall):
+        world.run(container.close())
 
 
 def test_an_agent_that_fails_is_started_again_by_its_container(world: World) -> None:

@@ -1,0 +1,145 @@
+"""How an agent moves, seen from the container where it arrives; see departures.py for the whole."""
+
+import asyncio
+import contextlib
+from collections.abc import Coroutine
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from agents.platform.agent import Agent
+from agents.platform.door import Letter
+from agents.platform.ends import End
+from agents.platform.errors import NotMoved, UnknownAgent
+from agents.platform.home import Home
+from agents.platform.life import State
+from agents.platform.luggage import Luggage
+from agents.platform.names import AgentName
+from agents.platform.talk import query
+from bus import BusError
+
+if TYPE_CHECKING:
+    from agents.platform.container import Container
+
+ANSWER_TIME = 5.0  # s for the other container to say who lives in it
+SETTLE_TIME = 8.0  # s after which an agent that was not settled looks what has become of where it was
+FORGET_TIME = 5.0  # s after which nothing comes twice any more, and nobody takes it back
+
+
+@dataclass
+class _Arrival:
+    """An agent that arrives, or has just done so.
+
+    origin: the key of the control of the container where it was.
+    is_awaiting: whether it is here, and waits for being settled.
+    """
+
+    agent: Agent
+    luggage: Luggage
+    origin: str
+    is_awaiting: bool = False
+
+
+class Arrivals:
+    """Takes agents of other containers into one."""
+
+    def __init__(self, container: "Container") -> None:
+        self._container = container
+        self._arrivals: dict[AgentName, _Arrival] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    async def close(self) -> None:
+        """Wait for nobody any more."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def adopt(self, agent: Agent, luggage: Luggage, origin: str) -> None:
+        """Let an agent arrive, and wait until it is settled.
+
+        Args:
+            agent: It, just made.
+            luggage: What it takes along.
+            origin: The key of the control of the container where it was.
+        Raises:
+            AlreadyThere: One of this name lives here.
+            SetupFailed: Its setup failed, or it cannot unpack.
+            NotMoved: It was forsaken or stopped before it was here.
+        """
+        arrival = _Arrival(agent, luggage, origin)
+
+        async def begin(home: Home) -> None:
+            self._arrivals[agent.name] = arrival
+            await agent.arrive(home, luggage)
+
+        try:
+            await self._container.bring_up(agent, begin)
+        except BaseException:
+            self._strike_off(arrival)
+            raise
+        if agent.state is not State.TRANSIT:
+            self._strike_off(arrival)
+            raise NotMoved(f"{agent.name} was ended while it arrived in {self._container.name}")
+        arrival.is_awaiting = True
+        self._begin(self._judge(arrival))
+
+    def settle(self, name: AgentName, letters: list[Letter]) -> None:
+        """Let an agent that has arrived begin to live here.
+
+        Raises:
+            NotMoved: None of this name waits for it.
+        """
+        arrival = self._arrivals.get(name)
+        if arrival is None or not arrival.is_awaiting:
+            raise NotMoved(f"no agent {name} has arrived in {self._container.name}")
+        self._settle(arrival, letters)
+
+    async def forsake(self, name: AgentName, origin: str) -> None:
+        """Let an agent go that lives on where it was, whether it is settled already or not yet here."""
+        arrival = self._arrivals.get(name)
+        if arrival is not None and arrival.origin == origin:
+            await self._let_go(arrival)
+
+    def _settle(self, arrival: _Arrival, letters: list[Letter]) -> None:
+        arrival.is_awaiting = False
+        arrival.agent.settle(arrival.luggage, letters)
+        self._begin(self._forget(arrival))
+
+    async def _let_go(self, arrival: _Arrival) -> None:
+        self._strike_off(arrival)
+        with contextlib.suppress(UnknownAgent):  # it has gone by itself
+            if self._container.agent(arrival.agent.name) is arrival.agent:
+                await self._container.stop(arrival.agent.name, End.MOVED)
+
+    async def _judge(self, arrival: _Arrival) -> None:
+        """See what has become of an agent that nobody settles: it lives on where it was, or else here."""
+        await asyncio.sleep(SETTLE_TIME)
+        lives_on = arrival.is_awaiting and await self._lives_on(arrival)
+        if not arrival.is_awaiting:
+            return  # somebody was faster
+        if lives_on:
+            await self._let_go(arrival)
+        else:
+            why = "the container from which it came has died; what came there last is lost"
+            self._container.report(arrival.agent.name, why)
+            self._settle(arrival, [])
+
+    async def _lives_on(self, arrival: _Arrival) -> bool:
+        with contextlib.suppress(BusError, TimeoutError):
+            asked = query(self._container.bus, arrival.origin, {"do": "list"}, ANSWER_TIME)
+            return any(row["name"] == str(arrival.agent.name) for row in (await asked)[0].value["agents"])
+        return False
+
+    async def _forget(self, arrival: _Arrival) -> None:
+        await asyncio.sleep(FORGET_TIME)
+        arrival.agent.forget_the_way()
+        self._strike_off(arrival)
+
+    def _strike_off(self, arrival: _Arrival) -> None:
+        arrival.is_awaiting = False
+        if self._arrivals.get(arrival.agent.name) is arrival:
+            del self._arrivals[arrival.agent.name]
+
+    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)

@@ -1,0 +1,59 @@
+"""What an agent takes along when it moves, and what follows it, as objects and as JSON."""
+
+from base64 import b64decode, b64encode
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from agents.platform.acl import AclMessage
+from agents.platform.door import Letter
+from agents.platform.errors import NotMoved
+
+
+@dataclass(frozen=True, slots=True)
+class Luggage:
+    """What an agent takes along.
+
+    state: what its `pack` says.
+    mailbox: the messages that wait in its mailbox, oldest first.
+    is_suspended: whether it is to rest where it arrives, as it did before.
+    """
+
+    state: Mapping[str, Any]
+    mailbox: tuple[AclMessage, ...]
+    is_suspended: bool
+
+
+def packed(luggage: Luggage) -> dict[str, Any]:
+    """Luggage as a JSON object."""
+    mailbox = [message.to_dict() for message in luggage.mailbox]
+    return {"state": luggage.state, "mailbox": mailbox, "suspended": luggage.is_suspended}
+
+
+def unpacked(value: Mapping[str, Any]) -> Luggage:
+    """Luggage from a JSON object.
+
+    Raises:
+        NotMoved, AclError: It is none.
+    """
+    match value:
+        case {"state": dict(state), "mailbox": list(mailbox), "suspended": bool(is_suspended)}:
+            return Luggage(state, tuple(AclMessage.from_dict(message) for message in mailbox), is_suspended)
+    raise NotMoved("this is not what an agent takes along")
+
+
+def enveloped(letters: Sequence[Letter]) -> list[list[str]]:
+    """Letters as JSON."""
+    return [[letter.label, b64encode(letter.payload).decode()] for letter in letters]
+
+
+def opened(value: object) -> list[Letter]:
+    """Letters from JSON.
+
+    Raises:
+        NotMoved: They are none.
+    """
+    try:
+        return [Letter(str(label), b64decode(payload)) for label, payload in value]  # type: ignore[attr-defined]
+    except (TypeError, ValueError) as err:
+        raise NotMoved("these are not messages for an agent that moves") from err
