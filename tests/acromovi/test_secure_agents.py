@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
@@ -16,6 +17,7 @@ from bus import NoAnswer, ZenohBus, keys
 from bus.secure import Permit, Profile
 from bus.session import configuration
 from tests.acromovi.agents_alive import living
+from tests.acromovi.conftest import AsOwner
 from tests.bus.secure_site import MEMBERS, Site
 
 BASE = AgentName("base", "happy")
@@ -87,20 +89,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         yield site
 
 
-Acromovi = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def acromovi(site: Site, capsys: pytest.CaptureFixture[str]) -> Acromovi:
-    """Runs a command with somebody's key: exit code, what it printed, what it complained of."""
-
-    def run(owner: str, *arguments: str) -> tuple[int, str, str]:
-        code = main([*arguments, "--bus", site.profile(owner)])
-        return code, *capsys.readouterr()
-
-    return run
-
-
 @pytest.mark.parametrize("owner", MEMBERS)
 def test_every_key_of_agents_is_for_those_it_is_meant_for(site: Site, owner: str) -> None:
     permit = Permit.of(Profile.find(site.profile(owner)))
@@ -111,17 +99,17 @@ def test_every_key_of_agents_is_for_those_it_is_meant_for(site: Site, owner: str
     assert permit.allows("query", control_key("dwarfs")) is (owner == "admin.root")
 
 
-def test_a_viewer_sees_who_is_there_and_what_they_are(acromovi: Acromovi) -> None:
-    code, shown, _ = acromovi("viewer.vera", "ps", "--json")
+def test_a_viewer_sees_who_is_there_and_what_they_are(as_owner: AsOwner) -> None:
+    code, shown, _ = as_owner("viewer.vera", "ps", "--json")
     assert code == 0
     assert [agent["name"] for agent in json.loads(shown)["agents"]] == ["base@happy"]
-    code, shown, _ = acromovi("viewer.vera", "introspect", "base@happy", "--json")
+    code, shown, _ = as_owner("viewer.vera", "introspect", "base@happy", "--json")
     assert code == 0
     assert json.loads(shown)["container"] == "happy"
 
 
-def test_a_viewer_reads_results_as_they_come_and_the_latest(site: Site, acromovi: Acromovi) -> None:
-    code, shown, complaint = acromovi("viewer.vera", "ask", "base@happy", "read", "--json")
+def test_a_viewer_reads_results_as_they_come_and_the_latest(site: Site, as_owner: AsOwner) -> None:
+    code, shown, complaint = as_owner("viewer.vera", "ask", "base@happy", "read", "--json")
     assert (code, complaint) == (0, "")
     assert json.loads(shown).keys() == {"stamp", "x", "y", "heading", "linear", "angular"}
     with Team(site.profile("viewer.vera")) as team:
@@ -142,8 +130,8 @@ def test_a_viewer_reads_results_as_they_come_and_the_latest(site: Site, acromovi
         ("container", "workshop"),
     ],
 )
-def test_a_viewer_is_told_that_it_moves_nothing(acromovi: Acromovi, arguments: tuple[str, ...]) -> None:
-    code, _, complaint = acromovi("viewer.vera", *arguments)
+def test_a_viewer_is_told_that_it_moves_nothing(as_owner: AsOwner, arguments: tuple[str, ...]) -> None:
+    code, _, complaint = as_owner("viewer.vera", *arguments)
     assert code == 1
     assert complaint.startswith(f"acromovi {arguments[0]}: {VIEWERS_REFUSAL}")
 
@@ -189,40 +177,40 @@ def test_the_router_stops_a_program_that_does_not_stop_itself(
         assert forged == []
 
 
-def test_an_operator_asks_agents_and_programs_of_its_own_are_agents_of_its_name(site: Site, acromovi: Acromovi) -> None:
-    code, shown, _ = acromovi("operator.anna", "ask", "base@happy", "move", "distance=0.5", "--json")
+def test_an_operator_asks_agents_and_programs_of_its_own_are_agents_of_its_name(site: Site, as_owner: AsOwner) -> None:
+    code, shown, _ = as_owner("operator.anna", "ask", "base@happy", "move", "distance=0.5", "--json")
     assert (code, json.loads(shown)["x"] >= 0.5) == (0, True)
     with Team(site.profile("operator.anna")) as team:
         assert team.robot("happy").element("base").ask("move", distance=0.5)["x"] >= 0.5
-        shown = acromovi("viewer.vera", "ps", "--json")[1]
+        shown = as_owner("viewer.vera", "ps", "--json")[1]
         (mine,) = [each for each in json.loads(shown)["agents"] if each["name"] != "base@happy"]
         assert mine["name"].endswith("@anna")
 
 
-def test_an_operator_controls_containers_of_its_own_name_only(site: Site, acromovi: Acromovi) -> None:
+def test_an_operator_controls_containers_of_its_own_name_only(site: Site, as_owner: AsOwner) -> None:
     with living("workshop", Base("bench@anna"), profile=site.profile("operator.anna")):
-        code, shown, _ = acromovi("operator.anna", "agent", "suspend", "bench@anna")
+        code, shown, _ = as_owner("operator.anna", "agent", "suspend", "bench@anna")
         assert (code, shown) == (0, "bench@anna is suspended in workshop\n")
-        code, _, complaint = acromovi("robot.grumpy", "agent", "stop", "bench@anna")
+        code, _, complaint = as_owner("robot.grumpy", "agent", "stop", "bench@anna")
         assert code == 1
         assert complaint.startswith(f"acromovi agent: {ROBOTS_REFUSAL}")
-    code, _, complaint = acromovi("operator.anna", "agent", "stop", "base@happy")
+    code, _, complaint = as_owner("operator.anna", "agent", "stop", "base@happy")
     assert code == 1
     assert complaint.startswith(f"acromovi agent: {OPERATORS_REFUSAL}")
     assert "under the name anna only; ask for an admin's key" in complaint
 
 
-def test_a_robot_asks_agents_of_others_and_has_none_in_anothers_name(site: Site, acromovi: Acromovi) -> None:
-    assert acromovi("robot.grumpy", "ask", "base@happy", "move", "distance=0.1")[0] == 0
-    code, _, complaint = acromovi("robot.grumpy", "container", "--robot", "happy")
+def test_a_robot_asks_agents_of_others_and_has_none_in_anothers_name(site: Site, as_owner: AsOwner) -> None:
+    assert as_owner("robot.grumpy", "ask", "base@happy", "move", "distance=0.1")[0] == 0
+    code, _, complaint = as_owner("robot.grumpy", "container", "--robot", "happy")
     assert code == 1
     assert complaint.startswith(f"acromovi container: {ROBOTS_REFUSAL}")
     assert "which is grumpy by this key" in complaint
 
 
-def test_an_admin_controls_what_others_may_not(acromovi: Acromovi) -> None:
+def test_an_admin_controls_what_others_may_not(as_owner: AsOwner) -> None:
     for do, state in ("suspend", "suspended"), ("resume", "active"):
-        assert acromovi("admin.root", "agent", do, "base@happy")[1] == f"base@happy is {state} in happy\n"
+        assert as_owner("admin.root", "agent", do, "base@happy")[1] == f"base@happy is {state} in happy\n"
 
 
 def test_a_folder_of_all_keys_is_told_from_ones_own(site: Site, capsys: pytest.CaptureFixture[str]) -> None:
@@ -230,3 +218,12 @@ def test_a_folder_of_all_keys_is_told_from_ones_own(site: Site, capsys: pytest.C
     complaint = capsys.readouterr().err
     assert "it has the keys of several; say whose you use, as in --bus secure:" in complaint
     assert complaint.endswith(f"there are {', '.join(sorted([*MEMBERS, 'router.lab']))}\n")
+
+
+def test_a_promoted_program_is_called_after_the_owner_of_the_key(as_owner: AsOwner, tmp_path: Path) -> None:
+    (tmp_path / "greet.py").write_text(
+        'def main(team):\n    team.robot("happy").element("base").ask("move", distance=0.1)\n'
+    )
+    code, shown, complaint = as_owner("operator.anna", "promote", str(tmp_path / "greet.py"))
+    assert (code, complaint) == (0, "")
+    assert shown.startswith("greet@anna lives")

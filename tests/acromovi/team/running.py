@@ -80,12 +80,19 @@ def alive(session: int) -> set[int]:
 
 
 @contextmanager
-def running(team: str, *options: str) -> Iterator[RunningTeam]:
-    """Bring a team up on a bus of its own, and leave nothing of it at the end of the block."""
+def running(team: str, *options: str, bus: str = "", seen_as: str = "") -> Iterator[RunningTeam]:
+    """Bring a team up on a bus of its own, and leave nothing of it at the end of the block.
+
+    Args:
+        team: Its file, or its name.
+        options: Of `acromovi up`.
+        bus: Another profile than that of a bus of this machine only.
+        seen_as: The test's own profile, where it is not the same.
+    """
     folder = Path(tempfile.mkdtemp(prefix="up-"))  # a short path: a socket's address holds 107 bytes
     made = folder / "made"
     made.mkdir()
-    profile = private_bus(folder)
+    profile = bus or private_bus(folder)
     process = subprocess.Popen(
         [sys.executable, "-m", "acromovi", "up", team, "--json", "--bus", profile, *options],
         cwd=ROOT,
@@ -95,11 +102,11 @@ def running(team: str, *options: str) -> Iterator[RunningTeam]:
         start_new_session=True,
     )
     try:
-        with process, ZenohBus.open(profile) as bus:
+        with process, ZenohBus.open(seen_as or profile) as own:
             assert process.stdout is not None
             line = process.stdout.readline()
             assert line, "the team has not come up"
-            yield RunningTeam(process, made, profile, json.loads(line), bus)
+            yield RunningTeam(process, made, profile, json.loads(line), own)
             process.terminate()
     finally:
         for pid in alive(process.pid):
