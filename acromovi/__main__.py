@@ -21,6 +21,7 @@ COMMANDS = {
     "ask": ("acromovi.ask", "Ask an agent to do something"),
     "agent": ("acromovi.agent", "Start, stop, suspend, resume or move an agent"),
     "sniff": ("acromovi.sniff", "Listen to what agents say to each other, and draw it"),
+    "leases": ("acromovi.leases", "List who holds which robot or element, and how that came"),
     "introspect": ("acromovi.introspect", "Look into a live agent: its mailbox, behaviours and conversations"),
     "container": ("acromovi.container", "Run a container: a robot's agents, a team's services, or an empty one"),
     "run": ("acromovi.run", "Run an application on the robots that are there"),

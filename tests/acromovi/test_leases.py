@@ -1,0 +1,50 @@
+"""`acromovi leases`: what gateways and arbiter say, for people and programs."""
+
+import asyncio
+import io
+
+import pytest
+
+from acromovi.leases import leases, show
+from bus import MemoryBus, Refused
+
+FREE = {"holder": None, "priority": 0, "expires_in": None}
+MINE = {"holder": "app@lab", "priority": 2, "expires_in": 1.25}
+
+
+def test_leases_of_all_robots_are_listed_in_order() -> None:
+    with MemoryBus() as bus:
+        bus.serve("happy/lease", lambda arguments: {**FREE, "elements": {"gripper": MINE, "base": MINE}})
+        bus.serve("doc/lease", lambda arguments: {**MINE, "elements": {}})
+        bus.serve("max/lease", lambda arguments: {**FREE, "elements": {}})
+        found = asyncio.run(leases(bus))
+    assert [row["element"] for row in found] == ["base@happy", "doc", "gripper@happy"]
+    assert found[1] == {"element": "doc", "holder": "app@lab", "priority": 2, "expires_in": 1.25}
+
+
+def test_where_no_robot_is_nothing_is_listed() -> None:
+    with MemoryBus() as bus:
+        assert asyncio.run(leases(bus)) == []
+
+
+def test_gateway_that_says_no_is_told_and_the_others_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    def refuse(arguments: object) -> dict[str, object]:
+        raise Refused("not today")
+
+    with MemoryBus() as bus:
+        bus.serve("doc/lease", refuse)
+        bus.serve("happy/lease", lambda arguments: {**MINE, "elements": {}})
+        assert [row["element"] for row in asyncio.run(leases(bus))] == ["happy"]
+    assert "somebody is left out: " in capsys.readouterr().err
+
+
+def test_list_and_record_are_for_people_too() -> None:
+    granted = {"time": 0.0, "event": "granted", "element": "doc", "holder": "app@lab", "priority": 2, "seconds": 3.0}
+    shown = io.StringIO()
+    show({"leases": [{"element": "doc", **MINE}], "audit": [granted]}, shown)
+    lines = shown.getvalue().splitlines()
+    assert lines[:2] == ["ELEMENT  HOLDER   PRIORITY  EXPIRES IN", "doc      app@lab  2         1.2 s"]
+    assert lines[4].split()[1:] == ["granted", "doc", "app@lab", "2", "seconds", "3.0"]
+    shown = io.StringIO()
+    show({"leases": []}, shown)
+    assert shown.getvalue().startswith("nobody holds a lease")
