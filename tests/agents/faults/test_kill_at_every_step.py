@@ -1,6 +1,8 @@
 """A container is killed at every step of every protocol: the other side comes to one end, and nothing is left of it."""
 
 import asyncio
+import itertools
+from collections.abc import Callable
 from enum import StrEnum
 from functools import partial
 
@@ -8,6 +10,8 @@ import pytest
 
 from agents.platform import AclMessage, Ending
 from agents.platform.askers import UNSEEN_TIME
+from agents.platform.schedule import Running
+from agents.platform.virtual_time import VirtualTimeLoop
 from tests.agents.faults.pair import Pair, Place
 from tests.agents.faults.scripts import PATIENCE, SCRIPTS, Script
 
@@ -31,15 +35,17 @@ class Moment(StrEnum):
 
 
 class Killer:
-    """Hears all that is said, and kills at one word.
+    """Hears all that is said, and ends one of the two at one word.
 
-    words: what the living have said. at: when it has killed, s of virtual time.
+    words: what the living have said. at: when it has struck, s of virtual time.
     """
 
-    def __init__(self, pair: Pair, victim: Place, step: int, moment: Moment) -> None:
+    def __init__(
+        self, pair: Pair, victim: Place, step: int, moment: Moment, strike: Callable[[Place], object] = Place.kill
+    ) -> None:
         self.words: list[str] = []
         self.at: float | None = None
-        self._loop, self._victim, self._step, self._moment = pair.loop, victim, step, moment
+        self._loop, self._victim, self._step, self._moment, self._strike = pair.loop, victim, step, moment, strike
         for place in (pair.initiator, pair.responder):
             place.container.tap = partial(self._hear, place)
 
@@ -49,17 +55,22 @@ class Killer:
         if len(self.words) == self._step:
             match self._moment:
                 case Moment.BEFORE:
-                    self._kill()
+                    self._end()
                 case Moment.AFTER:
-                    self._loop.call_soon(self._kill)
+                    self._loop.call_soon(self._end)
                 case Moment.LATER:
-                    self._loop.call_later(A_WHILE, self._kill)
+                    self._loop.call_later(A_WHILE, self._end)
         if speaker.is_alive:
             self.words.append(str(message.performative))
 
-    def _kill(self) -> None:
+    def _end(self) -> None:
         self.at = self._loop.time()
-        self._victim.kill()
+        self._strike(self._victim)
+
+
+def stop(place: Place) -> None:
+    """End an agent in order, soon."""
+    place.agent.delete()
 
 
 def nothing_is_left(pair: Pair, survivor: Place) -> bool:
@@ -121,6 +132,31 @@ class TestKilledAtEveryStep:
         pair.loop.run_for(PATIENCE)  # of the dead, to whom its own death means nothing
         bury(pair, dead)
         they_begin_anew(pair, script, pair.join(dead.agent.name), survivor)
+
+
+@pytest.mark.parametrize("role", Role)
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.name)
+def test_both_leave_it_when_one_of_them_is_stopped_at_any_step(
+    loop: VirtualTimeLoop, script: Script, role: Role
+) -> None:
+    for step, moment in itertools.product(range(len(script.words)), Moment):
+        pair = Pair(loop)
+        killer = Killer(pair, pair.initiator if role is Role.INITIATOR else pair.responder, step, moment, stop)
+        asking = pair.run(in_behaviour(pair, script))
+        while killer.at is None:
+            pair.loop.run_for(AT_ONCE)
+        pair.loop.run_for(AT_ONCE)
+        assert nothing_is_left(pair, pair.initiator)
+        assert nothing_is_left(pair, pair.responder)
+        if role is Role.RESPONDER:
+            assert pair.run(asking.result()) in (script.ending, Ending.REFUSED, Ending.FAILED, Ending.DIED)
+        assert pair.reports == []
+        pair.end()
+
+
+async def in_behaviour(pair: Pair, script: Script) -> Running:
+    """Let the initiator do it as agents do it, so that it ends with its agent."""
+    return pair.initiator.agent.add(lambda: script.begin(pair.initiator.agent, pair.responder.agent.name))
 
 
 def they_begin_anew(pair: Pair, script: Script, initiator: Place, responder: Place) -> None:
