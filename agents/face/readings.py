@@ -189,7 +189,7 @@ class CameraReading(Reading):
     height: int | None
     format: str
     frames: int
-    rate: float
+    rate: float = field(metadata=NUMBER)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
