@@ -61,7 +61,7 @@ CALLS: dict[str, list[Callable[[Any], object]]] = {
 
 def result_of(element: str) -> dict[str, Any]:
     """What a component says when it knows nothing but that it is there."""
-    rows = {**dict.fromkeys(LISTS, [None]), "ranges": RANGES.get(element), "joints": {"1": None}}
+    rows = {**{name: [None] for name in LISTS}, "ranges": RANGES.get(element), "joints": {"1": None}}
     return {"stamp": 1.5, **{name: rows.get(name) for name in told_by(element)}}
 
 
