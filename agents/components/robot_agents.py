@@ -100,7 +100,7 @@ class RobotAgents:
             agent = component_for(element)(AgentName(element, self._robot), properties)
             is_active = await self._container.start(agent)
         except AlreadyThere:
-            is_active = True  # somebody was faster
+            return  # somebody was faster; the token tells when that one has gone
         except NameNotValid as err:
             log.warning("no agent can serve %s of %s: %s", element, self._robot, err)
             is_active = False

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from agents.components.robot_agents import RobotAgents, described_elements
-from agents.platform import Agent, AgentName, Container, Report
+from agents.platform import Agent, AgentName, AlreadyThere, Container, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, Refused, Subscription, keys
 from tests.agents.components.conftest import Lab, MakeLab
@@ -47,8 +47,9 @@ def test_a_robot_whose_cable_is_cut_keeps_its_agents(lab: Lab) -> None:
 class Gateway:
     """What agents see of a gateway: tokens and a description, as the test wants them."""
 
-    def __init__(self, bus: MemoryBus) -> None:
+    def __init__(self, bus: MemoryBus, robot: str = "happy") -> None:
         self.bus = bus
+        self.robot = robot
         self.elements: dict[str, dict[str, Any]] = {}
         self.refuses = False
         self._serving: Subscription | None = None
@@ -56,7 +57,7 @@ class Gateway:
 
     def answer(self, is_there: bool = True) -> None:
         if is_there:
-            self._serving = self.bus.serve(keys.DESCRIPTION.key("happy"), self._describe)
+            self._serving = self.bus.serve(keys.DESCRIPTION.key(self.robot), self._describe)
         elif self._serving is not None:
             self._serving.close()
 
@@ -67,7 +68,7 @@ class Gateway:
 
     def add(self, name: str, streams: tuple[str, ...] = (), **extras: Any) -> None:
         self.describe(name, streams, **extras)
-        self._tokens[name] = self.bus.declare_alive(keys.element_alive_key("happy", name))
+        self._tokens[name] = self.bus.declare_alive(keys.element_alive_key(self.robot, name))
 
     def describe(self, name: str, streams: tuple[str, ...] = (), **extras: Any) -> None:
         self.elements[name] = {"name": name, "streams": list(streams), "commands": [], **extras}
@@ -77,17 +78,18 @@ class Gateway:
         self._tokens.pop(name).close()
 
 
-class World:
-    def __init__(self, loop: VirtualTimeLoop) -> None:
-        self.loop = loop
-        self.bus = MemoryBus()
-        self.gateway = Gateway(MemoryBus(self.bus.network))
-        self.reports: list[str] = []
-        self.container = Container(self.bus, "happy", self._note)
-        self.task = loop.create_task(self._run())
+class Home:
+    """The container of a robot's agents."""
 
-    async def _run(self) -> None:
-        await RobotAgents(self.container, "happy").run()
+    def __init__(self, loop: VirtualTimeLoop, bus: MemoryBus, robot: str = "happy") -> None:
+        self.loop = loop
+        self.bus = bus
+        self.reports: list[str] = []
+        self.container = Container(bus, robot, self._note)
+        self.task = loop.create_task(self._run(robot))
+
+    async def _run(self, robot: str) -> None:
+        await RobotAgents(self.container, robot).run()
 
     def _note(self, report: Report) -> None:
         self.reports.append(report.what)
@@ -99,14 +101,42 @@ class World:
     def do(self, work: Any) -> Any:
         return self.loop.run_until_complete(work)
 
+    def close(self) -> None:
+        self.task.cancel()
+        self.do(asyncio.wait([self.task]))
+        self.do(self.container.close())
+
+    def die(self) -> None:
+        """As a process that is killed: nothing is closed in order, and the bus sees that it has gone."""
+        self.task.cancel()
+        self.bus.close()
+
+
+class World(Home):
+    """The robot happy, as a gateway shows it, and its container."""
+
+    def __init__(self, loop: VirtualTimeLoop) -> None:
+        super().__init__(loop, MemoryBus())
+        self.gateway = Gateway(self.participant())
+        self.others: list[Home] = []
+
+    def participant(self) -> MemoryBus:
+        return MemoryBus(self.bus.network)
+
+    def another_container(self, robot: str = "happy") -> Home:
+        self.others.append(Home(self.loop, self.participant(), robot))
+        return self.others[-1]
+
+    def another_gateway(self, robot: str = "happy") -> Gateway:
+        return Gateway(self.participant(), robot)
+
 
 @pytest.fixture
 def world(loop: VirtualTimeLoop) -> Iterator[World]:
     world = World(loop)
     yield world
-    world.task.cancel()
-    world.do(asyncio.wait([world.task]))
-    world.do(world.container.close())
+    for home in (*world.others, world):
+        home.close()
 
 
 def test_a_robot_that_vanishes_and_returns_takes_its_agents_along(world: World) -> None:
@@ -123,6 +153,87 @@ def test_a_robot_that_vanishes_and_returns_takes_its_agents_along(world: World) 
     world.gateway.add("thermometer")
     world.loop.run_for(0.1)
     assert world.agents["thermometer"] is not first
+
+
+def test_a_gateway_that_is_killed_takes_the_agents_along_and_another_brings_them_back(world: World) -> None:
+    world.gateway.answer()
+    world.gateway.add("thermometer")
+    world.loop.run_for(0.1)
+    world.gateway.bus.close()
+    world.loop.run_for(0.1)
+    assert world.agents == {}
+    again = world.another_gateway()
+    again.answer()
+    again.add("thermometer")
+    again.add("barometer")
+    world.loop.run_for(0.1)
+    assert set(world.agents) == {"thermometer", "barometer"}
+
+
+def test_an_element_that_is_lost_for_a_moment_only_has_an_agent_afterwards(world: World) -> None:
+    world.gateway.answer()
+    world.gateway.add("thermometer")
+    world.loop.run_for(0.1)
+    for _ in range(5):
+        world.gateway.remove("thermometer")
+        world.gateway.add("thermometer")
+    world.loop.run_for(1.0)
+    assert set(world.agents) == {"thermometer"}
+
+
+def test_two_robots_in_two_containers_have_nothing_to_do_with_each_other(world: World) -> None:
+    grumpy, home = world.another_gateway("grumpy"), world.another_container("grumpy")
+    for gateway in (world.gateway, grumpy):
+        gateway.answer()
+        gateway.add("thermometer")
+    grumpy.add("barometer")
+    world.loop.run_for(0.1)
+    assert (set(world.agents), set(home.agents)) == ({"thermometer"}, {"thermometer", "barometer"})
+    assert str(home.agents["thermometer"].name) == "thermometer@grumpy"
+    grumpy.bus.close()
+    world.loop.run_for(0.1)
+    assert (set(world.agents), set(home.agents)) == ({"thermometer"}, set())
+
+
+@pytest.mark.parametrize("is_killed", [False, True])
+@pytest.mark.parametrize("is_early", [False, True])
+def test_a_container_that_is_started_again_has_the_same_agents(world: World, is_killed: bool, is_early: bool) -> None:
+    gateway, first = world.another_gateway("grumpy"), world.another_container("grumpy")
+    gateway.answer()
+    gateway.add("thermometer")
+    world.loop.run_for(0.1)
+    before = first.agents["thermometer"]
+    second = world.another_container("grumpy") if is_early else None  # it finds that there is an agent, and waits
+    world.loop.run_for(0.1)
+    assert second is None or second.agents == {}
+    if is_killed:
+        first.die()
+    else:
+        first.close()
+    second = second or world.another_container("grumpy")
+    world.loop.run_for(0.1)
+    assert set(second.agents) == {"thermometer"}
+    assert second.agents["thermometer"] is not before
+
+
+def test_an_agent_that_somebody_else_has_just_started_is_taken_over_when_it_goes(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def come_too_late(agent: Agent) -> bool:
+        monkeypatch.undo()
+        raise AlreadyThere("somebody was faster")
+
+    other = Container(world.participant(), "lab")
+    monkeypatch.setattr(world.container, "start", come_too_late)
+    world.gateway.answer()
+    world.gateway.add("thermometer")
+    world.loop.run_for(0.1)
+    world.do(other.start(Agent(AgentName("thermometer", "happy"))))
+    world.loop.run_for(1.0)
+    assert world.agents == {}
+    world.do(other.close())
+    world.loop.run_for(0.1)
+    assert set(world.agents) == {"thermometer"}
 
 
 @pytest.mark.parametrize("is_silent", [True, False])
