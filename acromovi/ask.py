@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bus.bus import Bus
 
 PATIENCE = 10.0  # s
-READ = "read"  # what one may have who may only look
+READ = "read"  # the request that those may make who may only look: the answer is what the results' key gives
 EPILOG = """\
 examples:
   acromovi ask sonar@happy read
@@ -50,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Ask once, and print the result."""
     from acromovi.known_agents import KnownAgents
     from agents.platform.names import AgentName
+    from agents.platform.outcome import Ending, Outcome
+    from bus.errors import NotAllowed
     from bus.session import ZenohBus
 
     if "reply_within" in dict(arguments.arguments):
@@ -59,36 +61,30 @@ def run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus:
         with KnownAgents(bus) as known:
             known.expect(peer)
-        if arguments.request == READ and not may_query(bus, peer.acl_key):
-            result: Any = bus.query(peer.results_key, timeout=arguments.timeout)[0].value
-        else:
-            bus.check_may_query(peer.acl_key)
+        try:
             outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
-            if not outcome.is_done:
-                print(f"acromovi ask: {outcome.ending}: {outcome.why}", file=sys.stderr)
-                return 1
-            result = outcome.result
-    print(json.dumps(result, ensure_ascii=False, indent=None if arguments.json else 2))
+        except NotAllowed:
+            if arguments.request != READ:
+                raise
+            outcome = Outcome(Ending.DONE, bus.query(peer.results_key, timeout=arguments.timeout)[0].value)
+    if not outcome.is_done:
+        print(f"acromovi ask: {outcome.ending}: {outcome.why}", file=sys.stderr)
+        return 1
+    print(json.dumps(outcome.result, ensure_ascii=False, indent=None if arguments.json else 2))
     return 0
 
 
-def may_query(bus: "Bus", key: str) -> bool:
-    """Whether this program's role lets it."""
-    from bus.errors import NotAllowed
-
-    try:
-        bus.check_may_query(key)
-    except NotAllowed:
-        return False
-    return True
-
-
 async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any], within: float) -> "Outcome":
-    """Ask as an agent that lives for this one request."""
+    """Ask as an agent that lives for this one request.
+
+    Raises:
+        NotAllowed: A secure bus does not let this program ask agents.
+    """
     from agents.platform.agent import Agent
     from agents.platform.container import Container
     from agents.platform.names import AgentName
 
+    bus.check_may_query(peer.acl_key)
     name = f"ask-{uuid.uuid4().hex[:6]}"
     async with Container(bus, name) as container:
         agent = Agent(AgentName(name, bus.own_name or "terminal"))

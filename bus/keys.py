@@ -85,7 +85,7 @@ ARM = Topic(
 PTZ = Topic("ptz", Kind.STREAM, "acromovi_msgs/msg/PanTiltZoom", "10 Hz while moving", "Pan, tilt and zoom")
 COMPASS = Topic("compass", Kind.STREAM, "acromovi_msgs/msg/Compass", "as packets come", "Heading and magnetic field")
 LEASE = Topic("lease", Kind.QUERY, JSON, "", "Take, renew or release the right to move the robot or an element")
-LEASE_STATE = Topic("lease/state", Kind.STREAM, JSON, "on change", "Who holds the leases")
+LEASE_STATE = Topic("lease/state", Kind.STREAM, JSON, "on change", "Who holds the leases; a query gives it too")
 JOINT_STATES = Topic(
     "joint_states", Kind.STREAM, "sensor_msgs/msg/JointState", "with encoders, arm, gripper", "Angles and speeds"
 )

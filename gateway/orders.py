@@ -74,6 +74,7 @@ class Orders(Subscription):
             bus.subscribe(keys.CMD_VEL.key(name), self._on_cmd_vel, urgent=True),
             bus.subscribe(keys.CMD_VEL_STAMPED.key(name), self._on_cmd_vel_stamped, urgent=True),
             bus.serve(keys.LEASE.key(name), self._answerer(keys.LEASE, self._lease)),
+            bus.serve(keys.LEASE_STATE.key(name), self._answerer(keys.LEASE_STATE, self._show_leases)),
             *(bus.serve(row.topic.key(name), self._answerer(row.topic, self._handler(row))) for row in rows.values()),
         ]
 
@@ -163,6 +164,10 @@ class Orders(Subscription):
             for cable_face in self._cable_faces:
                 if what in (ROBOT, cable_face.name):
                     cable_face.halt()
+
+    def _show_leases(self, given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
+        """What is published, for those who come later or may only look."""
+        return self._lease({}, driver, now)
 
     def _lease(self, given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
         """Answer `{"do": "take" | "renew" | "release" | "show", ...}`; an empty object shows."""

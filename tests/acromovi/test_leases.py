@@ -14,9 +14,9 @@ MINE = {"holder": "app@lab", "priority": 2, "expires_in": 1.25}
 
 def test_leases_of_all_robots_are_listed_in_order() -> None:
     with MemoryBus() as bus:
-        bus.serve("happy/lease", lambda arguments: {**FREE, "elements": {"gripper": MINE, "base": MINE}})
-        bus.serve("doc/lease", lambda arguments: {**MINE, "elements": {}})
-        bus.serve("max/lease", lambda arguments: {**FREE, "elements": {}})
+        bus.serve("happy/lease/state", lambda arguments: {**FREE, "elements": {"gripper": MINE, "base": MINE}})
+        bus.serve("doc/lease/state", lambda arguments: {**MINE, "elements": {}})
+        bus.serve("max/lease/state", lambda arguments: {**FREE, "elements": {}})
         found = asyncio.run(leases(bus))
     assert [row["element"] for row in found] == ["base@happy", "doc", "gripper@happy"]
     assert found[1] == {"element": "doc", "holder": "app@lab", "priority": 2, "expires_in": 1.25}
@@ -32,8 +32,8 @@ def test_gateway_that_says_no_is_told_and_the_others_are_listed(capsys: pytest.C
         raise Refused("not today")
 
     with MemoryBus() as bus:
-        bus.serve("doc/lease", refuse)
-        bus.serve("happy/lease", lambda arguments: {**MINE, "elements": {}})
+        bus.serve("doc/lease/state", refuse)
+        bus.serve("happy/lease/state", lambda arguments: {**MINE, "elements": {}})
         assert [row["element"] for row in asyncio.run(leases(bus))] == ["happy"]
     assert "somebody is left out: " in capsys.readouterr().err
 

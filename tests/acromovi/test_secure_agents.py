@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from threading import Event
 from typing import Any, ClassVar
 
 import pytest
@@ -11,9 +12,9 @@ from acromovi.__main__ import main
 from acromovi.team.host_control import control_key
 from agents import Refused, Team
 from agents.components.component import Component
-from agents.platform import AgentName, request
+from agents.platform import AclMessage, AgentName, Performative, asker, request
 from agents.platform.names import ContainerName
-from bus import NoAnswer, ZenohBus, keys
+from bus import NoAnswer, NotAllowed, ZenohBus, keys
 from bus.secure import Permit, Profile
 from bus.session import configuration
 from tests.acromovi.agents_alive import living
@@ -41,6 +42,7 @@ ALLOWED = {
     ("query", BASE.description_key): EVERYBODY,
     ("query", BASE.results_key): EVERYBODY,
     ("query", HOME.description_key): EVERYBODY,
+    ("query", keys.LEASE_STATE.key("happy")): EVERYBODY,
     ("query", BASE.acl_key): WHO_MAY_ASK,
     ("put", BASE.acl_key): WHO_MAY_ASK,
     ("query", keys.LEASE.key("happy")): OPERATOR,
@@ -72,6 +74,10 @@ class Base(Component):
 
     async def _send(self) -> None:
         self.renew({"stamp": 1.0, "x": self.x, "y": 0.0, "heading": 0.0, "linear": 0.0, "angular": 0.0})
+
+    @request("who")
+    def who(self) -> str:
+        return str(asker())
 
     @request("move")
     async def move(self, distance: float) -> dict[str, Any]:
@@ -227,3 +233,25 @@ def test_a_promoted_program_is_called_after_the_owner_of_the_key(as_owner: AsOwn
     code, shown, complaint = as_owner("operator.anna", "promote", str(tmp_path / "greet.py"))
     assert (code, complaint) == (0, "")
     assert shown.startswith("greet@anna lives")
+
+
+def test_who_asks_is_a_claim_that_no_key_proves_and_the_answer_goes_to_whoever_made_it(site: Site) -> None:
+    claimed = AclMessage(
+        performative=Performative.REQUEST,
+        sender=AgentName("app", "anna"),
+        receivers=(BASE,),
+        content={"action": "who"},
+        conversation_id="forged",
+    )
+    replies: list[str] = []
+    with site.open("robot.grumpy") as grumpy, site.open("operator.anna") as anna:
+        anna.subscribe("anna/**", lambda sample: replies.append(sample.key))
+        with pytest.raises(NotAllowed, match="which is grumpy by this key"):
+            grumpy.declare_alive("anna/agents/app/alive")
+        ended = Event()
+        heard: list[dict[str, Any]] = []
+        grumpy.ask(BASE.acl_key, claimed.to_dict(), lambda answer: heard.append(answer.value), lambda why: ended.set())
+        assert ended.wait(10.0)
+    assert [reply["performative"] for reply in heard] == ["agree", "inform"]
+    assert heard[-1]["content"] == "app@anna"
+    assert replies == []

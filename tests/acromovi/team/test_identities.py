@@ -86,6 +86,7 @@ def test_a_team_on_a_secure_bus_serves_those_who_may(site: Site, file: Path, as_
         assert (code, json.loads(shown)["element"]) == (0, "base@happy"), "the arbiter has it from the gateway"
         code, shown, _ = as_owner("viewer.vera", "ask", "sonar@happy", "read", "--json")
         assert (code, "ranges" in json.loads(shown)) == (0, True)
+        assert as_owner("viewer.vera", "leases", "--json")[:2] == (0, '{"leases": []}\n')
         for request in ("ask", "base@happy", "move", "distance=0.1"), ("command", "happy", "stop"):
             code, _, complaint = as_owner("viewer.vera", *request)
             assert code == 1
