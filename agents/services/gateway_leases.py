@@ -4,7 +4,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from agents.services.leases import ROBOT, Place
-from bus import NoAnswer, Refused, keys
+from bus import NoAnswer, NotAllowed, Refused, keys
 
 ANSWER_TIME = 1.0  # s
 
@@ -56,6 +56,17 @@ class GatewayLeases:
         """
         await self._ask(robot, {"do": "release", "token": token})
 
+    async def time_left(self, place: Place, holder: str) -> float:
+        """s until the lease ends that somebody has on a place; 0 when he has none.
+
+        Raises:
+            GatewayAway: Nobody knows.
+        """
+        match place.lease_in(await self._ask(place.robot, {"do": "show"})):
+            case {"holder": str(name), "expires_in": int() | float() as left} if name == holder:
+                return float(left)
+        return 0.0
+
     async def holders(self, place: Place) -> list[tuple[str, int]]:
         """Who holds a place, or a part of it, and with what priority.
 
@@ -69,3 +80,5 @@ class GatewayLeases:
             return await self._query(keys.LEASE.key(robot), arguments, ANSWER_TIME)
         except (NoAnswer, TimeoutError) as err:
             raise GatewayAway(f"the gateway of {robot} does not answer; is the robot there?") from err
+        except NotAllowed as err:
+            raise Refused(str(err)) from err

@@ -141,7 +141,7 @@ class HeldLease:
             raise RequestNotDone(f"{Ending.DIED}: {err}") from err
 
     async def _is_renewed(self) -> bool:
-        """By the arbiter; where it is gone by the gateway, and by the next arbiter that comes.
+        """By the arbiter; where that does not do it by the gateway, which has the last word.
 
         Raises:
             Refused: The lease has ended.
@@ -149,17 +149,13 @@ class HeldLease:
         if self._arbiter is not None:
             patience = (self._expires_at - self._loop.time()) / 2.0
             about = {"seconds": self.seconds, "token": self.token, "element": str(self.place)}
-            outcome = await self._ask(self._arbiter, "renew", patience, **about)
-            if outcome.ending is Ending.REFUSED:
-                raise Refused(outcome.why)
-            if outcome.ending is not Ending.DIED:
-                return outcome.is_done
-            self._arbiter = None
+            if (await self._ask(self._arbiter, "renew", patience, **about)).is_done:
+                return True
         try:
             await self._gateways.renew(self.place, self.token, self.seconds)
         except GatewayAway:
             return False
-        self._arbiter = await find_arbiter(self._agent, self.seconds / RENEWALS / 2.0)
+        self._arbiter = await find_arbiter(self._agent, self.seconds / RENEWALS / 2.0)  # one that is there by now
         return True
 
     async def _ask(self, arbiter: AgentName, request: str, within: float, **about: Any) -> Outcome:

@@ -127,10 +127,21 @@ class Keeper(Closeable):
                 grant.timer.cancel()
 
     def _wind(self, grant: Grant) -> None:
-        """Let the lease expire in its time; at the gateway it does a moment later by itself."""
+        """Let the lease expire in its time."""
         if grant.timer is not None:
             grant.timer.cancel()
-        grant.timer = self._loop.call_at(grant.expires_at, self.end, grant, Entry.EXPIRED, LeaseEvent.EXPIRED)
+        grant.timer = self._loop.call_at(grant.expires_at, lambda: self.work(self._expire(grant)))
+
+    async def _expire(self, grant: Grant) -> None:
+        """End it, unless its holder has renewed it at the gateway, past an arbiter that did not answer in time."""
+        left = 0.0
+        with suppress(GatewayAway):
+            left = await self._gateways.time_left(grant.place, str(grant.holder))
+        if left > 0.0 and grant.id in self._book.grants:
+            grant.expires_at = self._loop.time() + left
+            self._wind(grant)
+        else:
+            self.end(grant, Entry.EXPIRED, LeaseEvent.EXPIRED)
 
     async def _make_sure(self, grant: Grant) -> None:
         left = grant.expires_at - self._loop.time()

@@ -96,11 +96,13 @@ class Place:
         """Whether both cannot be leased at a time."""
         return self.robot == other.robot and (self.element == other.element or self.is_whole or other.is_whole)
 
+    def lease_in(self, state: Mapping[str, Any]) -> Any:
+        """The lease on just this place, by the gateway's `lease/state`; None when there is none."""
+        return state if self.is_whole else _elements(state).get(self.element)
+
     def holders(self, state: Mapping[str, Any]) -> list[tuple[str, int]]:
         """Who holds this place, or a part of it, and with what priority, by the gateway's `lease/state`."""
-        elements = state.get("elements")
-        rows = dict(elements) if isinstance(elements, Mapping) else {}
-        wanted = [state, *rows.values()] if self.is_whole else [state, rows.get(self.element)]
+        wanted = [state, *_elements(state).values()] if self.is_whole else [state, self.lease_in(state)]
         return [
             (row["holder"], row["priority"])
             for row in wanted
@@ -109,3 +111,8 @@ class Place:
 
     def __str__(self) -> str:
         return self.robot if self.is_whole else f"{self.element}@{self.robot}"
+
+
+def _elements(state: Mapping[str, Any]) -> Mapping[str, Any]:
+    elements = state.get("elements")
+    return elements if isinstance(elements, Mapping) else {}

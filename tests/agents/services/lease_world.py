@@ -141,6 +141,12 @@ class LeaseWorld:
     def holder(self, local: str) -> Agent:
         return self.do(self.begin(Agent(AgentName(local, "lab"))))
 
+    def agent(self, name: AgentName) -> Agent:
+        """One that has begun to live."""
+        agent = self._containers[name].agent(name)
+        assert isinstance(agent, Agent)
+        return agent
+
     def kill(self, agent: Agent) -> None:
         """Its process dies: nothing of it is heard any more."""
         self.kill_named(agent.name)

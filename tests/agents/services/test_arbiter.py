@@ -78,6 +78,17 @@ def test_lease_lasts_while_it_is_renewed_and_then_expires_with_a_word(world: Lea
     assert [name for _, name in world.gateway.stopped] == ["base", "base"]  # as it was taken, and as it ended
 
 
+def test_lease_that_is_renewed_past_the_arbiter_runs_on(world: LeaseWorld) -> None:
+    app = world.holder("app")
+    given = world.ask(app, "lease", element="base@happy", seconds=1.0).value()
+    world.run(0.9)
+    world.do(app.query("happy/lease", {"do": "renew", "token": given["token"], "seconds": 3.0}))
+    world.run(2.0)
+    assert [row["holder"] for row in world.ask(app, "leases").value()] == ["app@lab"]
+    assert world.ask(app, "release", lease=given["lease"]).is_done
+    assert world.events(app) == ["granted", "released"]
+
+
 def test_higher_priority_warns_the_holder_and_takes_over_after_the_notice(world: LeaseWorld) -> None:
     low, high = world.holder("low"), world.holder("high")
     old = world.ask(low, "lease", element="base@happy", priority=1).value()

@@ -117,6 +117,21 @@ def test_lease_runs_on_at_the_gateway_when_its_arbiter_does_not_come_back(world:
     assert world.gateway.moves("base", "")
 
 
+def test_lease_runs_on_while_its_arbiter_does_not_answer(world: LeaseWorld, app: Agent) -> None:
+    async def use(lease: HeldLease) -> None:
+        arbiter = world.agent(ARBITER)
+        arbiter.suspend()
+        await asyncio.sleep(20.0)
+        assert lease.is_held
+        assert world.gateway.moves("base", lease.token)
+        arbiter.resume()
+        await asyncio.sleep(5.0)
+        assert world.gateway.moves("base", lease.token)
+
+    assert holding(world, app, use) == []
+    assert world.events(app) == ["granted", "renewed", "released"]
+
+
 def test_lease_is_given_back_to_the_gateway_when_no_arbiter_is_there(world: LeaseWorld, app: Agent) -> None:
     async def use(lease: HeldLease) -> None:
         world.kill_named(ARBITER)
