@@ -10,9 +10,9 @@ from acromovi.options import count
 
 ROLES = {
     "viewer": "reads everything, moves nothing",
-    "operator": "moves robots",
-    "robot": "speaks and obeys under its own name",
-    "admin": "may do all",
+    "operator": "moves robots, asks agents, has agents under its own name",
+    "robot": "speaks and obeys under its own name, asks agents",
+    "admin": "may do all; a team's services have the key admin.TEAM",
     "router": "lets the others in; --host gives the names and addresses by which they reach it",
 }
 DAYS = 365
@@ -26,6 +26,8 @@ examples:
       the folder keys/operator.anna; Anna copies it to ~/.config/acromovi/keys and adds --bus secure to any command
   acromovi keys make --role robot --name happy
       for the gateway of the robot happy: p2os-gateway PORT --name happy --bus secure:keys/robot.happy
+  acromovi up dwarfs --bus secure:keys
+      a team whose processes find their keys in this folder: robot.NAME for each robot, and admin.dwarfs
   acromovi keys list
   acromovi keys renew operator.anna
 
