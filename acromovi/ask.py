@@ -82,10 +82,10 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
     """
     from agents.platform.agent import Agent
     from agents.platform.container import Container
-    from agents.platform.names import AgentName
+    from agents.platform.names import PASSER_BY, AgentName
 
     bus.check_may_query(peer.acl_key)
-    name = f"ask-{uuid.uuid4().hex[:6]}"
+    name = f"{PASSER_BY}{uuid.uuid4().hex[:6]}"
     async with Container(bus, name) as container:
         agent = Agent(AgentName(name, bus.own_name or "terminal"))
         await container.start(agent)

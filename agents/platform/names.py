@@ -133,6 +133,7 @@ class ContainerName:
         return f"{self.platform}/containers/{self.name}/{suffix}"
 
 
+PASSER_BY = "ask-"  # how the name of an agent begins that lives for one question, and that of its container
 ALL_CONTAINERS = "*/containers/*/alive"  # the tokens of all containers on the bus
 
 

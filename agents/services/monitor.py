@@ -29,6 +29,7 @@ from bus.messages import DiagnosticArray, RobotState
 
 TOKENS = ("*/alive", "*/agents/*/alive", "*/containers/*/alive", "*/elements/*/alive")
 GATHER = 0.01  # s in which tokens that come or go are taken together; a process that dies takes all of its own with it
+BEGINNING = 0.5  # s in which it learns who is there already
 LOOK = 0.5  # s between two looks at the rates
 SETTLE = 0.3  # s after the last change of a robot's elements until its description is read
 DESCRIPTION_TIME = 2.0  # s
@@ -72,8 +73,10 @@ class Monitor(Agent):
         self.listen("*/" + STATE.suffix, self._hear_state, keep=MANY, keyed=True)
         self.listen("*/" + DIAGNOSTICS.suffix, self._hear_diagnostics, keep=MANY, keyed=True)
         loop = asyncio.get_running_loop()
+        self._begins_until = self._clock() + BEGINNING
         for expression in TOKENS:
             self._watched[expression] = self.bus.watch_alive(expression, partial(self._take_token, loop))
+        self.add(OneShot(self._tell_beginning, "tell who is there"))
 
     async def take_down(self) -> None:
         """Watch no more."""
@@ -139,10 +142,14 @@ class Monitor(Agent):
         if is_first:
             hand_over(loop, loop.call_later, GATHER, self._follow_tokens)
 
+    async def _tell_beginning(self) -> None:
+        await asyncio.sleep(BEGINNING)
+        self._history.tell(self.name, f"{self.name} watches {self._watching.population()}")
+
     def _follow_tokens(self) -> None:
         with self._lock:
             tokens, self._tokens = self._tokens, []
-        for name, is_alive in self._watching.changed(tokens):
+        for name, is_alive in self._watching.changed(tokens, self._clock() < self._begins_until):
             match name:
                 case ContainerName() if is_alive:
                     self._supervision.container_came(name)

@@ -23,6 +23,7 @@ class Beat(StrEnum):
     STEADY = "steady"
     SLOW = "slow"
     SILENT = "silent"
+    RESTING = "resting"  # it has a reason not to come
 
 
 class Pulse:
@@ -59,6 +60,8 @@ class Pulse:
     def judge(self, now: float) -> bool:
         """Look at it, every now and then; whether its state has changed."""
         before, beats = self.state, self._beats
+        if before is Beat.RESTING:  # it is to be judged again
+            before = self.state = Beat.LEARNING if self.usual is None else Beat.STEADY
         self._window.append((now, beats))
         span = max(WINDOW[0], WINDOW[1] / self.usual) if self.usual else WINDOW[0]
         while len(self._window) > 2 and self._window[1][0] <= now - span:
@@ -74,7 +77,8 @@ class Pulse:
         """Forget how it has been: it has a reason to be silent. What is usual stays known."""
         self._window = deque([(now, self._beats)])
         self._last = self._judged_at = now
-        self.state = Beat.LEARNING if self.usual is None else Beat.STEADY
+        self.rate = 0.0
+        self.state = Beat.RESTING
 
     def silence(self, now: float) -> float:
         """s since the last beat."""

@@ -70,14 +70,14 @@ class Streams:
                 continue
             before = pulse.state
             if pulse.judge(now) and not (before is Beat.LEARNING and pulse.state is Beat.STEADY):
-                self._tell(_maker(key), _sentence(key, pulse, now), LEVELS[pulse.state])
+                self._tell(_maker(key), _sentence(key, pulse, now), _level(pulse))
 
     def standings(self, now: float, robot: str | None = None) -> list[Standing]:
         """How each is doing, or each of one robot."""
         return [
             Standing(
                 key,
-                LEVELS[pulse.state],
+                _level(pulse),
                 _sentence(key, pulse, now),
                 {"rate": round(pulse.rate, 2), "usual": None if pulse.usual is None else round(pulse.usual, 2)},
             )
@@ -86,13 +86,17 @@ class Streams:
         ]
 
 
-LEVELS = {Beat.LEARNING: Level.OK, Beat.STEADY: Level.OK, Beat.SLOW: Level.WARNING, Beat.SILENT: Level.ERROR}
+LEVELS = {Beat.SLOW: Level.WARNING, Beat.SILENT: Level.ERROR}  # all else is well
 
 
 def _maker(key: str) -> str:
     """Whose stream it is: an agent or a robot."""
     robot, suffix = keys.split(key)
     return str(AgentName.of_key(key)) if suffix.startswith("agents/") else robot
+
+
+def _level(pulse: Pulse) -> Level:
+    return LEVELS.get(pulse.state, Level.OK)
 
 
 def _sentence(key: str, pulse: Pulse, now: float) -> str:
@@ -104,4 +108,6 @@ def _sentence(key: str, pulse: Pulse, now: float) -> str:
             return f"{key} comes with {pulse.rate:.3g} Hz, where {usual} are usual"
         case Beat.LEARNING:
             return f"{key} has not come often enough to know its rate"
+        case Beat.RESTING:
+            return f"{key} rests, for a reason that has been told"
     return f"{key} flows"

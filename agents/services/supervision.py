@@ -130,27 +130,32 @@ class Supervision:
     async def _look_after(self, container: ContainerName) -> None:
         known = self._processes.pop(container, None)
         await asyncio.sleep(FROZEN_AFTER)
-        if self._is_there(container):
-            return
+        is_back = self._is_there(container)
         host = f"{self._team}/host/control"
         try:
             row = _row_of(container, await self._ask(host, {"do": "status"}, ANSWER_TIME))
             if row is None:
                 return  # started by hand, and so for that hand to start again
             if row.get("state") == RUNNING and known is not None and row.get("pid") == known:
+                if is_back:
+                    return  # it was out of reach for a moment
                 await self._ask(host, {"do": "restart", "container": container.name}, ANSWER_TIME)
                 what = f"the container {container} is frozen (process {known}), and its host starts it anew"
             else:
-                what = (
-                    f"the host starts the container {container} again; it ended because: {row.get('why') or 'unknown'}"
-                )
-            self._tell(container, what, Level.WARNING)
+                does = "has started" if is_back else "starts"
+                what = f"the container {container} {_ending(row.get('why'))}; its host {does} it again"
+            self._tell(container, what, Level.OK if is_back else Level.WARNING)
         except Refused as err:
             self._tell(container, f"the host does not start the container {container} again: {err.why}", Level.ERROR)
         except TimedOut:
             self._tell(container, f"the host of {self._team} does not answer; see to {container} by hand", Level.ERROR)
         except (NoAnswer, TimeoutError):
             return  # nobody hosts: everything was started by hand
+
+
+def _ending(why: object) -> str:
+    """How a process has ended, as a host says it, in a sentence about it."""
+    return why if isinstance(why, str) and why.startswith("ended ") else f"ended ({why or 'nobody knows why'})"
 
 
 def _row_of(container: ContainerName, status: Mapping[str, Any]) -> Mapping[str, Any] | None:

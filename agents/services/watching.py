@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from agents.platform import AgentName, NameNotValid
 from agents.platform.ends import End
-from agents.platform.names import ContainerName
-from agents.services.diagnostics import Standing, worst
+from agents.platform.names import PASSER_BY, ContainerName
+from agents.services.diagnostics import Standing
 from agents.services.events import Level
 from agents.services.streams import Streams, Tell
 from bus import keys
@@ -71,12 +71,16 @@ class Watching:
         """Whether an agent, a container or an element is there."""
         return name in self._present
 
-    def changed(self, tokens: Iterable[tuple[str, bool]]) -> list[tuple[Named, bool]]:
-        """Tokens have come and gone at the same time; returns what is new by that."""
+    def changed(self, tokens: Iterable[tuple[str, bool]], is_beginning: bool = False) -> list[tuple[Named, bool]]:
+        """Tokens have come and gone at the same time; returns what is new by that.
+
+        In the beginning those who are there are not told of one by one: they have not just come.
+        """
         named = [(_named(key), is_alive) for key, is_alive in tokens]
         news = [(name, is_alive) for name, is_alive in named if name is not None and self._enter(name, is_alive)]
-        self._tell_of_agents([(name, is_alive) for name, is_alive in news if isinstance(name, AgentName)])
-        for name, is_alive in news:
+        told = [(name, is_alive) for name, is_alive in news if not (is_beginning and is_alive)]
+        self._tell_of_agents([(name, is_alive) for name, is_alive in told if isinstance(name, AgentName)])
+        for name, is_alive in told:
             match name:
                 case ContainerName():
                     self._tell_of_container(name, is_alive)
@@ -120,10 +124,13 @@ class Watching:
         for status in array.status:
             if status.name.endswith(": robot"):
                 continue
+            about = status.name.partition(":")[0]
+            state = self.robots.get(about)
+            if state is not None and status.message in state.faults:
+                continue  # its state has told that
             told = self._levels.get(status.name, (DiagnosticStatus.OK, ""))
             self._levels[status.name] = (status.level, status.message)
             if status.level != told[0] or (status.level != DiagnosticStatus.OK and status.message != told[1]):
-                about = status.name.partition(":")[0]
                 self._tell(about, f"{status.name}: {status.message}", _LEVELS.get(status.level, Level.ERROR))
 
     def judge(self, now: float) -> None:
@@ -141,9 +148,12 @@ class Watching:
         ]
         return [*robots, *containers, *self.streams.standings(now, robot)]
 
-    def level(self, now: float, robot: str | None = None) -> Level:
-        """The worst of all that is known."""
-        return worst(self.standings(now, robot))
+    def population(self) -> str:
+        """How many are there, in words."""
+        names = ", ".join(sorted(self.robots))
+        robots = f"{_counted(len(self.robots), 'robot')} ({names})" if names else "no robots"
+        containers, agents = _counted(len(self.containers), "container"), _counted(len(self.agents), "agent")
+        return f"{robots}, {containers} and {agents}"
 
     def _enter(self, name: Named, is_alive: bool) -> bool:
         """Note who came or went; whether that is news."""
@@ -218,6 +228,10 @@ _MOVED = {True: "come", False: "gone"}
 _LEVELS = {DiagnosticStatus.OK: Level.OK, DiagnosticStatus.WARN: Level.WARNING}
 
 
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
 def _robot_standing(robot: str, state: RobotState | None) -> Standing:
     if state is None:
         return Standing(robot, Level.WARNING, "nothing has been heard of its state yet")
@@ -230,9 +244,11 @@ def _robot_standing(robot: str, state: RobotState | None) -> Standing:
 
 
 def _named(key: str) -> Named | None:
-    """Whose token it is."""
+    """Whose token it is; None for a stranger's, and for those who only put one question."""
     try:
         match key.split("/"):
+            case [_, "agents" | "containers", name, "alive"] if name.startswith(PASSER_BY):
+                return None
             case [robot, "alive"]:
                 return RobotName(robot)
             case [robot, "elements", element, "alive"]:

@@ -84,6 +84,26 @@ def test_who_comes_and_goes_is_told_at_once_and_remembered(world: World) -> None
     world.run(shop.close())
 
 
+def test_a_monitor_that_begins_tells_how_many_are_there_and_not_that_they_have_come(world: World) -> None:
+    Robot(world)
+    events = hear(world, MONITOR.results_key)
+    world.run(world.services.start(Monitor(MONITOR)))
+    world.pass_time(2.0)
+    assert [event["what"] for event in events] == [
+        "monitor@team watches 1 robot (happy), 2 containers and 2 agents",
+    ]
+
+
+def test_who_puts_one_question_is_no_news(world: World) -> None:
+    watched = Watched(world)
+    passing = world.container("ask-1f3a5b")
+    world.run(passing.start(Agent(AgentName("ask-1f3a5b", "terminal"))))
+    assert "ask-" not in str(world.ask(MONITOR, "status").value())
+    world.run(passing.close())
+    world.pass_time(5.0)
+    assert watched.told() == []
+
+
 def test_who_is_stopped_on_purpose_is_not_missed(world: World) -> None:
     watched = Watched(world)
     shop = world.container("shop", kinds=Workers())
@@ -201,10 +221,24 @@ def test_a_frozen_container_is_started_anew_by_its_host_and_a_dead_one_is_left_t
     world.pass_time(5.0)
     assert host.restarted == (["shop"] if is_frozen else [])
     assert ("is frozen" in watched.sentences()) == is_frozen
-    assert ("the host starts the container shop again; it ended because: ended by SIGKILL" in watched.sentences()) == (
-        not is_frozen
-    )
+    assert ("the container shop ended by SIGKILL; its host starts it again" in watched.sentences()) == (not is_frozen)
     world.run(shop.close())
+
+
+def test_a_container_that_is_back_soon_is_told_of_with_its_end(world: World) -> None:
+    watched = Watched(world)
+    shop = world.container("shop")
+    world.loop.call_soon(shop.show)
+    world.pass_time(1.0)
+    Host(world, pid=1)
+    shop.bus.close()
+    world.pass_time(0.5)
+    again = world.container("shop")
+    world.loop.call_soon(again.show)
+    world.pass_time(2.0)
+    assert watched.told("shop")[-1] == ("ok", "the container shop ended by SIGKILL; its host has started it again")
+    for container in (shop, again):
+        world.run(container.close())
 
 
 def test_a_container_that_nobody_hosts_is_told_of_and_left_alone(world: World) -> None:
@@ -248,6 +282,8 @@ def test_a_silence_with_a_reason_is_told_of_once(world: World) -> None:
     robot.silent = {"sonar"}
     robot.say_state()
     robot.flow(20.0)
+    standing = world.ask(MONITOR, "status").value()["standings"]["happy/sonar"]
+    assert (standing["level"], standing["what"]) == ("ok", "happy/sonar rests, for a reason that has been told")
     robot.connection, robot.faults, robot.silent = "disconnected", ["the robot is not connected"], {"sonar", "odom"}
     robot.say_state()
     robot.flow(20.0)
@@ -292,6 +328,20 @@ def test_what_a_gateway_says_of_its_cables_is_told_when_it_changes(world: World)
     for level, message in [(0, "all is well"), (2, "no answer"), (2, "no answer"), (0, "all is well")]:
         say(level, message)
     assert watched.told("happy") == [("error", "happy: laser: no answer"), ("ok", "happy: laser: all is well")]
+
+
+def test_what_a_robots_state_has_told_is_not_told_again_for_its_cable(world: World) -> None:
+    watched = Watched(world)
+    robot = Robot(world)
+    robot.flow(1.0)
+    robot.faults = ["the laser does not answer"]
+    robot.say_state()
+    status = DiagnosticStatus(
+        level=2, name="happy: laser", message="the laser does not answer", hardware_id="", values=[]
+    )
+    MemoryBus(world.network).put("happy/diagnostics", DiagnosticArray(header=header(0, ""), status=[status]))
+    robot.flow(1.0)
+    assert [what for _, what in watched.told("happy")][-1:] == ["happy: the laser does not answer"]
 
 
 def test_ros_sees_how_all_stand_once_a_second(world: World) -> None:
