@@ -4,7 +4,7 @@ import asyncio
 import json
 import subprocess
 import sys
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from typing import Any
 
@@ -43,10 +43,17 @@ class Application:
 
     async def find(self, elements: set[str]) -> None:
         """Wait until the agents of these elements are there."""
+        await self._wait(lambda there: elements <= there)
+
+    async def miss_all(self) -> None:
+        """Wait until no agent of the robot is there."""
+        await self._wait(lambda there: not there)
+
+    async def _wait(self, condition: Callable[[set[str]], bool]) -> None:
         with Directory(self._agent.bus) as directory:
             async with asyncio.timeout(PATIENCE):
-                while elements - {name.local for name in directory.names if name.platform == self._robot}:
-                    await asyncio.sleep(0.05)
+                while not condition({name.local for name in directory.names if name.platform == self._robot}):
+                    await asyncio.sleep(0.02)
 
 
 @asynccontextmanager
