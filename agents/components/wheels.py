@@ -228,6 +228,7 @@ class Wheels(Component):
             case "reached":
                 return
             case "replaced":
+                await asyncio.sleep(NEWS_TIME)  # if a request here has replaced it, that ends this and says whose it is
                 raise Refused(f"another command took its place{after}")
             case "lost":
                 raise Refused(f"the connection to {self.robot} was lost{after}")
