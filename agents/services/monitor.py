@@ -12,7 +12,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any, ClassVar
 
-from agents.platform import Agent, AgentName, NameNotValid, OneShot, every, request
+from agents.platform import Agent, AgentName, NameNotValid, OneShot, State, every, request
 from agents.platform.ends import End
 from agents.platform.names import ContainerName
 from agents.platform.talk import hand_over
@@ -147,6 +147,8 @@ class Monitor(Agent):
         self._history.tell(self.name, f"{self.name} watches {self._watching.population()}")
 
     def _follow_tokens(self) -> None:
+        if self.state is State.DELETED:
+            return  # it has been stopped in this moment
         with self._lock:
             tokens, self._tokens = self._tokens, []
         for name, is_alive in self._watching.changed(tokens, self._clock() < self._begins_until):
