@@ -17,12 +17,12 @@ class AskedElement(Element):
 
     question: a command with its argument. stream: what asks for more packets once one has come; None if one is enough.
     single: what asks for one packet more where the line carries no stream; the question, unless it says otherwise.
-    period: s to wait for an answer before asking again, since robot or line may have dropped a frame. times: to ask,
-    before the robot is taken for one that has no answer.
+    period: s to wait for an answer before asking again, twice as long each time, since robot or line may have dropped a
+    frame or a second of them. times: to ask, before the robot is taken for one that has no answer.
     """
 
     period: ClassVar[float] = 0.5
-    times: ClassVar[int] = 3
+    times: ClassVar[int] = 5
     question: ClassVar[Question]
     stream: ClassVar[Question | None] = None
     single: ClassVar[Question | None] = None
@@ -59,4 +59,5 @@ class AskedElement(Element):
         else:
             self._ask(*self.question)
             self._asks_left -= 1
-            self.deadline = now + self.period if self._asks_left else inf
+            pause = self.period * 2.0 ** (self.times - self._asks_left - 1)
+            self.deadline = now + pause if self._asks_left else inf

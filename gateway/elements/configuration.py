@@ -10,4 +10,4 @@ class ControllerConfiguration(AskedElement):
     takes = (Configuration,)
     question = Command.CONFIG, None
     period = 0.25
-    times = 4
+    times = 6

@@ -104,10 +104,12 @@ def running(team: str, *options: str, bus: str = "", seen_as: str = "") -> Itera
     try:
         with process, ZenohBus.open(seen_as or profile) as own:
             assert process.stdout is not None
-            line = process.stdout.readline()
-            assert line, "the team has not come up"
-            yield RunningTeam(process, made, profile, json.loads(line), own)
-            process.terminate()
+            try:
+                line = process.stdout.readline()
+                assert line, "the team has not come up"
+                yield RunningTeam(process, made, profile, json.loads(line), own)
+            finally:
+                process.terminate()
     finally:
         for pid in alive(process.pid):
             os.kill(pid, signal.SIGKILL)

@@ -21,6 +21,12 @@ def test_robots_are_found_by_what_they_have(team: Team) -> None:
     assert team.robots(having="arm") == []
 
 
+def test_robots_come_in_the_order_of_the_alphabet_whatever_they_have(world: World, team: Team) -> None:
+    world.run(world.container.start(Part("arm@max")))
+    wait_until(lambda: len(team.robots()) == 3, "max is seen")
+    assert [robot.name for robot in team.robots()] == ["grumpy", "happy", "max"]
+
+
 def test_a_robot_tells_what_it_has(team: Team) -> None:
     happy = team.robot("happy")
     assert happy.elements == ["base", "laser"]

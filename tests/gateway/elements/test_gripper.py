@@ -35,7 +35,7 @@ def true_claims(event: GripperSeen) -> set[str]:
 def test_robot_without_a_gripper_is_asked_a_few_times_and_then_left_alone(stand: "Stand") -> None:
     stand.connect()
     heard = stand.sent()
-    stand.run(5.0)
+    stand.run(10.0)
     heard += stand.sent()
     assert {command.command for command in heard} == {Command.GRIPREQUEST}
     assert stand.element.deadline == float("inf")
