@@ -3,6 +3,7 @@
 import json
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, TextIO
@@ -86,9 +87,10 @@ class Audit(Closeable):
 
     def close(self) -> None:
         """Let go of the file."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        file, self._file = self._file, None
+        if file is not None:
+            with suppress(OSError):  # what could not be written is tried once more
+                file.close()
 
     def _write(self, row: Mapping[str, Any]) -> None:
         if self._file is None:
@@ -96,7 +98,7 @@ class Audit(Closeable):
         try:
             self._file.write(json.dumps(row) + "\n")  # line by line, so that whoever kills the arbiter loses no row
         except OSError as err:
-            self._file = None
+            self.close()
             self._complain(err)
 
     def _is_flooded(self) -> bool:

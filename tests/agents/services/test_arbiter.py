@@ -323,6 +323,19 @@ def test_record_that_cannot_be_written_keeps_the_arbiter_from_beginning(loop: Vi
     assert len(reports) == 1
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
+def test_record_whose_disk_is_full_is_reported_once_and_leases_go_on(world: LeaseWorld) -> None:
+    second = AgentName("arbiter-2", "team")
+    world.arbiter(second, {"audit_file": "/dev/full"})
+    app = world.holder("app")
+    given = world.ask(app, "lease", arbiter=second, element="base@happy").value()
+    assert world.ask(app, "release", arbiter=second, lease=given["lease"]).is_done
+    assert [row["event"] for row in world.ask(app, "audit", arbiter=second).value()] == ["granted", "released"]
+    (report,) = world.reports
+    assert "the audit is written down no more" in report
+    world.reports.clear()
+
+
 @pytest.fixture
 def loop() -> Iterator[VirtualTimeLoop]:
     loop = VirtualTimeLoop()
