@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from acromovi.__main__ import main
 from acromovi.team.host_control import control_key
 from agents import Failed, NotThere, Robot, RobotError, Team
 from tests.acromovi.team.running import RunningTeam, running
@@ -148,6 +149,20 @@ def test_a_script_that_closes_nothing_leaves_its_robot_at_rest(dwarfs: RunningTe
         _, told = process.communicate(timeout=DEADLINE)
     wait_until_it_stands(dwarfs, "grumpy")
     assert (process.returncode, told) == (0, "")
+
+
+def test_a_new_application_drives_as_it_is(
+    dwarfs: RunningTeam, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "patrol"]) == 0
+    command = [sys.executable, "-m", "acromovi", "run", "patrol.py", "robot=grumpy", "--bus", dwarfs.profile]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        wait_until_it_drives(dwarfs, "grumpy")
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=DEADLINE)
+    assert (process.returncode, told) == (130, "")
+    wait_until_it_stands(dwarfs, "grumpy")
 
 
 def test_a_laser_that_is_unplugged_while_it_is_watched(dwarfs: RunningTeam, team: Team) -> None:
