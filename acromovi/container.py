@@ -68,12 +68,24 @@ def run(arguments: argparse.Namespace) -> int:
     from agents.platform import Container, Kinds
     from bus.session import ZenohBus
 
+    for module in _modules(arguments):
+        import_module(module)  # now: once agents live here, it would hold them up
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
         container = Container(bus, name, platform=platform, kinds=Kinds(arguments.apps))
         asyncio.run(live(container, arguments, end))
     return end.code
+
+
+def _modules(arguments: argparse.Namespace) -> Iterator[str]:
+    """What its agents are made of."""
+    if arguments.robot:
+        yield "agents.components.robot_agents"
+    if arguments.services:
+        yield "agents.services.all_services"
+    if arguments.apps:
+        yield "agents.services.loaded"
 
 
 class End:

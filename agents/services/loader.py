@@ -114,17 +114,19 @@ class Loader(Agent):
     ) -> dict[str, Any]:
         """Make an agent of an application: one that lies in a folder of the team's host, or that Acromovi brings."""
         load = self._read(application, name, {} if arguments is None else arguments, into, sha256)
-        if load.name in self._loads or self._directory.knows(load.name):
+        before = self._loads.get(load.name)
+        if self._directory.knows(load.name) or (before is not None and not before.has_begun):
             raise Refused(f"there is an agent {load.name} already; unload it, or give this one another name")
         agree()
+        if before is not None and before.container != load.container:  # it was given up, say
+            await self._end_container(before)
         self._loads[load.name] = load
         try:
             if not into:
                 await self._ask_host("start", load.container)
             await self._start(load, PROCESS_TIME)
         except Exception as err:
-            self._loads.pop(load.name, None)
-            await self._end_container(load)
+            await self._forget(load)
             raise Refused(err.why if isinstance(err, Refused) else f"{load.name} has not begun: {err}") from err
         load.has_begun = True
         return self._row(load)
@@ -201,6 +203,7 @@ class Loader(Agent):
             if self._loads.get(load.name) is not load or self._directory.knows(load.name):
                 return
             self._restarts.attempted(load.name, now())
+            load.why = ""
             try:
                 await self._start(load, ANSWER_TIME)
             except Refused as err:
@@ -211,7 +214,8 @@ class Loader(Agent):
             else:
                 return
         await self._forget(load)
-        self.home.report(self.name, f"{load.name} is given up, since it ends its process again and again", None)
+        why = load.why or "its process ends again and again"
+        self.home.report(self.name, f"{load.name} is given up: {why}", None)
 
     async def _let_go(self, load: Load) -> None:
         """Somebody else sees to it from now on, or nobody is to; it is to end in peace before its process does."""

@@ -7,6 +7,8 @@ purpose is left alone, since only a container's word that an agent has failed ma
 """
 
 import asyncio
+import json
+import shlex
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
@@ -15,6 +17,7 @@ from agents.platform.behaviours import Behaviour
 from agents.platform.ends import End
 from agents.platform.names import ContainerName
 from agents.services.events import Level
+from agents.services.loaded import KIND as APPLICATION
 from agents.services.restarts import RestartRules, Restarts
 from agents.services.streams import Tell
 from agents.services.watching import Named
@@ -115,8 +118,7 @@ class Supervision:
                 return
             self._tell(agent, f"{agent} has been started again", Level.OK)
             return
-        advice = f"correct it and start it: acromovi agent start {agent} {order['kind']} --in {container}"
-        self._tell(agent, f"{what}, and is given up; {advice}", Level.ERROR)
+        self._tell(agent, f"{what}, and is given up; correct it, and: {_advice(order, container)}", Level.ERROR)
 
     async def _get_to_know(self, container: ContainerName) -> None:
         try:
@@ -151,6 +153,16 @@ class Supervision:
             self._tell(container, f"the host of {self._team} does not answer; see to {container} by hand", Level.ERROR)
         except (NoAnswer, TimeoutError):
             return  # nobody hosts: everything was started by hand
+
+
+def _advice(order: Mapping[str, Any], container: ContainerName) -> str:
+    """The command that starts an agent again."""
+    properties = order["properties"]
+    if order["kind"] == APPLICATION:
+        place = "loader" if "loader" in properties else container
+        return f"acromovi promote {properties.get('program')}.py --into {place}"
+    given = [shlex.quote(f"{name}={json.dumps(value)}") for name, value in properties.items()]
+    return " ".join(["acromovi agent start", order["name"], order["kind"], *given, "--in", str(container)])
 
 
 def _ending(why: object) -> str:

@@ -8,6 +8,7 @@ import pytest
 
 from agents.face.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Container, Directory, Ending, Kinds, Outcome
+from agents.platform.ends import End
 from agents.services.loaded import KIND
 from agents.services.loader import Loader
 from bus import MemoryBus, Refused
@@ -170,8 +171,18 @@ def test_one_that_ends_its_process_again_and_again_is_given_up(world: World, tmp
         loading.world.pass_time(10.0)
     assert loading.loaded() == {}
     assert loading.host.ended == ["patrol-apps"]
-    assert "patrol@apps is given up" in world.reports[-1].what
+    assert world.reports[-1].what == "patrol@apps is given up: its process ends again and again"
     loading.close()
+
+
+def test_one_that_has_failed_is_replaced_when_it_is_loaded_again(loading: Loading) -> None:
+    loading.load()
+    loading.world.run(loading.host.containers["patrol-apps"].stop(PATROL, End.FAILED))
+    loading.world.pass_time(10.0)
+    assert not loading.loaded()["patrol@apps"]["is_there"]
+    assert loading.load(arguments={"robot": "doc"}).is_done
+    assert loading.loaded()["patrol@apps"]["arguments"] == {"robot": "doc"}
+    assert loading.lives()
 
 
 def test_a_loader_that_is_started_again_knows_what_it_has_loaded(loading: Loading) -> None:

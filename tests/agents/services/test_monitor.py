@@ -151,7 +151,7 @@ def test_an_agent_that_fails_is_started_again_by_its_container(world: World) -> 
 def test_an_agent_that_cannot_be_started_again_is_given_up_with_growing_pauses(world: World) -> None:
     watched = Watched(world, restart={"worker": {"attempts": 3, "first": 1.0}})
     shop = world.container("shop", kinds=Workers())
-    world.run(shop.start(Worker(WORKER)))
+    world.run(shop.start(Worker(WORKER, {"size": 3})))
     Worker.broken = True
     world.ask(WORKER, "fail")
     world.pass_time(100.0)
@@ -159,7 +159,9 @@ def test_an_agent_that_cannot_be_started_again_is_given_up_with_growing_pauses(w
     assert [later - attempts[0] for later in attempts] == pytest.approx([0.0, 1.0, 3.0], abs=0.1)
     level, last = watched.told("worker@shop")[-1]
     assert level == "error"
-    assert "RuntimeError: a wheel is missing, and is given up; correct it and start it" in last
+    kind = "tests.agents.services.test_monitor:Worker"
+    advice = f"correct it, and: acromovi agent start worker@shop {kind} size=3 --in shop"
+    assert last.endswith(f"RuntimeError: a wheel is missing, and is given up; {advice}")
     assert Worker.births == 4
     world.run(shop.close())
 
