@@ -23,6 +23,7 @@ from tests.bus.secure_site import MEMBERS, Site
 
 BASE = AgentName("base", "happy")
 HOME = ContainerName("happy", "happy")
+ROUTERS = ("router.lab", "router.hall")
 VIEWERS_REFUSAL = "a viewer may read everything and move nothing; ask for an operator's key"
 OPERATORS_REFUSAL = "an operator may read everything, move robots and ask agents, but"
 ROBOTS_REFUSAL = "a robot may read everything and ask agents, but"
@@ -89,7 +90,7 @@ class Base(Component):
 def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     """One router for all tests of this file, and behind it the robot happy with an agent."""
     site = Site(tmp_path_factory.mktemp("site") / "keys")
-    for member in ("router.lab", *MEMBERS):
+    for member in (*ROUTERS, *MEMBERS):
         site.make(member)
     with site.routed(), living("happy", Base(BASE), profile=site.profile("robot.happy")):
         yield site
@@ -223,7 +224,7 @@ def test_a_folder_of_all_keys_is_told_from_ones_own(site: Site, capsys: pytest.C
     assert main(["ps", "--bus", site.profile("")]) == 1
     complaint = capsys.readouterr().err
     assert "it has the keys of several; say whose you use, as in --bus secure:" in complaint
-    assert complaint.endswith(f"there are {', '.join(sorted([*MEMBERS, 'router.lab']))}\n")
+    assert complaint.endswith(f"there are {', '.join(sorted((*MEMBERS, *ROUTERS)))}\n")
 
 
 def test_a_promoted_program_is_called_after_the_owner_of_the_key(as_owner: AsOwner, tmp_path: Path) -> None:
@@ -255,3 +256,17 @@ def test_who_asks_is_a_claim_that_no_key_proves_and_the_answer_goes_to_whoever_m
     assert [reply["performative"] for reply in heard] == ["agree", "inform"]
     assert heard[-1]["content"] == "app@anna"
     assert replies == []
+
+
+def test_agents_are_asked_from_another_site_by_those_who_may(site: Site) -> None:
+    far = Site(site.folder)
+    link = configuration(far.profile("router.hall", "secure-router"), {"connect/endpoints": [site.endpoint]})
+    with (
+        ZenohBus(link),
+        Team(far.profile("operator.anna")) as team,
+        ZenohBus(configuration(far.profile("viewer.vera"))) as rogue,
+    ):
+        assert team.robot("happy").element("base").ask("move", distance=0.1)["x"] > 0.0
+        assert rogue.query(BASE.description_key)[0].value["name"] == "base@happy"
+        with pytest.raises(NoAnswer):
+            rogue.query(BASE.acl_key, timeout=5.0)
