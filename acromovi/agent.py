@@ -14,7 +14,7 @@ examples:
       that comes with Acromovi is named alike: agents.components.generic:Generic
   acromovi agent suspend follow@happy
   acromovi agent resume follow@happy
-  acromovi agent move follow@happy --to happy
+  acromovi agent move follow@happy happy
       with what it keeps and the messages that wait for it
   acromovi agent stop follow@happy
 
@@ -36,7 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     actions = parser.add_subparsers(dest="action", metavar="|".join(SUMMARIES), required=True)
     for name, summary in SUMMARIES.items():
-        action = actions.add_parser(name, help=summary, description=f"{summary[0].upper()}{summary[1:]}.")
+        action = actions.add_parser(
+            name,
+            help=summary,
+            description=f"{summary[0].upper()}{summary[1:]}.",
+            epilog=EPILOG,
+            formatter_class=parser.formatter_class,
+            allow_abbrev=False,
+        )
         action.add_argument("agent", metavar="NAME", help="the agent's, such as follow@happy")
         if name == "start":
             action.add_argument("kind", metavar="KIND", help="module:Class, such as follow:Follow")
@@ -47,9 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                 "--in", dest="container", metavar="CONTAINER", required=True, help="where it is to live"
             )
         if name == "move":
-            action.add_argument(
-                "--to", dest="container", metavar="CONTAINER", required=True, help="where it is to live"
-            )
+            action.add_argument("container", metavar="CONTAINER", help="where it is to live")
         action.add_argument("--json", action="store_true", help="one line of JSON")
         add_bus(action)
 

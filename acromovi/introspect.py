@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def lines(seen: Mapping[str, Any]) -> Iterator[str]:
     """What was seen of an agent, for people."""
-    yield f"{seen['name']} is {seen['state']} in {seen['container']}, a {seen['kind']}"
+    yield f"{seen['name']} is {seen['state']} in {seen['container']}, of the kind {seen['kind']}"
     for title, of_what in (("services", "services"), ("requests", "requests")):
         yield f"{title}: {', '.join(seen[of_what]) or 'none'}"
     for key, value in seen["properties"].items():

@@ -28,9 +28,11 @@ from typing import TYPE_CHECKING, Any
 
 from agents.platform.arrivals import Arrivals
 from agents.platform.departures import Departures
+from agents.platform.directory import check_free
 from agents.platform.errors import AgentError
 from agents.platform.introspection import introspect
 from agents.platform.kinds import kind_of
+from agents.platform.life import State
 from agents.platform.luggage import opened, unpacked
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
@@ -160,6 +162,7 @@ class Control:
 
     async def _start(self, given: Given) -> dict[str, Any]:
         agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
+        await check_free(self._container.bus, agent.name)
         await self._container.bring_up(agent, agent.begin)
         return {"name": str(agent.name), "state": str(agent.state)}
 
@@ -175,11 +178,15 @@ class Control:
 
     async def _suspend(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(named_in(given))
+        if agent.state is State.SUSPENDED:
+            raise OrderNotValid(f"{agent.name} is suspended already")
         agent.suspend()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _resume(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(named_in(given))
+        if agent.state is not State.SUSPENDED:
+            raise OrderNotValid(f"{agent.name} is not suspended; it is {agent.state}")
         agent.resume()
         return {"name": str(agent.name), "state": str(agent.state)}
 

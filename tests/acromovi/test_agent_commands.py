@@ -3,18 +3,15 @@
 import json
 import os
 import signal
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from acromovi.__main__ import main
+from tests.acromovi.container_process import container
 
-ROOT = Path(__file__).resolve().parents[2]
 COUNTER = """
 import time
 from agents.platform import Agent, every, request
@@ -40,19 +37,6 @@ class Counter(Agent):
     async def block(self):
         time.sleep(3600.0)
 """
-
-
-@contextmanager
-def container(*arguments: str) -> Iterator["subprocess.Popen[str]"]:
-    """A container in a process of its own, that serves."""
-    command = [sys.executable, "-m", "acromovi", "container", *arguments, "--json"]
-    with subprocess.Popen(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        try:
-            assert process.stdout is not None
-            assert "container" in json.loads(process.stdout.readline())
-            yield process
-        finally:
-            process.kill()
 
 
 @pytest.fixture
@@ -90,12 +74,14 @@ def test_an_agent_is_started_asked_looked_into_suspended_resumed_and_stopped(
             "active",
         )
         assert main(["introspect", name]) == 0
-        assert f"{name} is active in {robot}, a counter_for_tests:Counter" in capsys.readouterr().out
+        assert f"{name} is active in {robot}, of the kind counter_for_tests:Counter" in capsys.readouterr().out
         assert acromovi("agent", "suspend", name)["state"] == "suspended"
         assert main(["ask", name, "next"]) == 1
         assert acromovi("agent", "resume", name)["state"] == "active"
         assert main(["agent", "stop", f"countre@{robot}"]) == 1
         assert f"did you mean {name}?" in capsys.readouterr().err
+        assert main(["agent", "move", name, robot]) == 1
+        assert f"it lives in {robot} already" in capsys.readouterr().err
         assert main(["agent", "start", f"x@{robot}", "counter_for_tests:Countr", "--in", robot]) == 1
         assert "did you mean Counter?" in capsys.readouterr().err
         assert main(["agent", "start", f"x@{robot}", "counter_for_tests:Counter", "--in", f"{robot}x"]) == 1

@@ -116,8 +116,18 @@ def test_agents_are_started_listed_suspended_resumed_and_stopped_from_outside(wo
         ({"do": "stop"}, "this order to a container needs 'name', a text"),
         ({"do": "stop", "name": "w"}, "'w' names no agent; a name is written like base@happy"),
         ({"do": "stop", "name": "v@team"}, "no agent v@team lives in yard"),
-        ({"do": "resume", "name": "w@team"}, "an agent that is active cannot resume"),
-        ({"do": "start", "name": "w@team", "kind": "walker_for_tests:Walker"}, "an agent w@team lives in yard already"),
+        ({"do": "suspend", "name": "v@team"}, "no agent v@team lives in yard"),
+        ({"do": "resume", "name": "v@team"}, "no agent v@team lives in yard"),
+        ({"do": "resume", "name": "w@team"}, "w@team is not suspended; it is active"),
+        ({"do": "introspect", "name": "v@team"}, "no agent v@team lives in yard"),
+        ({"do": "move", "name": "v@team", "to": "x"}, "no agent v@team lives in yard"),
+        ({"do": "move", "name": "w@team"}, "this order to a container needs 'to', a text"),
+        ({"do": "start", "kind": "walker_for_tests:Walker"}, "this order to a container needs 'name', a text"),
+        ({"do": "start", "name": "x@team"}, "this order to a container needs 'kind', a text"),
+        (
+            {"do": "start", "name": "w@team", "kind": "walker_for_tests:Walker"},
+            "an agent w@team lives in the container yard already",
+        ),
         ({"do": "start", "name": "x@team", "kind": "walker_for_tests"}, "write module:Class"),
         ({"do": "start", "name": "x@team", "kind": "walker_for_tests:Walkr"}, "did you mean Walker?"),
         ({"do": "start", "name": "x@team", "kind": "walker_for_test:Walker"}, "did you mean walker_for_tests?"),
@@ -140,6 +150,26 @@ def test_what_cannot_be_done_is_refused_in_one_sentence(world: World, order: dic
     assert why in str(refused.value)
     assert "\n" not in str(refused.value)
     assert [str(agent.name) for agent in world.container.agents] == ["w@team"]
+
+
+def test_a_suspended_agent_is_suspended_once_and_can_be_stopped(world: World) -> None:
+    world.start()
+    world.order("suspend", name="w@team")
+    with pytest.raises(Refused, match=r"^w@team is suspended already$"):
+        world.order("suspend", name="w@team")
+    assert world.order("introspect", name="w@team")["state"] == "suspended"
+    assert world.order("stop", name="w@team")["state"] == "deleted"
+
+
+def test_an_agent_that_lives_elsewhere_is_not_started_again_from_outside(world: World) -> None:
+    world.start()
+    hall = Container(MemoryBus(world.network), "hall", lambda report: None, kinds=world.container.kinds)
+    world.container_is_shown(hall)
+    order = {"do": "start", "name": "w@team", "kind": "walker_for_tests:Walker"}
+    with pytest.raises(Refused, match="lives in the container yard already; end it there, or take another name"):
+        world.run(query(world.outside, hall.called.control_key, order, 60.0))
+    assert hall.agents == []
+    world.run(hall.close())
 
 
 def test_a_setup_that_fails_is_told_to_who_started_it(world: World) -> None:
