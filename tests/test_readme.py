@@ -91,7 +91,7 @@ def test_looking_lines_of_readme_show_the_robot(setting: Setting) -> None:
 
 
 def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> None:
-    (program,) = blocks("python")
+    *_, program = blocks("python")
     start = setting.robots.ask("truth", robot=setting.name)
     setting.robots.ask("pose", robot=setting.name, x=13.8, y=6.1, heading=0.0)
     done = subprocess.run(
@@ -100,6 +100,11 @@ def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> N
     assert done.returncode == 0, done.stderr
     end = setting.robots.ask("truth", robot=setting.name)
     assert end["x"] > 13.9 > start["x"]
+
+
+def test_first_program_of_readme_is_the_example_that_is_tried_elsewhere() -> None:
+    example = (ROOT / "examples" / "square.py").read_text(encoding="utf-8")
+    assert blocks("python")[0] in example
 
 
 def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
