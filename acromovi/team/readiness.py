@@ -19,11 +19,12 @@ SHOWN = ("gripper", "laser", "ptz", "arm", "camera", "gyro", "compass")
 class Progress:
     """How far one robot has come; times in s of one steady clock.
 
-    parts: that it must show. agents: those there are, by their local names.
+    parts: that it must show. agents: those there are, by their local names. connected_at: the latest time.
     """
 
     parts: frozenset[str]
     connected_at: float = inf
+    is_lost: bool = False
     container_serves: bool = False
     agents: set[str] = field(default_factory=set)
     changed_at: float = -inf
@@ -33,9 +34,14 @@ class Progress:
         """Whether its gateway has ever talked to it."""
         return self.connected_at < inf
 
+    @property
+    def is_in_touch(self) -> bool:
+        """Whether its gateway talks to it now."""
+        return self.is_connected and not self.is_lost
+
     def missing(self) -> list[str]:
         """What has not shown itself, for people."""
-        if not self.is_connected:
+        if not self.is_in_touch:
             return ["the robot"]
         if not self.container_serves:
             return ["its container"]
@@ -43,7 +49,7 @@ class Progress:
 
     def serves(self, now: float) -> bool:
         """Whether it has all it must have, or has been given time enough to show it."""
-        if not (self.is_connected and self.container_serves and self.agents):
+        if not (self.is_in_touch and self.container_serves and self.agents):
             return False
         if now - self.changed_at < QUIET_TIME:
             return False
@@ -69,7 +75,11 @@ class Readiness:
     def connected(self, robot: str, now: float) -> None:
         """Its gateway talks to it."""
         progress = self._progress[robot]
-        progress.connected_at = min(progress.connected_at, now)
+        progress.connected_at, progress.is_lost = now, False
+
+    def lost(self, robot: str) -> None:
+        """Its gateway looks for it again; once that has found it, its parts are asked for anew."""
+        self._progress[robot].is_lost = True
 
     def container(self, name: str, serves: bool) -> None:
         """A container serves, or has ended."""

@@ -152,7 +152,7 @@ class Supervisor:
         for task, entry in tasks.items():
             if entry.child is not None and entry.state is State.RUNNING:
                 entry.child.kill()
-            else:
+            elif entry.state is not State.STARTING:  # one that is being started is killed as soon as it runs
                 task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
@@ -160,12 +160,15 @@ class Supervisor:
         loop = asyncio.get_running_loop()
         while entry.is_wanted and not self._ending.is_set():
             begun = loop.time()
+            entry.state = State.STARTING
             entry.child = await self._start(
                 entry.program,
                 lambda line: self._watcher.heard(entry.program, line),
                 lambda line: self._complained(entry, line),
             )
             entry.state = State.RUNNING
+            if self._ending.is_set():
+                entry.child.kill()
             code = await entry.child.wait()
             entry.state = State.WAITING
             if self._ending.is_set() or not entry.is_wanted:

@@ -178,9 +178,11 @@ class TeamAtWork(Closeable):
                 self._tell_of_return(robot)
             case "waiting":
                 self._complain(f"{robot} is not there yet: waiting for {said.get('port')}")
-            case "lost" if robot in self._told:  # before that it is still coming
-                self._lost.add(robot)
-                self._tell(f"{robot} is lost: {said.get('reason')}")
+            case "lost":
+                self._readiness.lost(robot)
+                if robot in self._told:  # before that it is still coming
+                    self._lost.add(robot)
+                    self._tell(f"{robot} is lost: {said.get('reason')}")
             case "element lost" if robot in self._told:
                 self._tell(f"{robot} has lost its {said.get('element')}")
             case "element found" if robot in self._told:
@@ -195,7 +197,7 @@ class TeamAtWork(Closeable):
 
     def _is_due(self, robot: TeamRobot, now: float) -> bool:
         """Whether the team waits for this robot."""
-        if robot.is_emulated or self._readiness[robot.name].is_connected:
+        if robot.is_emulated or self._readiness[robot.name].is_in_touch:
             return True
         is_there = "://" in robot.port or Path(robot.port).exists()
         return is_there and now - self._begun < PATIENCE

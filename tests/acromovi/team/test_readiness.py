@@ -55,6 +55,16 @@ def test_robot_does_not_serve_without_gateway_container_or_agents() -> None:
     assert readiness.serving(100.0) == []
 
 
+def test_robot_that_was_lost_has_patience_anew_once_it_is_back() -> None:
+    readiness = Readiness([HAPPY])
+    come_up(readiness, "base", "gripper")
+    readiness.lost("happy")
+    assert (readiness.serving(1.0 + PATIENCE), readiness["happy"].missing()) == ([], ["the robot"])
+    readiness.connected("happy", 11.0)
+    assert readiness.serving(1.0 + PATIENCE) == []
+    assert readiness.serving(11.0 + PATIENCE) == ["happy"]
+
+
 def test_agents_of_other_platforms_are_none_of_the_teams() -> None:
     readiness = Readiness([HAPPY])
     readiness.agent("stranger", "base", True, 0.0)

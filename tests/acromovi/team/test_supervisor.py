@@ -6,9 +6,9 @@ from itertools import pairwise
 import pytest
 
 from acromovi.team.plan import Program, Stage
-from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, State, Supervisor, ending
+from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, Hear, State, Supervisor, ending
 from agents.platform.virtual_time import VirtualTimeLoop
-from tests.acromovi.team.conftest import Diary, Pretence
+from tests.acromovi.team.conftest import Diary, Pretence, PretendedChild
 
 HAPPY = Program("the container of happy", Stage.AGENTS, ("true",), "happy", container="happy")
 
@@ -117,6 +117,24 @@ def test_end_while_a_process_waits_for_its_turn_does_not_wait_for_it(
         return loop.time() - begun
 
     assert loop.run_until_complete(main()) == 0.0
+
+
+def test_process_that_is_just_being_started_ends_with_the_others(
+    loop: VirtualTimeLoop, pretence: Pretence, diary: Diary
+) -> None:
+    async def start_slowly(program: Program, heard: Hear, complained: Hear) -> PretendedChild:
+        await asyncio.sleep(1.0)
+        return await pretence.start(program, heard, complained)
+
+    async def main() -> None:
+        supervisor = Supervisor(start_slowly, diary)
+        entry = supervisor.begin(HAPPY)
+        await asyncio.sleep(0.5)
+        await supervisor.end()
+        assert await pretence.children[0].wait() == -9
+        assert (len(pretence.children), entry.state) == (1, State.ENDED)
+
+    loop.run_until_complete(main())
 
 
 def test_exit_codes_are_told_in_words() -> None:
