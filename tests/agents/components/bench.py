@@ -3,11 +3,23 @@
 from collections.abc import Awaitable, Mapping
 from typing import Any, TypeVar
 
+import numpy as np
+
 from agents.components.all_components import component_for
 from agents.platform import Agent, AgentName, Container, Outcome, Report
 from agents.platform.virtual_time import VirtualTimeLoop
-from bus import MemoryBus, Refused, Subscription
-from bus.keys import Topic
+from bus import MemoryBus, Refused, Subscription, keys
+from bus.keys import Kind, Topic
+from bus.messages import (
+    Odometry,
+    Point,
+    Pose,
+    PoseWithCovariance,
+    TwistWithCovariance,
+    header,
+    quaternion,
+    twist,
+)
 
 T = TypeVar("T")
 ROBOT = "happy"
@@ -65,6 +77,12 @@ class Bench:
 
         return self.robot.serve(topic.key(ROBOT), answer)
 
+    def obey_all(self) -> None:
+        """Take every command."""
+        for topic in keys.TOPICS:
+            if topic.suffix.startswith("command/") and topic.kind is Kind.QUERY:
+                self.obey(topic)
+
     def ask(self, name: str = "read", **arguments: Any) -> Outcome:
         """Ask the component for something, and wait for the end."""
         return self.do(self.app.request(self.component.name, name, reply_within=20.0, **arguments))
@@ -90,3 +108,15 @@ class Bench:
         """End everything."""
         for home in reversed(self._homes):
             self.do(home.close())
+
+
+def odometry(x: float = 0.0, y: float = 0.0, heading: float = 0.0) -> Odometry:
+    """A pose in odom, m and rad, on the way at 0.25 m/s and -0.5 rad/s."""
+    nothing = np.zeros(36)
+    pose = Pose(position=Point(x=x, y=y, z=0.0), orientation=quaternion(heading))
+    return Odometry(
+        header=header(0, f"{ROBOT}/odom"),
+        child_frame_id=f"{ROBOT}/base_link",
+        pose=PoseWithCovariance(pose=pose, covariance=nothing),
+        twist=TwistWithCovariance(twist=twist(0.25, -0.5), covariance=nothing),
+    )

@@ -221,9 +221,7 @@ def test_what_makes_no_sense_reaches_no_gateway(
     make_bench: MakeBench, element: str, name: str, arguments: dict[str, Any]
 ) -> None:
     bench = make_bench(element)
-    for topic in keys.TOPICS:
-        if topic.suffix.startswith("command/") and topic.kind is keys.Kind.QUERY:
-            bench.obey(topic)
+    bench.obey_all()
     outcome = bench.ask(name, **arguments)
     assert outcome.ending in (Ending.REFUSED, Ending.NOT_UNDERSTOOD)
     assert outcome.why
