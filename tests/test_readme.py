@@ -9,14 +9,18 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
+from acromovi.__main__ import main
 from acromovi.children import EmulatedRobots, emulator, gateway
+from agents.platform import Agent, AgentName, request
 from bus import ZenohBus, keys
 from gateway.commands import COMMANDS
 from gateway.faces.all_faces import FACES
 from gateway.streams import STREAMS
+from tests.acromovi.agents_alive import living
 from tests.waiting import wait_until
 
 ROOT = Path(__file__).parents[1]
@@ -105,6 +109,34 @@ def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> N
 def test_first_program_of_readme_is_the_example_that_is_tried_elsewhere() -> None:
     example = (ROOT / "examples" / "square.py").read_text(encoding="utf-8")
     assert blocks("python")[0] in example
+
+
+class Base(Agent):
+    """What README asks a base for, so that it need not drive."""
+
+    services: ClassVar[tuple[str, ...]] = ("base", "laser")
+
+    @request("move")
+    async def move(self, distance: float) -> float:
+        return distance
+
+
+class Follow(Base):
+    """An application of README's reader."""
+
+
+def test_agents_do_what_readme_says_of_them(robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    section = README.partition("## Agents")[2].partition("## ")[0]
+    lines = [shlex.split(line) for line in re.findall(r"`acromovi (.*?)`", section)]
+    assert {line[0] for line in lines} == {"ps", "directory", "ask", "sniff", "introspect", "container", "agent"}
+    names = {"base@happy": f"base@{robot}", "follow@happy": f"follow@{robot}", "10": "0.5"}
+    with living(robot, Base(AgentName("base", robot)), Follow(AgentName("follow", robot))):
+        for line in lines:
+            if line[0] == "container" or line[:2] in (["agent", "start"], ["agent", "move"]):
+                continue  # need processes, and are tested with some
+            assert main([names.get(word, word) for word in line]) == 0
+    assert "<svg" in (tmp_path / "talk.svg").read_text()
 
 
 def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
