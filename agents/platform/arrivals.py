@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from agents.platform.container import Container
 
 ANSWER_TIME = 5.0  # s for the other container to say who lives in it
-SETTLE_TIME = 8.0  # s after which an agent that was not settled looks what has become of where it was
+LOOK = 1.0  # s between two looks at what has become of the container from which an agent came
+SETTLE_TIME = 8.0  # s after which it is not waited any more that an agent is settled
 FORGET_TIME = 5.0  # s after which nothing comes twice any more, and nobody takes it back
 
 
@@ -112,16 +113,17 @@ class Arrivals:
 
     async def _judge(self, arrival: _Arrival) -> None:
         """See what has become of an agent that nobody settles: it lives on where it was, or else here."""
-        await asyncio.sleep(SETTLE_TIME)
-        lives_on = arrival.is_awaiting and await self._lives_on(arrival)
-        if not arrival.is_awaiting:
-            return  # somebody was faster
-        if lives_on:
-            await self._let_go(arrival)
-        else:
-            why = "the container from which it came has died; what came there last is lost"
-            self._container.report(arrival.agent.name, why)
-            self._settle(arrival, [])
+        loop = asyncio.get_running_loop()
+        until = loop.time() + SETTLE_TIME
+        while arrival.is_awaiting:
+            await asyncio.sleep(LOOK)
+            lives_on = await self._lives_on(arrival)
+            if arrival.is_awaiting and not lives_on:
+                why = "the container from which it came has died; what came there last is lost"
+                self._container.report(arrival.agent.name, why)
+                self._settle(arrival, [])
+            elif arrival.is_awaiting and loop.time() >= until:
+                await self._let_go(arrival)
 
     async def _lives_on(self, arrival: _Arrival) -> bool:
         with contextlib.suppress(BusError, TimeoutError):

@@ -1,12 +1,11 @@
 """An agent moves between containers in processes of their own while others talk to it all the time."""
 
 import asyncio
-import signal
 import subprocess
 import sys
 from collections import Counter
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -56,15 +55,11 @@ def apps(tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def here(robot: str, apps: str) -> Iterator[str]:
-    with container(f"{robot}-here", "--apps", apps):
-        yield f"{robot}-here"
-
-
-@pytest.fixture
-def there(robot: str, apps: str) -> "Iterator[tuple[str, subprocess.Popen[str]]]":
-    with container(f"{robot}-there", "--apps", apps) as process:
-        yield f"{robot}-there", process
+def processes(robot: str, apps: str) -> "Iterator[dict[str, subprocess.Popen[str]]]":
+    """Two containers: `here` and `there`, each with the robot's name before it."""
+    with ExitStack() as stack:
+        names = [f"{robot}-here", f"{robot}-there"]
+        yield {name: stack.enter_context(container(name, "--apps", apps)) for name in names}
 
 
 class Crowd:
@@ -107,21 +102,21 @@ class Crowd:
 
 
 def test_an_agent_moves_there_and_back_under_fire_and_nothing_is_lost_or_doubled(
-    robot: str, here: str, there: "tuple[str, subprocess.Popen[str]]"
+    robot: str, processes: "dict[str, subprocess.Popen[str]]"
 ) -> None:
-    peer, elsewhere = AgentName("wanderer", robot), there[0]
+    peer, (here, there) = AgentName("wanderer", robot), processes
 
     async def main(console: Agent) -> None:
         await acromovi("agent", "start", str(peer), KIND, "--in", here)
         seen: list[bool] = []
         console.bus.watch_alive(peer.alive_key, lambda key, is_alive: seen.append(is_alive))
         crowd = Crowd(console, peer)
-        for to in (elsewhere, here):
+        for to in (there, here):
             said = await acromovi("agent", "move", str(peer), to)
             assert said == (0, f"{peer} is active in {to}\n", "")
         outcomes = await crowd.end()
         assert Counter(outcome.ending for outcome in outcomes) == {"done": len(outcomes)}
-        assert {outcome.result for outcome in outcomes} == {here, elsewhere}
+        assert {outcome.result for outcome in outcomes} == {here, there}
         kept = await told_by(console, peer, crowd.told)
         assert sorted(kept["served"]) == list(range(len(outcomes)))
         assert kept["heard"] == list(range(crowd.told))
@@ -131,16 +126,16 @@ def test_an_agent_moves_there_and_back_under_fire_and_nothing_is_lost_or_doubled
 
 
 def test_a_container_that_is_killed_in_the_middle_leaves_the_agent_where_it_was(
-    robot: str, here: str, there: "tuple[str, subprocess.Popen[str]]"
+    robot: str, processes: "dict[str, subprocess.Popen[str]]"
 ) -> None:
-    peer, (elsewhere, process) = AgentName("wanderer", robot), there
+    peer, (here, there) = AgentName("wanderer", robot), processes
 
     async def main(console: Agent) -> None:
         await acromovi("agent", "start", str(peer), KIND, "setup=1.5", "--in", here)
         crowd = Crowd(console, peer)
-        moving = asyncio.ensure_future(acromovi("agent", "move", str(peer), elsewhere))
-        await until_it_arrives(console, peer, elsewhere)
-        process.send_signal(signal.SIGKILL)
+        moving = asyncio.ensure_future(acromovi("agent", "move", str(peer), there))
+        await until_it_arrives(console, peer, there)
+        processes[there].kill()
         code, _, why = await moving
         assert code == 1
         assert f"{peer} stays in {here}: " in why
@@ -149,6 +144,31 @@ def test_a_container_that_is_killed_in_the_middle_leaves_the_agent_where_it_was(
         kept = await told_by(console, peer, crowd.told)
         assert sorted(kept["served"]) == list(range(len(outcomes)))
         assert kept["heard"] == list(range(crowd.told))
+
+    with_console(robot, main)
+
+
+def test_a_container_that_is_killed_after_it_has_packed_an_agent_loses_neither_it_nor_its_state(
+    robot: str, processes: "dict[str, subprocess.Popen[str]]"
+) -> None:
+    peer, (here, there) = AgentName("wanderer", robot), processes
+
+    async def main(console: Agent) -> None:
+        await acromovi("agent", "start", str(peer), KIND, "setup=1.5", "--in", here)
+        for number in range(3):
+            assert (await console.request(peer, "serve", number=number)).result == here
+        moving = asyncio.ensure_future(acromovi("agent", "move", str(peer), there))
+        await until_it_arrives(console, peer, there)
+        waits = asyncio.ensure_future(console.request(peer, "serve", number=3))
+        await asyncio.sleep(0)
+        processes[here].kill()
+        waited = await waits  # before the door of the one that died; it hears of that at once
+        assert (await moving)[0] == 1
+        async with asyncio.timeout(30.0):
+            while not (outcome := await console.request(peer, "serve", number=4)).is_done:
+                await asyncio.sleep(0.1)
+        assert outcome.result == there
+        assert (await told_by(console, peer, 0))["served"] == [0, 1, 2, *[3] * waited.is_done, 4]
 
     with_console(robot, main)
 
