@@ -41,8 +41,9 @@ def application_agent(
 class Application(Agent):
     """Runs a program's `main` in a thread, and answers with the functions that `@request` marks.
 
-    While it is suspended, the program waits at its next call of the team and its robots stand. When it is stopped, that
-    call raises `Stopped`. When `main` returns, the agent lives on if there is something to ask it for, else it ends.
+    While it is suspended, the program waits at its next call of the team; what it drives stands, and a motion that is
+    under way goes to its end. When it is stopped, that call raises `Stopped`. When `main` returns, the agent lives on
+    if there is something to ask it for, else it ends.
 
     ended: set when it has. has_failed: whether `main` raised when it last ran.
     """

@@ -49,7 +49,7 @@ class Driving:
     async def end(self) -> None:
         """Drive no more; the robot comes to rest."""
         task, self._task = self._task, None
-        if task is None:
+        if task is None or task.done():
             return
         task.cancel()
         with contextlib.suppress(asyncio.CancelledError):

@@ -1,8 +1,9 @@
 """One element of a robot, as a program sees it: something to ask, to read and to watch."""
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
+from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
 from agents.face.errors import NotThere, TimedOut, error_of
@@ -42,7 +43,8 @@ class Element(Generic[R]):
         Raises:
             RobotError: It was not done; which one says how that came.
         """
-        outcome = self._stage.call(self._stage.agent.request(self.agent, request, reply_within=within, **arguments))
+        given = {name: plain(value) for name, value in arguments.items()}
+        outcome = self._stage.call(self._stage.agent.request(self.agent, request, reply_within=within, **given))
         if not outcome.is_done:
             raise error_of(outcome, self.agent, request)
         return outcome.result
@@ -96,6 +98,22 @@ class Element(Generic[R]):
         if not isinstance(result, dict):
             raise NotThere(f"{self.agent} says nothing that can be read")
         return self.reading.of(result, self.agent)  # type: ignore[return-value]
+
+
+def plain(value: Any) -> Any:
+    """The same with plain numbers in place of NumPy's, which programs that look at pictures have."""
+    match value:
+        case bool():
+            return value
+        case Integral():
+            return int(value)
+        case Real():
+            return float(value)
+        case Mapping():
+            return {name: plain(item) for name, item in value.items()}
+        case list() | tuple():
+            return [plain(item) for item in value]
+    return value
 
 
 def _replace(latest: "asyncio.Queue[dict[str, Any]]", result: dict[str, Any]) -> None:

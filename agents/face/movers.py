@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any, Generic
 
 from agents.face.driving import Driving
-from agents.face.element import Element, R
+from agents.face.element import Element, R, plain
 from agents.face.errors import RobotError, TimedOut
 from agents.face.holding import Lease
 from agents.face.readings import ArmReading, BaseReading, GripperReading, PtzReading
@@ -138,7 +138,7 @@ class Base(Mover[BaseReading]):
         if seconds is None:
             self._stage.moving[self] = self._halt
             try:
-                self._stage.call(self._driving.go(linear, angular, self._lease))
+                self._stage.call(self._driving.go(plain(linear), plain(angular), self._lease))
             except RobotError:
                 self._stage.moving.pop(self, None)  # it is at rest, or moved by somebody else
                 raise

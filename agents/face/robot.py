@@ -3,6 +3,7 @@
 from typing import TypeVar, cast
 
 from agents.face.element import Element
+from agents.face.errors import RobotError
 from agents.face.horizon import Horizon
 from agents.face.movers import Arm, Base, Gripper, Ptz
 from agents.face.readings import Reading
@@ -19,7 +20,7 @@ from agents.face.sensors import (
     Sound,
 )
 from agents.face.stage import Stage
-from agents.platform import AgentName
+from agents.platform import AgentName, NameNotValid
 
 ELEMENTS: dict[str, type[Element[Reading]]] = {
     name: cast(type[Element[Reading]], kind)
@@ -72,7 +73,10 @@ class Robot:
             NotThere: It has none; says what it has.
         """
         if name not in self._elements:
-            agent = AgentName(name, self.name)
+            try:
+                agent = AgentName(name, self.name)
+            except NameNotValid as err:
+                raise RobotError(str(err)) from err
             self._stage.call(self._horizon.element(agent))
             self._elements[name] = ELEMENTS.get(name, Element)(self._stage, agent)
         return self._elements[name]

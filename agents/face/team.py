@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from agents.face.backstage import Backstage
 from agents.face.complaints import complain_in_a_sentence
-from agents.face.element import PATIENCE
+from agents.face.element import PATIENCE, plain
 from agents.face.errors import RobotError, Stopped, error_of
 from agents.face.horizon import Horizon
 from agents.face.robot import Robot
@@ -64,6 +64,8 @@ class Team:
         Raises:
             NotThere: It is not there; says which robots are.
         """
+        if not isinstance(name, str):
+            raise RobotError(f"a robot's name is a text, not {name!r}")
         if not name:
             return self._robot(self._stage.call(self._horizon.any_robot(_tuple(having))))
         try:
@@ -90,7 +92,8 @@ class Team:
             peer = AgentName.parse(agent)
         except NameNotValid as err:
             raise RobotError(str(err)) from err
-        outcome = self._stage.call(self._stage.agent.request(peer, request, reply_within=within, **arguments))
+        given = {name: plain(value) for name, value in arguments.items()}
+        outcome = self._stage.call(self._stage.agent.request(peer, request, reply_within=within, **given))
         if not outcome.is_done:
             raise error_of(outcome, agent, request)
         return outcome.result

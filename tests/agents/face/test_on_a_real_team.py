@@ -38,7 +38,14 @@ STEP = 0.1  # s
 LITTLE = 0.002  # m in a step, which a robot that stands does not go
 MOVE = "from agents import Team\nteam = Team()\nteam.robot('grumpy').base.move(30.0)\n"
 DRIVE = "from agents import Team\nteam = Team()\nteam.robot('grumpy').base.drive(0.3)\nteam.sleep(60.0)\n"
-FORGOTTEN = "from agents import Team\nteam = Team()\nteam.robot('grumpy').base.drive(0.3)\nteam.sleep(1.5)\n"
+FORGOTTEN = """
+from agents import Team
+team = Team()
+scans = team.robot("happy").laser.watch()
+next(scans)
+team.robot("grumpy").base.drive(0.3)
+team.sleep(1.5)
+"""
 
 
 @pytest.fixture(scope="module")

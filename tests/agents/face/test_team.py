@@ -5,6 +5,7 @@ import math
 import threading
 from typing import Any
 
+import numpy as np
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
@@ -83,8 +84,20 @@ def test_who_asks_for_an_element_that_is_not_there_is_told_which_are(team: Team)
 def test_a_name_that_can_name_no_robot_is_a_robot_error(team: Team) -> None:
     with pytest.raises(RobotError, match="cannot name a robot"):
         team.robot("a robot")
+    with pytest.raises(RobotError, match="a robot's name is a text, not 7"):
+        team.robot(7)  # type: ignore[arg-type]
+    with pytest.raises(RobotError, match="cannot be a part of an agent's name"):
+        team.robot("happy").element("an element")
     with pytest.raises(RobotError, match="names no agent; a name is written like base@happy"):
         team.ask("happy", "read")
+
+
+def test_numbers_may_be_those_of_numpy(team: Team) -> None:
+    base = team.robot("happy").base
+    assert base.move(np.float32(0.5)).x == 0.5  # type: ignore[arg-type]
+    assert base.move(np.int64(1)).x == 1.5  # type: ignore[arg-type]
+    assert team.ask("base@happy", "move", distance=np.float32(0.5))["x"] == 2.0
+    base.drive(np.float32(0.25))  # type: ignore[arg-type]
 
 
 def test_readings_have_types_and_what_is_not_seen_is_far(world: World, team: Team) -> None:
