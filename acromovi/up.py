@@ -7,7 +7,7 @@ import shutil
 import signal
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -100,7 +100,9 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
                 await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
                 if coming_up.done():
                     robots = coming_up.result()
-                    tell(f"all {len(robots)} robots of {team.name} serve; Ctrl-C ends the team")
+                    if at_work.control is not None:
+                        tell(f"faults and truth of the emulated ones: {at_work.control}")
+                    tell(_greeting(team, robots))
                     if arguments.json:
                         shown = {"console": None, "robots": robots, "control": at_work.control}
                         print(json.dumps(shown), flush=True)
@@ -110,6 +112,13 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
                 at_work.supervisor.rest()
                 await processes.end()
                 await at_work.supervisor.end()
+
+
+def _greeting(team: "Team", robots: Sequence[str]) -> str:
+    away = [robot.name for robot in team.robots if robot.name not in robots]
+    who = f"all {len(robots)} robots" if not away else f"{len(robots)} of {len(team.robots)} robots"
+    waited_for = f", {' and '.join(away)} will when they come" if away else ""
+    return f"{who} of {team.name} serve{waited_for}; Ctrl-C ends the team"
 
 
 def _signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":

@@ -192,6 +192,8 @@ def _python(module: str, *words: str) -> tuple[str, ...]:
 def _check(robot: TeamRobot, path: Path, names: Sequence[str]) -> None:
     robot_name(robot.name)
     configs.find("robots", robot.model)
+    if not robot.port:
+        raise ConfigError(f'{path}: the port of {robot.name} is empty; give a device, a URL or "emu"')
     if robot.link is not None:
         configs.find("links", robot.link)
     if names.count(robot.name) > 1:

@@ -154,8 +154,15 @@ class TeamAtWork(Closeable):
             self._readiness.container(program.container, False)
         if not self._serves and (program.stage is Stage.EMULATOR or self._has_failed(entry)):
             self._failure = f"{program.name}: {_plain(entry.why)}" if program.robot else _plain(entry.why)
-        else:
-            self._complain(f"{program.name} {_as_end(_plain(entry.why))}; it is started again")
+        elif entry.ends == 1 or self._said.get(program.name) != entry.why or entry.why.startswith("ended "):
+            self._complain(f"{program.name} {self._as_end(entry)}; it is started again")
+            self._said[program.name] = entry.why
+
+    def _as_end(self, entry: Entry) -> str:
+        """How a process ended, as the end of a sentence that begins with its name; not what it just said."""
+        if entry.why.startswith("ended "):
+            return entry.why
+        return "ended" if self._said.get(entry.program.name) == entry.why else f"ended ({_plain(entry.why)})"
 
     def _has_failed(self, entry: Entry) -> bool:
         robots = [robot.name for robot in self._team.emulated]
@@ -256,8 +263,3 @@ def _plain(sentence: str) -> str:
     """A program's complaint without the program's name."""
     name, colon, rest = sentence.partition(": ")
     return rest if colon and name in ("p2os-emu", "p2os-gateway", "acromovi container") else sentence
-
-
-def _as_end(why: str) -> str:
-    """How a process ended, as the end of a sentence that begins with its name."""
-    return why if why.startswith("ended ") else f"ended ({why})"

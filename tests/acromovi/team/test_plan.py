@@ -114,6 +114,7 @@ def test_services_are_given_the_properties_of_the_teams_file(file: Path) -> None
         (DWARFS.replace("iron", "dwarfs"), "a robot is called dwarfs as the team is"),
         (DWARFS.replace("iron", "services"), "give it another name"),
         (DWARFS.replace("p2dx", "p2dxx"), "there is no 'p2dxx' among the robots; did you mean"),
+        (DWARFS.replace("/dev/ttyUSB7", ""), 'the port of iron is empty; give a device, a URL or "emu"'),
         (DWARFS.replace("radio-modem", "radio"), "there is no 'radio' among the links; did you mean"),
         (DWARFS + "[services.arbitre]\n", "there is no service 'arbitre'; did you mean 'arbiter'"),
         ("robots = []", "a team needs a robot"),

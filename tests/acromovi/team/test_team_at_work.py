@@ -253,6 +253,26 @@ def test_container_that_is_asked_for_comes_once_stays_and_ends_for_good(play: Pl
     play(scene, (HAPPY,))
 
 
+def test_process_that_ends_again_for_the_same_reason_is_told_of_once(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        why = "p2os-gateway: /tmp is a directory"
+        await asyncio.sleep(0.5)
+        for number in range(4):
+            while stage.pretence.names().count("the gateway of iron") <= number:
+                await asyncio.sleep(0.5)
+            stage.pretence.of("the gateway of iron").complain(why)
+            stage.pretence.of("the gateway of iron").end(4)
+        await asyncio.sleep(0.1)
+        assert stage.complaints == [
+            "the gateway of iron: /tmp is a directory",
+            "the gateway of iron ended; it is started again",
+        ]
+        coming_up.cancel()
+
+    play(scene, (TeamRobot("iron", "p3dx", "/tmp"),))
+
+
 def test_robot_that_stumbles_while_it_comes_up_is_not_told_as_lost(play: Play) -> None:
     async def scene(stage: Stage) -> None:
         coming_up = asyncio.ensure_future(stage.team.come_up())
