@@ -264,8 +264,9 @@ class Agent(Traveller):
         """Withdraw from the bus and stop all it does; whoever waits for an answer is told."""
         while self._open:
             self._open.pop().close()  # the last declared first: out of the directory before it falls silent
-        await self._desk.close()
-        await self._schedule.stop()
+        clinging = await self._desk.close() + await self._schedule.stop()
+        if clinging:
+            self._report(f"{' and '.join(clinging)} goes on although it was told to end", None)
 
     def _move_in(self, home: Home) -> None:
         self._home, self._loop = home, asyncio.get_running_loop()

@@ -18,6 +18,7 @@ from agents.platform.life import State
 from agents.platform.names import AgentName
 from agents.platform.opening import Opening
 from agents.platform.protocols import REQUESTS, Protocol, read
+from agents.platform.schedule import LETTING_GO
 from agents.platform.serving import Serving
 from agents.platform.talk import hand_over
 from bus import Conversation
@@ -55,7 +56,7 @@ class Desk:
         self._in_flight: Counter[str] = Counter()  # by protocol
         self._of_one: Counter[tuple[str, AgentName]] = Counter()  # by protocol and asker
         self._unnamed = itertools.count()
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: dict[asyncio.Task[None], Serving] = {}
 
     def add(self, protocol: str, handler: Handler) -> None:
         """Let a function answer conversations of a protocol about its name."""
@@ -82,11 +83,21 @@ class Desk:
             await asyncio.wait(self._tasks, timeout=within)
             await asyncio.sleep(0)  # let those that have ended be struck off
 
-    async def close(self) -> None:
-        """End all conversations; whoever waits for an answer is told."""
+    async def close(self, within: float = LETTING_GO) -> list[str]:
+        """End all conversations; whoever waits for an answer is told.
+
+        Args:
+            within: s for the handlers to leave what they do.
+        Returns:
+            What goes on all the same, in words.
+        """
         for task in self._tasks:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        _, late = await asyncio.wait(self._tasks, timeout=within) if self._tasks else (None, set())
+        clinging = [serving for task, serving in self._tasks.items() if task in late]
+        for serving in clinging:
+            serving.turn_away(f"{self._me} has ended")
+        return [serving.what for serving in clinging]
 
     # On the bus's thread.
 
@@ -169,8 +180,8 @@ class Desk:
             self._ended(key, serving, protocol)
             return
         task = asyncio.ensure_future(self._serve_one(serving, protocol, opening))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks[task] = serving
+        task.add_done_callback(self._tasks.pop)
         task.add_done_callback(lambda task: self._ended(key, serving, protocol))
 
     async def _serve_one(self, serving: Serving, protocol: Protocol, opening: Opening) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 
 from agents.platform.behaviours import Behaviour, Gate
 
+LETTING_GO = 1.0  # s for handlers, and for behaviours, to leave what they do when their agent ends
+
 
 @dataclass(frozen=True, slots=True)
 class Drop:
@@ -109,12 +111,20 @@ class Schedule:
         """The behaviours that have not ended, oldest first."""
         return list(self._running)
 
-    async def stop(self) -> None:
-        """Cancel all and wait until they have ended; the one that calls this is left to end by itself."""
-        tasks = [one.task for one in self._running if one.task is not None and one.task is not asyncio.current_task()]
-        for task in tasks:
+    async def stop(self, within: float = LETTING_GO) -> list[str]:
+        """Cancel all and wait until they have ended; the one that calls this is left to end by itself.
+
+        Args:
+            within: s for them to end.
+        Returns:
+            Those that go on all the same, in words.
+        """
+        me = asyncio.current_task()
+        running = {one.task: one for one in self._running if one.task is not None and one.task is not me}
+        for task in running:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        _, late = await asyncio.wait(running, timeout=within) if running else (None, set())
+        return [f"the behaviour {one.behaviour.name}" for task, one in running.items() if task in late]
 
     async def _live(self, running: Running) -> Any:
         in_a_row = 0

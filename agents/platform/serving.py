@@ -28,6 +28,11 @@ class Serving:
         self._why_cancelled: str | None = None  # empty when there is nobody to be told
 
     @property
+    def what(self) -> str:
+        """What is being done for whom, in words."""
+        return f"the {self.message.performative} {self.message.content['action']} of {self.message.sender}"
+
+    @property
     def has_agreed(self) -> bool:
         """Whether it is bound: what goes wrong from now on is a failure and no refusal."""
         return self._has_agreed

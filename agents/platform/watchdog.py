@@ -83,8 +83,7 @@ def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:
             return f"the behaviour {one.behaviour.name}"
     for serving in agent.in_flight:
         if serving.works_in(task):
-            asked = serving.message
-            return f"the {asked.performative} {asked.content['action']} of {asked.sender}"
+            return serving.what
     return None
 
 

@@ -10,19 +10,29 @@ from collections.abc import AsyncIterator, Coroutine
 from contextlib import asynccontextmanager
 from typing import Any
 
-from agents.platform import Agent, AgentName, Container, Ending, RequestNotDone
-from bus import ZenohBus
+from agents.platform import Agent, AgentName, Container, Directory, Ending, RequestNotDone
+from bus import Bus, ZenohBus
+from tests.agents.faults.processes import until
 from tests.agents.faults.scripts import PATIENCE
 from tests.agents.faults.worker import Worker
 
 
 @asynccontextmanager
-async def party(bus: ZenohBus, name: AgentName) -> AsyncIterator[Worker]:
+async def party(bus: Bus, name: AgentName) -> AsyncIterator[Worker]:
     """A worker that lives during the block."""
     async with Container(bus, f"{name.local}-on-{name.platform}", platform=name.platform) as container:
         worker = Worker(name)
         assert await container.start(worker)
-        yield worker
+        try:
+            yield worker
+        finally:
+            worker.may_go.set()
+
+
+async def meet(bus: Bus, *names: AgentName) -> None:
+    """Wait until these agents are seen."""
+    with Directory(bus) as directory:
+        await until(lambda: all(map(directory.knows, names)), f"{', '.join(map(str, names))} can be seen")
 
 
 def conversations(me: Agent, peer: AgentName) -> dict[str, Coroutine[Any, Any, Ending]]:
@@ -75,8 +85,10 @@ async def main(profile: str, me: str, peer: str = "") -> None:
     """Take part."""
     with ZenohBus.open(profile) as bus:
         async with party(bus, AgentName.parse(me)) as worker:
-            begun = conversations(worker, AgentName.parse(peer)) if peer else {}
-            tasks = [asyncio.ensure_future(one) for one in begun.values()]
+            tasks = []
+            if peer:
+                await meet(bus, AgentName.parse(peer))
+                tasks = [asyncio.ensure_future(one) for one in conversations(worker, AgentName.parse(peer)).values()]
             print("ready", flush=True)
             await asyncio.to_thread(sys.stdin.read)
             for task in tasks:

@@ -7,7 +7,7 @@ from agents.platform.desk import MOST_AT_ALL, MOST_REQUESTS
 from agents.platform.mailbox import CAPACITY, ROOM, SHARE
 from bus import MemoryBus, ZenohBus
 from tests.agents.faults.pair import RESPONDER, Pair, Place
-from tests.agents.faults.party import party
+from tests.agents.faults.party import meet, party
 from tests.agents.faults.worker import Worker
 
 NEIGHBOUR = AgentName("neighbour", "happy")
@@ -98,13 +98,14 @@ def test_between_sessions_a_flood_leaves_others_their_turn(robot: str) -> None:
             party(there, neighbour_name),
             party(here, console_name) as console,
         ):
-            assert (await console.request(worker_name, "look")).is_done  # they have met
+            await meet(here, worker_name, neighbour_name)
+            await meet(rogue, worker_name)
             flooding = asyncio.ensure_future(asyncio.to_thread(flood))
             for _ in range(20):
-                assert (await console.request(neighbour_name, "look")).is_done
-                assert (await console.request(worker_name, "look")).is_done
+                (await console.request(neighbour_name, "look")).value()
+                (await console.request(worker_name, "look")).value()
             await flooding
-            assert (await console.request(worker_name, "look")).is_done
+            (await console.request(worker_name, "look")).value()
             assert worker.mailbox.state.waiting <= CAPACITY * SHARE
 
     with ZenohBus.open() as there, ZenohBus.open() as here, ZenohBus.open() as rogue:

@@ -9,7 +9,7 @@ from agents.platform import AclMessage, AgentName, Directory, Ending, Performati
 from bus import ZenohBus
 from bus.session import configuration
 from tests.agents.faults import processes
-from tests.agents.faults.party import conversations, party
+from tests.agents.faults.party import conversations, meet, party
 from tests.agents.faults.worker import Worker
 from tests.waiting import DEADLINE
 
@@ -26,6 +26,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
         directory = stack.enter_context(Directory(elsewhere))
         async with party(there, WORKER) as worker, party(here, CONSOLE) as console:
             await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed")
+            await meet(here, WORKER)
             heard = listen(console)
             begun = {name: asyncio.ensure_future(one) for name, one in conversations(console, WORKER).items()}
             await processes.until(lambda: worker.at_work == len(begun), "they are in the middle of it")
@@ -43,7 +44,8 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
 
             await asyncio.to_thread(router.start)
             await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed again")
-            assert (await console.request(WORKER, "look")).is_done
+            await meet(here, WORKER)
+            assert (await console.request(WORKER, "look")).value() == "all clear"
             assert [found.name for found in await directory.search(robot="happy")] == [WORKER]
             async with console.subscribe(WORKER, "count") as values:
                 assert await anext(values) == 0

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from agents.platform import Agent, answers, proposes, request, subscription
 
@@ -12,11 +12,13 @@ WORK = 60.0  # s that its work takes
 class Worker(Agent):
     """Works for long at whatever it is asked to.
 
-    at_work: for how many it does something now. stopped: how often it was told to leave it.
+    at_work: for how many it does something now. may_go: when set, it clings no more.
     """
 
     at_work = 0
-    stopped = 0
+
+    async def setup(self) -> None:
+        self.may_go = asyncio.Event()
 
     @request("work")
     async def work(self) -> str:
@@ -27,10 +29,9 @@ class Worker(Agent):
     @request("cling")
     async def cling(self) -> None:
         with self._working():
-            try:
-                await asyncio.sleep(WORK)
-            finally:
-                await asyncio.sleep(WORK)
+            while not self.may_go.is_set():
+                with suppress(asyncio.CancelledError):
+                    await self.may_go.wait()
 
     @request("look")
     def look(self) -> str:
@@ -76,8 +77,5 @@ class Worker(Agent):
         self.at_work += 1
         try:
             yield
-        except (asyncio.CancelledError, GeneratorExit):
-            self.stopped += 1
-            raise
         finally:
             self.at_work -= 1
