@@ -5,13 +5,15 @@ import asyncio
 import json
 import sys
 import uuid
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from acromovi.command import argument
 from acromovi.options import add_bus, seconds
 
 if TYPE_CHECKING:
-    from agents.platform import AgentName, Outcome
+    from agents.platform import Agent, AgentName, Outcome
     from bus.bus import Bus
 
 PATIENCE = 10.0  # s
@@ -22,9 +24,11 @@ examples:
   acromovi ask base@happy move distance=0.5
   acromovi ask base@happy go_to x=1 y=0.5 --timeout 60
   acromovi ask arm@max move 'joints={"1": 0.5}' --json
+  acromovi ask subscription@acromovi data agent=sonar@happy rate=2 --follow
+      subscribe: one line for each value, until Ctrl-C
 
 A value is JSON, or text where it is no JSON. The result is printed as JSON; with --json on one line. acromovi directory
-says what an agent can be asked for.
+says what an agent can be asked for, and what can be subscribed to.
 
 Exit codes: 0 done, 1 refused, failed, not understood, too late, or no such agent (the reason is on stderr), 2 wrong
 usage, 130 stopped by Ctrl-C.
@@ -43,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--timeout", type=seconds, default=PATIENCE, metavar="S", help="wait so long for the end (%(default)g)"
     )
     parser.add_argument("--json", action="store_true", help="the result on one line")
+    parser.add_argument("--follow", action="store_true", help="subscribe to it: print each value as it comes")
     add_bus(parser)
 
 
@@ -61,6 +66,9 @@ def run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus:
         with KnownAgents(bus) as known:
             known.expect(peer)
+        if arguments.follow:
+            asyncio.run(follow(bus, peer, arguments.request, dict(arguments.arguments)))
+            return 0
         try:
             outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
         except NotAllowed:
@@ -80,6 +88,24 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
     Raises:
         NotAllowed: A secure bus does not let this program ask agents.
     """
+    async with _asker(bus, peer) as agent:
+        return await agent.request(peer, request, reply_within=within, **given)
+
+
+async def follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]) -> None:
+    """Subscribe as an agent that lives for this one subscription, and print each value on a line until it ends.
+
+    Raises:
+        NotAllowed: A secure bus does not let this program ask agents.
+        RequestNotDone: It was refused, or has failed.
+    """
+    async with _asker(bus, peer) as agent, agent.subscribe(peer, name, **given) as values:
+        async for value in values:
+            print(json.dumps(value, ensure_ascii=False), flush=True)
+
+
+@asynccontextmanager
+async def _asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
     from agents.platform.agent import Agent
     from agents.platform.container import Container
     from agents.platform.names import PASSER_BY, AgentName
@@ -89,4 +115,4 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
     async with Container(bus, name) as container:
         agent = Agent(AgentName(name, bus.own_name or "terminal"))
         await container.start(agent)
-        return await agent.request(peer, request, reply_within=within, **given)
+        yield agent

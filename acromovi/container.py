@@ -18,7 +18,7 @@ from acromovi.options import add_apps, add_bus
 from configs.loader import ConfigError
 
 if TYPE_CHECKING:
-    from agents.platform import Container
+    from agents.platform import Container, Report
 
 GRACE = 1.8  # s for all agents to end; what has not ended then is cut off
 MEETING_TIME = 1.0  # s in which sessions on one machine have met
@@ -73,9 +73,23 @@ def run(arguments: argparse.Namespace) -> int:
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
-        container = Container(bus, name, platform=platform, kinds=Kinds(arguments.apps))
+        container = Container(bus, name, report, platform=platform, kinds=Kinds(arguments.apps))
         asyncio.run(live(container, arguments, end))
     return end.code
+
+
+def report(report: "Report") -> None:
+    """Say what went wrong with an agent: in one sentence where that is all there is to know."""
+    from agents.face.errors import RobotError
+    from agents.platform import AgentError
+    from agents.platform.container import log_report
+    from bus import BusError
+    from configs import ConfigError
+
+    if isinstance(report.error, RobotError | AgentError | BusError | ConfigError):
+        print(f"acromovi container: {report.agent}: {report.what}: {report.error}", file=sys.stderr, flush=True)
+    else:
+        log_report(report)
 
 
 def _modules(arguments: argparse.Namespace) -> Iterator[str]:

@@ -49,38 +49,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Let the agent live until it ends, or a signal comes; or send it where it is to live."""
     from agents import RobotError
-    from agents.face.backstage import PLATFORM
-    from agents.platform import AgentError, AgentName
+    from agents.platform import AgentError
 
     try:
         program = chosen(options)
-        name = options.name or program.name
-        agent = AgentName.parse(name if "@" in name else f"{name}@{PLATFORM}")
-        if options.into:
-            return _send(program, agent, options)
-        return _live(program, agent, options)
+        _named(program, options, None)  # before anything is begun
+        return _send(program, options) if options.into else _live(program, options)
     except (RobotError, AgentError) as err:
         print(f"acromovi promote: {err}", file=sys.stderr)
         return 1
 
 
-def _live(program: "Program", name: "AgentName", options: argparse.Namespace) -> int:
+def _named(program: "Program", options: argparse.Namespace, own_name: str | None) -> "AgentName":
+    """What its agent is called, after the owner of a key where the bus lets nobody else speak."""
+    from agents.face.backstage import PLATFORM
+    from agents.platform import AgentName
+
+    name = options.name or program.name
+    return AgentName.parse(name if "@" in name else f"{name}@{own_name or PLATFORM}")
+
+
+def _live(program: "Program", options: argparse.Namespace) -> int:
     """Host it here."""
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
     from agents.face.application import Application
-    from agents.platform import AgentName
     from bus.session import ZenohBus
 
     with ending_in_time() as end, ZenohBus.open(options.bus) as bus:
-        if bus.own_name is not None and "@" not in (options.name or ""):
-            name = AgentName(name.local, bus.own_name)
-        agent = Application(program, name, dict(options.arguments))
+        agent = Application(program, _named(program, options, bus.own_name), dict(options.arguments))
         has_begun = asyncio.run(live_alone(bus, agent, "promote", end))
     return end.code or int(agent.has_failed or not has_begun)
 
 
-def _send(program: "Program", name: "AgentName", options: argparse.Namespace) -> int:
+def _send(program: "Program", options: argparse.Namespace) -> int:
     """Have a loader or a container host it."""
     from acromovi.sending import into_container, into_loader
     from agents.services.loaded import digest
@@ -90,6 +92,7 @@ def _send(program: "Program", name: "AgentName", options: argparse.Namespace) ->
     given["sha256"] = digest(Path(str(program.module.__file__)))
     send = into_loader if options.into.partition("@")[0] == LOADER else into_container
     with ZenohBus.open(options.bus) as bus:
+        name = _named(program, options, bus.own_name)
         container = send(bus, options.into, name, given)
     print(f"{name} lives in {container}; end it with: acromovi agent stop {name}")
     return 0

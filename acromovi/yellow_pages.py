@@ -22,7 +22,7 @@ examples:
 
 With --json it prints one object:
 {"agents": [{"name": NAME, "state": STATE, "container": CONTAINER, "services": [SERVICE, ...],
-             "requests": [REQUEST, ...], "properties": {...}}, ...]}
+             "requests": [REQUEST, ...], "subscriptions": [NAME, ...], "properties": {...}}, ...]}
 
 An agent that is there and does not answer is told on stderr. Exit codes: 0 also when nobody fits, 1 the bus cannot be
 reached, 130 stopped by Ctrl-C.
@@ -62,8 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def entry(description: "Description") -> dict[str, Any]:
     """An agent as `--json` prints it."""
-    told = {"requests": list(description.requests), "properties": dict(description.properties)}
-    return {**row(description), **told}
+    can = {"requests": list(description.requests), "subscriptions": list(description.subscriptions)}
+    return {**row(description), **can, "properties": dict(description.properties)}
 
 
 def show(found: "Sequence[Description]", as_json: bool, output: TextIO) -> None:
@@ -76,7 +76,7 @@ def show(found: "Sequence[Description]", as_json: bool, output: TextIO) -> None:
         print("nobody fits; acromovi ps lists all agents", file=output)
     for each in entries:
         print(f"{each['name']}  {each['state']} in {each['container']}", file=output)
-        for name in ("services", "requests"):
+        for name in ("services", "requests", "subscriptions"):
             if each[name]:
                 print(f"  {name}: {', '.join(each[name])}", file=output)
         for key, value in each["properties"].items():

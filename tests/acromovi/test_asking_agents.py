@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from typing import Any, ClassVar
 
 import pytest
@@ -10,7 +10,7 @@ import pytest
 from acromovi import ps, yellow_pages
 from acromovi.__main__ import main
 from acromovi.known_agents import advice
-from agents.platform import Agent, AgentName, State, request
+from agents.platform import Agent, AgentName, State, request, subscription
 from agents.platform.directory import Description
 from bus import Refused
 from tests.acromovi.agents_alive import living
@@ -26,6 +26,12 @@ class Laser(Agent):
     @request("sleep")
     async def sleep(self) -> None:
         raise Refused("I never sleep")
+
+    @subscription("beams")
+    async def beams(self, first: int = 0) -> AsyncIterator[int]:
+        for beam in range(first, 3):
+            yield beam
+        raise Refused("no more light")
 
     @request("break")
     async def break_down(self) -> None:
@@ -58,6 +64,7 @@ def test_directory_finds_by_service_robot_and_property(
     (entry,) = found("--service", "laser", "--property", "beams=181")
     assert entry["name"] == laser
     assert {"read", "sleep"} <= set(entry["requests"])
+    assert entry["subscriptions"] == ["beams"]
     assert entry["properties"] == {"beams": 181}
     assert found("--service", "sonar") == found("--property", "beams=180") == []
 
@@ -67,6 +74,15 @@ def test_ask_prints_the_result_as_json(laser: str, capsys: pytest.CaptureFixture
     assert capsys.readouterr().out == '{"nearest": 1.5, "sector": "front"}\n'
     assert main(["ask", laser, "read"]) == 0
     assert json.loads(capsys.readouterr().out)["sector"] == "all"
+
+
+def test_ask_follows_what_an_agent_tells_until_it_ends(laser: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["ask", laser, "beams", "first=1", "--follow"]) == 1
+    said = capsys.readouterr()
+    assert said.out == "1\n2\n"
+    assert said.err.startswith("acromovi ask: ")
+    assert "no more light" in said.err
+    assert said.err.count("\n") == 1
 
 
 @pytest.mark.parametrize(
