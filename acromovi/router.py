@@ -15,7 +15,10 @@ examples:
   acromovi router --config secure-router:keys/router.lab --listen tls/[::]:7447
       let in only those who have a key, and each as far as its role goes (see acromovi keys --help)
 
-It runs until stopped. Exit codes: 1 the address is taken or not understood, 130 stopped by Ctrl-C.
+With --json it prints one line once it routes: {"listen": [ENDPOINT, ...]}
+
+It runs until stopped. Exit codes: 1 the address is taken or not understood (the reason is on stderr), 2 wrong usage,
+130 stopped by Ctrl-C, 143 by SIGTERM.
 """
 
 
@@ -41,6 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="site, secure-router[:FOLDER OF KEYS], or a file, TOML or Zenoh's JSON5 (default: %(default)s)",
     )
 
+    parser.add_argument("--json", action="store_true", help="print one line of JSON once it routes")
+
 
 def run(arguments: argparse.Namespace) -> int:
     """Route until stopped."""
@@ -49,14 +54,16 @@ def run(arguments: argparse.Namespace) -> int:
     given = {"listen/endpoints": arguments.listen, "connect/endpoints": arguments.connect}
     config = configuration(arguments.config, {key: value for key, value in given.items() if value})
     with ZenohBus(config):
-        print(f"routing on {_addresses(config.get_json('listen/endpoints'))}; stop with Ctrl-C", flush=True)
+        listen = _addresses(config.get_json("listen/endpoints"))
+        for_people = f"routing on {', '.join(listen)}; stop with Ctrl-C"
+        print(json.dumps({"listen": listen}) if arguments.json else for_people, flush=True)
         threading.Event().wait()
     return 0
 
 
-def _addresses(endpoints_json: str) -> str:
-    """The endpoints for people; Zenoh allows one list, or one for each mode."""
+def _addresses(endpoints_json: str) -> list[str]:
+    """The endpoints; Zenoh allows one list, or one for each mode."""
     endpoints = json.loads(endpoints_json)
     if isinstance(endpoints, dict):
         endpoints = endpoints.get("router", [])
-    return ", ".join(endpoints)
+    return list(endpoints)

@@ -119,10 +119,10 @@ def test_a_folder_that_is_not_there_is_wrong_usage(capsys: pytest.CaptureFixture
     assert "there is no folder" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["agent", "container", "introspect"])
-def test_help_has_an_example_and_exit_codes(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("action", ["start", "stop", "suspend", "resume", "move"])
+def test_the_help_of_an_action_has_an_example_and_exit_codes(action: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="0"):
-        main([command, "--help"])
+        main(["agent", action, "--help"])
     shown = capsys.readouterr().out
-    assert f"acromovi {command}" in shown.partition("example")[2]
+    assert f"acromovi agent {action}" in shown.partition("example")[2]
     assert "Exit codes: " in shown

@@ -46,9 +46,7 @@ def test_help_names_every_command_and_is_quick_because_it_loads_nothing() -> Non
     assert not {"zenoh", "numpy", "rosbags", "bus"} & set(loaded)
 
 
-@pytest.mark.parametrize(
-    "command", ["echo", "topics", "ps", "directory", "ask", "up", "teleop", "router", "doctor", "wire", "demo"]
-)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example_and_its_exit_codes(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -131,14 +129,22 @@ def test_echo_into_a_pipe_that_closes_ends_quietly(robot: str, until: Until) -> 
         assert (process.returncode, process.stderr.read()) == (0, "")
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_router_routes_until_it_is_stopped_and_says_nothing_more(number: signal.Signals, code: int) -> None:
+@pytest.mark.parametrize(
+    ("number", "code", "words", "said"),
+    [
+        (signal.SIGINT, 130, [], "routing on {}; stop with Ctrl-C\n"),
+        (signal.SIGTERM, 143, ["--json"], '{{"listen": ["{}"]}}\n'),
+    ],
+)
+def test_a_router_routes_until_it_is_stopped_and_says_nothing_more(
+    number: signal.Signals, code: int, words: list[str], said: str
+) -> None:
     with socket.create_server(("127.0.0.1", 0)) as probe:
         address = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
-    with acromovi("router", "--listen", address, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    with acromovi("router", "--listen", address, *words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None
-        assert process.stdout.readline() == f"routing on {address}; stop with Ctrl-C\n"
+        assert process.stdout.readline() == said.format(address)
         process.send_signal(number)
         assert process.wait(20) == code
         assert process.stderr.read() == ""

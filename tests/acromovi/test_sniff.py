@@ -106,11 +106,3 @@ def test_a_picture_that_cannot_be_written_is_wrong_usage_before_anything_is_hear
     assert f"{tmp_path} is a folder" in shown
     assert f"there is no folder {tmp_path / 'nowhere'}" in shown
     assert main(["sniff", "--json", "--diagram"]) == 2
-
-
-def test_help_has_an_example_and_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit, match="0"):
-        main(["sniff", "--help"])
-    shown = capsys.readouterr().out
-    assert "acromovi sniff" in shown.partition("example")[2]
-    assert "Exit codes: " in shown
