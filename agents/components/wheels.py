@@ -11,6 +11,7 @@ from math import inf
 from typing import Any, ClassVar, NoReturn
 
 from agents.components.component import Component, failure, known
+from agents.components.headway import Headway
 from agents.components.moving_request import OneAtATime
 from agents.components.pose_control import Limits, Velocity
 from agents.components.troubles import Troubles
@@ -22,7 +23,6 @@ from geometry import Pose2D
 
 REPEAT = 0.2  # s; the gateway stops a robot whose stream of velocities has been silent for half a second
 ASK_AGAIN = 0.5  # s between two velocities whose answer is waited for
-STALLED = 1.5  # s that the robot may stand although it is told to drive
 STANDING = Limits(0.01, 0.02)  # m/s and rad/s, below which it stands
 BLIND = 1.0  # s without odometry that a robot is steered on
 TIME_TO_REST = 2.0  # s
@@ -177,16 +177,14 @@ class Wheels(Component):
 
     async def _steer_on(self, choose: Callable[[Pose2D], Velocity], ends_at: float, token: str, late: str) -> str:
         """Steer to the end; return what has failed, or an empty text."""
-        asked_at = rolled_at = self._now
+        asked_at, headway = self._now, Headway(self.pose, self._now)
         while not (velocity := choose(self.pose)).is_done:
             now = self._now
             if now >= ends_at:
                 return late
             if now - self._heard_at >= BLIND:
                 return f"no odometry for {now - self._heard_at:.1f} s"
-            if self._rolls or velocity == Velocity(0.0, 0.0):
-                rolled_at = now
-            if now - rolled_at >= STALLED:
+            if headway.is_blocked(self.pose, self._rolls, velocity, now):
                 return "stalled"
             if self.moving.is_changing:
                 pass  # another request is just asking to drive

@@ -94,3 +94,14 @@ def test_a_wall_in_the_way_ends_a_motion_as_stalled(
     assert "stalled" in outcome.why
     assert lab.lockstep.truth("happy").x < 1.0
     lab.value("base", "move", distance=-0.3)  # it can go on
+
+
+def test_the_end_of_a_wall_along_which_it_can_creep_ends_a_motion_too(make_lab: MakeLab, tmp_path: Path) -> None:
+    world = tmp_path / "wall.toml"
+    world.write_text(WALL)
+    lab = make_lab(model="amigo-sh", world=str(world), perfect=False)
+    lab.run(1.0)
+    began = lab.loop.time()
+    outcome = lab.ask("base", "go_to", x=1.5, y=3.0)
+    assert "stalled" in outcome.why
+    assert lab.loop.time() - began < 2 * BLOCKED  # s; it drives 2 m first
