@@ -1,9 +1,13 @@
-"""The router of a bus is killed and started again while agents talk through it."""
+"""The router of a bus is killed and started again, or frozen and let go on, while agents talk through it."""
 
 import asyncio
+import signal
 import socket
+import subprocess
 from contextlib import ExitStack
 from typing import Any
+
+import pytest
 
 from agents.platform import AclMessage, AgentName, Directory, Ending, Performative
 from bus import ZenohBus
@@ -16,7 +20,8 @@ from tests.waiting import DEADLINE
 CONSOLE, WORKER = AgentName("console", "lab"), AgentName("worker", "happy")
 
 
-def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back() -> None:
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(how: signal.Signals) -> None:
     with socket.create_server(("127.0.0.1", 0)) as probe:
         address = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
     client = configuration("router", {"connect/endpoints": [address]})
@@ -31,7 +36,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
             begun = {name: asyncio.ensure_future(one) for name, one in conversations(console, WORKER).items()}
             await processes.until(lambda: worker.at_work == len(begun), "they are in the middle of it")
 
-            router.kill()
+            router.fail(how)
             async with asyncio.timeout(DEADLINE):
                 endings = {name: await one for name, one in begun.items()}
             assert endings.pop("cancel") in (Ending.DIED, Ending.CANCELLED)
@@ -42,7 +47,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
             worker.publish({"number": 1})  # which nobody hears, and which does no harm
             console.send(AclMessage(performative=Performative.INFORM, sender=CONSOLE, receivers=(WORKER,)))
 
-            await asyncio.to_thread(router.start)
+            await asyncio.to_thread(router.come_back)
             await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed again")
             await meet(here, WORKER)
             assert (await console.request(WORKER, "look")).value() == "all clear"
@@ -59,20 +64,27 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
 
 
 class Router(ExitStack):
-    """A router that can be killed and started again."""
+    """A router that fails and comes back."""
 
     def __init__(self, address: str) -> None:
         super().__init__()
         self._address = address
-        self.start()
+        self._process = self._started()
 
-    def start(self) -> None:
-        self._process = self.enter_context(
-            processes.running("acromovi", "router", "--listen", self._address, says="routing")
-        )
+    def fail(self, how: signal.Signals) -> None:
+        """Be killed or frozen."""
+        self._how = how
+        self._process.send_signal(how)
 
-    def kill(self) -> None:
-        self._process.kill()
+    def come_back(self) -> None:
+        """Be there again."""
+        if self._how is signal.SIGKILL:
+            self._process = self._started()
+        else:
+            self._process.send_signal(signal.SIGCONT)
+
+    def _started(self) -> "subprocess.Popen[str]":
+        return self.enter_context(processes.running("acromovi", "router", "--listen", self._address, says="routing"))
 
 
 def listen(console: Worker) -> list[dict[str, Any]]:
