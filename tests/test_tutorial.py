@@ -130,5 +130,10 @@ def test_the_table_lists_all_that_a_part_tells_and_does(part: str) -> None:
     assert set(re.findall(r"`(\w+)`", does)) - set(_public(Picture)) == set(done) - {"reading"}
 
 
+@pytest.mark.parametrize("target", re.findall(r"\]\((?!http)([^)]+)\)", TUTORIAL))
+def test_links_lead_somewhere(target: str) -> None:
+    assert (ROOT / "docs" / target).exists()
+
+
 def _public(cls: type) -> list[str]:
     return [name for name in vars(cls) if not name.startswith("_")]
