@@ -1,8 +1,6 @@
-"""A team of emulated robots, brought up by `acromovi up` on a bus of its own, where no other test's robots are seen."""
+"""Programs that people type, on a bus of their own and beside a team that was brought up for them."""
 
-import json
 import os
-import secrets
 import signal
 import subprocess
 import sys
@@ -11,7 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import configs
+from tests.acromovi.team.private_bus import private_bus
+from tests.acromovi.team.running import running
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 40.0  # s for anything that is waited for
@@ -72,24 +71,16 @@ class LiveTeam:
 
 def own_bus(folder: Path) -> LiveTeam:
     """A bus on which nobody is yet."""
-    profile = Path(configs.__file__).parent / "bus" / "local.toml"
-    meeting_place = f'[scouting.multicast]\naddress = "224.0.0.224:{20000 + secrets.randbelow(40000)}"\n'
-    own = folder / "bus.toml"
-    own.write_text(profile.read_text().replace("[scouting.multicast]\n", meeting_place))
-    return LiveTeam(folder, own)
+    return LiveTeam(folder, Path(private_bus(folder)))
 
 
 @contextmanager
 def live_team(folder: Path, team: str) -> Iterator[LiveTeam]:
     """Bring a team up from the text of its file."""
-    (folder / "team.toml").write_text(team)
-    live = own_bus(folder)
-    with live.running("acromovi", "up", "team.toml", "--json", "--quiet") as up:
-        assert up.stdout is not None
-        line = up.stdout.readline()
-        assert line, up.communicate()[1]
-        assert json.loads(line)["robots"]
-        yield live
+    file = folder / "team.toml"
+    file.write_text(team)
+    with running(str(file)) as up:
+        yield LiveTeam(folder, Path(up.profile))
 
 
 def environment() -> dict[str, str]:
