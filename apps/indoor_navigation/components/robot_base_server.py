@@ -1,0 +1,216 @@
+"""The way to the robot's wheels and sonar: everything goes through here, whatever robot it is."""
+
+import asyncio
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Any
+
+from agents.platform import Cyclic, RequestNotDone, Restart, on
+from agents.services.lease_client import find_arbiter, leased
+from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
+from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
+from apps.indoor_navigation.component import Component, Role, answers_query, hears
+from apps.indoor_navigation.data import MotionCmd, Odometry, SonarRead
+from bus import BusUnavailable, Refused, keys
+from bus.messages import Odometry as OdometryMessage
+from bus.messages import RangeArray, heading, stamp_ns, twist
+from geometry import Pose2D
+
+ANSWER_TIME = 2.0  # s for the gateway to say what the robot is
+LOOK_AGAIN = 1.0  # s between two tries
+WATCH = 0.05  # s between two looks whether somebody has fallen silent
+NS_PER_S = 1e9
+
+log = logging.getLogger("navigation")
+
+
+@dataclass(frozen=True, slots=True)
+class BaseNumbers:
+    """s of silence.
+
+    no_command: of the fuser, after which the robot is stopped. no_odometry: of the robot, after which it is missed.
+    sonar_age: of a disc, after which its last range says nothing. idle: without motion, after which nothing is said to
+    the wheels any more, and no lease is held, so that others may drive. priority: of the lease.
+    """
+
+    no_command: float = 0.3
+    no_odometry: float = 1.0
+    sonar_age: float = 0.6
+    idle: float = 1.0
+    priority: int = 0
+
+
+class RobotBaseServer(Component):
+    """Any robot of the team: its gateway's streams, and `cmd_vel` with the token of a lease where an arbiter lives."""
+
+    role = Role.HARDWARE
+    gives = (Odometry, SonarRead)
+    numbers_type = BaseNumbers
+
+    async def setup(self) -> None:
+        """Look for the robot."""
+        self._history = PoseHistory()
+        self._sonar = SonarMemory(self.numbers.sonar_age)
+        self._about: dict[str, Any] | None = None
+        self._discs: dict[int, Pose2D] = {}
+        self._is_there = asyncio.Event()
+        self._heard_at = self._commanded_at = self._moved_at = float("-inf")
+        self._drives = False  # the last that the wheels were told was to move
+        self._token = ""
+        self._why_no_lease = ""
+        self._wheels = self.bus.publisher(keys.CMD_VEL.key(self.robot), keys.CMD_VEL.type_name)
+        self._open.append(self._wheels)
+        self.add(Cyclic(self._know_robot), Restart())
+        self.every(WATCH, self._watch)
+        self.every(LOOK_AGAIN, self._hold_lease)
+
+    async def take_down(self) -> None:
+        """Leave nothing rolling."""
+        if self._drives:
+            self._halt()
+
+    @on("odom")
+    async def follow(self, message: OdometryMessage) -> None:
+        """The robot says where it is."""
+        odometry = self._odometry(message)
+        self._heard_at = self._now
+        self._is_there.set()
+        if self._history.newest is not None and odometry.jumps != self._history.newest.jumps:
+            self._sonar.forget()
+        self._history.add(odometry)
+        self.push(odometry)
+
+    @on("sonar", keep=8)
+    async def listen_around(self, message: RangeArray) -> None:
+        """Some discs have measured."""
+        stamp = stamp_ns(message.header) / NS_PER_S
+        robot = self._history.at(stamp)
+        if robot is None:
+            return
+        ranges = {int(each.header.frame_id.rpartition("_")[2]): float(each.range) for each in message.ranges}
+        self._sonar.hear(stamp, ranges, self._discs, robot)
+        reading = self._sonar.read(stamp, robot)
+        if reading is not None:
+            self.push(reading)
+
+    @hears(MotionCmd)
+    async def drive(self, command: MotionCmd) -> None:
+        """Move as the fuser says. While the robot rests, the wheels are left alone after a while."""
+        if not all(isinstance(speed, int | float) and isfinite(speed) for speed in (command.linear, command.angular)):
+            return  # as good as silence, which stops the robot
+        self._commanded_at = self._now
+        if command.linear or command.angular:
+            self._moved_at = self._now
+        elif self._is_idle:
+            return
+        self._drives = bool(command.linear or command.angular)
+        self._wheels.put(twist(command.linear, command.angular), self._token.encode())
+
+    @answers_query("robot")
+    def tell_robot(self) -> dict[str, Any]:
+        """Name, model, size in m and limits in m/s and rad/s."""
+        if self._about is None:
+            raise Refused(f"nobody has said yet what {self.robot} is; see whether its p2os-gateway runs")
+        return self._about
+
+    def _odometry(self, message: OdometryMessage) -> Odometry:
+        pose, speed = message.pose.pose, message.twist.twist
+        before = self._history.newest
+        odometry = Odometry(
+            stamp_ns(message.header) / NS_PER_S,
+            pose.position.x,
+            pose.position.y,
+            heading(pose.orientation),
+            speed.linear.x,
+            speed.angular.z,
+            before.jumps if before is not None else 0,
+        )
+        if before is not None and is_jump(before, odometry):
+            log.warning("%s: the pose of %s was set anew", self.name, self.robot)
+            return replace(odometry, jumps=odometry.jumps + 1)
+        return odometry
+
+    async def _know_robot(self) -> None:
+        """Learn what the robot is, whenever it has come or come back."""
+        await self._is_there.wait()
+        try:
+            told = await self.query(keys.DESCRIPTION.key(self.robot), {}, ANSWER_TIME)
+            self._about, self._discs = described(told)
+        except BusUnavailable:
+            raise
+        except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
+            log.info("%s: %s has not said what it is: %r", self.name, self.robot, err)
+        else:
+            self._is_there.clear()
+            log.info("%s: %s is there, a %s", self.name, self.robot, self._about["model"])
+            await self._missed()
+        await asyncio.sleep(LOOK_AGAIN)
+
+    async def _missed(self) -> None:
+        """Wait until nothing has been heard of the robot for too long, and say so."""
+        while (silence := self._now - self._heard_at) < self.numbers.no_odometry:
+            await asyncio.sleep(self.numbers.no_odometry - silence)
+        self._is_there.clear()
+        why = f"{self.robot} has not been heard for {silence:.1f} s; see whether it and its p2os-gateway run"
+        self.home.report(self.name, why, None)
+
+    async def _watch(self) -> None:
+        """Stop the robot when nobody commands it any more."""
+        if self._drives and self._now - self._commanded_at > self.numbers.no_command:
+            self._halt()
+
+    def _halt(self) -> None:
+        self._drives = False
+        self.bus.send(keys.CMD_VEL.key(self.robot), twist(0.0, 0.0), self._token.encode())
+
+    async def _hold_lease(self) -> None:
+        """Where an arbiter lives, have the wheels alone as long as they move."""
+        if self._is_idle or (arbiter := await find_arbiter(self, LOOK_AGAIN)) is None:
+            return
+        try:
+            async with leased(self, f"base@{self.robot}", priority=self.numbers.priority, arbiter=arbiter) as lease:
+                self._token, self._why_no_lease = lease.token, ""
+                while lease.is_held and not self._is_idle:
+                    await asyncio.sleep(WATCH)
+                if self._drives:
+                    self._say_no_lease(f"the lease on the wheels has ended: {lease.news or 'it has expired'}")
+        except RequestNotDone as err:
+            self._say_no_lease(f"the wheels were not given: {err}")
+        finally:
+            self._token = ""
+
+    def _say_no_lease(self, why: str) -> None:
+        """Once, though it is tried again and again."""
+        if why != self._why_no_lease:
+            self._why_no_lease = why
+            self.home.report(self.name, why, None)
+
+    @property
+    def _is_idle(self) -> bool:
+        return bool(self._now - self._moved_at > self.numbers.idle)
+
+    @property
+    def _now(self) -> float:
+        return asyncio.get_running_loop().time()
+
+
+def described(told: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:
+    """From a robot's description: what the navigation has to know of its body, and where its sonar discs are.
+
+    Raises:
+        LookupError, TypeError, ValueError: It makes no sense.
+    """
+    size = told["geometry"]
+    about = {
+        "name": str(told["name"]),
+        "model": str(told["model"]),
+        "front": float(size["length_front"]),
+        "rear": float(size["length_rear"]),
+        "width": float(size["width"]),
+        "radius": float(size["radius"]),
+        "limits": {name: float(most) for name, most in dict(told["limits"]).items()},
+    }
+    discs = {int(disc["number"]): Pose2D(disc["x"], disc["y"], disc["heading"]) for disc in size["sonar"]}
+    return about, discs
