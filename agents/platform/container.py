@@ -16,7 +16,7 @@ from agents.platform.askers import Askers
 from agents.platform.control import Control
 from agents.platform.directory import check_free
 from agents.platform.ends import End
-from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent
+from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words
 from agents.platform.kinds import Kinds, kind_of
 from agents.platform.life import State
 from agents.platform.names import AgentName, ContainerName
@@ -161,14 +161,13 @@ class Container:
             raise AlreadyThere(f"an agent {agent.name} lives in {self.name} already")
         self._agents[agent.name] = agent
         try:
-            async with asyncio.timeout(SETUP_TIME):
+            async with asyncio.timeout(SETUP_TIME) as limit:
                 await begin(self)
         except Exception as error:
             self.report(agent.name, "its setup failed", error)
             await self._end(agent.name, End.NOT_SET_UP)
-            late = f"it took longer than {SETUP_TIME:g} s"
-            why = late if isinstance(error, TimeoutError) else f"{type(error).__name__}: {error}"
-            raise SetupFailed(f"the setup of {agent.name} failed: {why}") from error
+            why = f"failed: {in_words(error)}" if not limit.expired() else f"took longer than {SETUP_TIME:g} s"
+            raise SetupFailed(f"the setup of {agent.name} {why}") from error
         except BaseException:  # whoever starts it is cancelled: nothing half begun stays behind
             await self._end(agent.name)
             raise

@@ -12,6 +12,8 @@ AgentError
  +-- RequestNotDone                 what another agent was asked for was not done
 """
 
+from bus.errors import BusError
+
 
 class AgentError(Exception):
     """The root: whatever can go wrong among agents."""
@@ -51,3 +53,8 @@ class NotMoved(AgentError):
 
 class RequestNotDone(AgentError):
     """What another agent was asked for was not done; the message says how it ended and why."""
+
+
+def in_words(error: Exception) -> str:
+    """An exception as the end of a sentence: ours say all there is to say, of others the type often says most."""
+    return str(error) if isinstance(error, AgentError | BusError) else f"{type(error).__name__}: {error}"

@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any
 
 from agents.platform.agent import Agent
-from agents.platform.errors import AgentError
+from agents.platform.errors import AgentError, in_words
 from agents.platform.names import AgentName
 
 PACKAGES = ("agents", "apps")
@@ -72,7 +72,7 @@ class Kinds:
         try:
             return found(name, properties)
         except Exception as err:
-            raise UnknownKind(f"{kind} cannot be made: {type(err).__name__}: {err}") from err
+            raise UnknownKind(f"{kind} cannot be made: {in_words(err)}") from err
 
     def modules(self) -> list[str]:
         """All modules where kinds may be, in the order of the alphabet; none is loaded but the packages."""

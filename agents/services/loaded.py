@@ -17,9 +17,13 @@ from typing import Any
 
 from agents.face.application import Application
 from agents.face.program import PACKAGE, Program, ProgramNotValid, find_program
-from agents.platform import AgentName
+from agents.platform import AgentError, AgentName
 
 KIND = f"{__name__}:LoadedApplication"
+
+
+class NotLoaded(AgentError):
+    """An application cannot be loaded; says why in one sentence."""
 
 
 class LoadedApplication(Application):
@@ -32,18 +36,25 @@ class LoadedApplication(Application):
         """Make it, without its program.
 
         Raises:
-            ProgramNotValid: The properties name none.
+            NotLoaded: The properties name none.
         """
         given = dict(properties or {})
         program, arguments = given.get("program"), given.get("arguments", {})
         if not isinstance(program, str) or not isinstance(arguments, dict):
-            raise ProgramNotValid('the properties of an application are like {"program": "patrol", "arguments": {}}')
+            raise NotLoaded('the properties of an application are like {"program": "patrol", "arguments": {}}')
         super().__init__(Program(program, ModuleType(program)), name, arguments)
         self.properties = given
 
     async def load(self) -> Program:
-        """The program, with arguments that it takes."""
-        return await asyncio.to_thread(self._load)
+        """The program, with arguments that it takes.
+
+        Raises:
+            NotLoaded: There is none of this name here, it cannot be loaded, or does not take them.
+        """
+        try:
+            return await asyncio.to_thread(self._load)
+        except ProgramNotValid as err:
+            raise NotLoaded(str(err)) from err
 
     def _load(self) -> Program:
         name, folders = str(self.properties["program"]), self.home.kinds.folders

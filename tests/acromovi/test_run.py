@@ -103,6 +103,18 @@ def test_an_agent_is_made_of_an_application_and_asked(application: str, robot: s
     assert (process.returncode, complaint) == (130, "")
 
 
+def test_an_agent_that_is_stopped_from_elsewhere_ends_its_command(application: str, robot: str) -> None:
+    with acromovi("promote", application, "--name", robot) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        process.stdout.readline()
+        with acromovi("agent", "stop", f"{robot}@apps") as stopping:
+            said, complaint = stopping.communicate(timeout=20.0)
+        assert (said, complaint) == (f"{robot}@apps is deleted in {robot}-apps\n", "")
+        _, complaint = process.communicate(timeout=20.0)
+    assert (process.returncode, complaint) == (0, "")
+
+
 def test_an_agent_that_fails_ends_with_its_reason(application: str, robot: str) -> None:
     with acromovi("promote", application, "fail=true", "--name", robot) as process:
         _, said = process.communicate(timeout=20.0)

@@ -89,6 +89,7 @@ def test_what_cannot_be_loaded_is_refused_in_one_sentence(
     with pytest.raises(Refused) as caught:
         place.start(**properties)
     assert why in caught.value.why
+    assert "ProgramNotValid" not in caught.value.why
     assert "\n" not in caught.value.why
 
 
