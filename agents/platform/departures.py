@@ -35,6 +35,8 @@ DRAIN_TIME = 5.0  # s for what is under way to end
 ADOPT_TIME = 35.0  # s for the other container; longer than a setup may take
 ORDER_TIME = 5.0  # s for what it does at once
 MEET_TIME = 0.1  # s in which who speaks to it hears of its new door, so that what is said keeps its order
+MEET_AGAIN_TIME = 3.0  # s in which a container that was cut off, or frozen, meets the others again
+ASK_AGAIN = 0.2  # s
 LINGER = 0.5  # s in which all on the bus have heard where the agent lives
 LOOK = 0.02  # s between two looks at what has come meanwhile
 LONGEST_CONVERSATION = 24 * 3600.0  # s that one may be passed on
@@ -198,11 +200,19 @@ class Departures:
             self._container.bus.ask(there.control_key, order, lambda answer: None, lambda error: None, ORDER_TIME)
 
     async def _lives(self, name: AgentName, there: ContainerName) -> bool:
-        """Whether an agent lives there already, although the answer that says so was lost."""
-        with contextlib.suppress(BusError, TimeoutError):
-            listed = (await query(self._container.bus, there.description_key, None, ORDER_TIME))[0].value
-            return any(row["name"] == str(name) and row["state"] != State.TRANSIT for row in listed["agents"])
-        return False
+        """Whether an agent lives there already, although the answer that says so was lost.
+
+        Asked again for a while, since it may be this container that was cut off, and still is.
+        """
+        loop = asyncio.get_running_loop()
+        until = loop.time() + MEET_AGAIN_TIME
+        while True:
+            with contextlib.suppress(BusError, TimeoutError):
+                listed = (await query(self._container.bus, there.description_key, None, ORDER_TIME))[0].value
+                return any(row["name"] == str(name) and row["state"] != State.TRANSIT for row in listed["agents"])
+            if loop.time() >= until:
+                return False
+            await asyncio.sleep(ASK_AGAIN)
 
     async def _tell(self, there: ContainerName, order: Order, within: float) -> Mapping[str, Any]:
         return (await query(self._container.bus, there.control_key, order, within))[0].value

@@ -416,6 +416,25 @@ def test_it_lives_there_when_only_the_answer_was_lost_that_says_so(world: World)
     assert world.lives() == ([], ["active"])
 
 
+def test_it_lives_once_when_the_container_that_it_left_was_frozen_and_meets_the_others_later(world: World) -> None:
+    world.begin()
+    settle, listed = world.there._control._settle, world.there._control._list
+
+    async def mute(given: Any) -> dict[str, Any]:
+        await settle(given)
+        world.there._control._orders["list"] = not_met
+        raise Refused("the answer is lost")
+
+    async def not_met(given: Any) -> dict[str, Any]:
+        world.there._control._orders["list"] = listed
+        raise Refused("they have not met again")
+
+    world.there._control._orders["settle"] = mute
+    world.run(world.move())
+    assert world.lives() == ([], ["active"])
+    assert world.ask("next").value() == [1, "there"]
+
+
 def test_messages_follow_once_when_nobody_knows_whether_they_came_along(world: World) -> None:
     """It has begun to live there by itself, and so without what waited here."""
     world.begin()
