@@ -111,9 +111,12 @@ class ZenohBus(Bus):
         try:
             bus = cls(config, permit)
         except BusUnavailable as err:
-            if permit is None:
+            dialled = json.loads(config.get_json("connect/endpoints"))
+            if permit is None and not dialled:
                 raise
-            why = why_not_let_in(found, json.loads(config.get_json("connect/endpoints")))
+            if permit is None:
+                raise BusUnavailable(f"{err}; is there a router? acromovi router starts one") from err
+            why = why_not_let_in(found, dialled)
             raise BusUnavailable(f"the bus cannot be opened: {why}") from err
         if permit is not None and not bus._is_admitted():
             bus.close()

@@ -20,6 +20,7 @@ import pytest
 from acromovi.__main__ import COMMANDS, main
 from bus import ZenohBus
 from bus.messages import decode, twist
+from configs import find
 
 ROOT = Path(__file__).resolve().parents[2]
 Until = Callable[..., None]
@@ -93,6 +94,17 @@ def test_a_users_mistake_is_one_sentence_and_exit_code_1(
     assert error.startswith(f"acromovi {arguments[0]}: ")
     assert reason in error
     assert error.count("\n") == 1
+
+
+def test_a_router_that_is_not_there_is_said_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        address = f"127.0.0.1:{probe.getsockname()[1]}"
+    profile = tmp_path / "router.toml"
+    profile.write_text(find("bus", "router").read_text().replace("127.0.0.1:7447", address))
+    assert main(["ps", "--bus", str(profile)]) == 1
+    error = capsys.readouterr().err
+    assert address in error
+    assert error.endswith("; is there a router? acromovi router starts one\n")
 
 
 def test_echo_prints_what_another_process_puts(robot: str, until: Until) -> None:
