@@ -234,7 +234,7 @@ class Container:
     async def close(self) -> None:
         """Stop all agents, together, and be seen no more."""
         await self._control.close()
-        await asyncio.gather(*(self.stop(name, End.CLOSED) for name in list(self._agents)))
+        await asyncio.gather(*(self._end(name, End.CLOSED) for name in list(self._agents)))
         await asyncio.gather(*self._ending)
         self._tell({"agent": None, "what": "the container has been closed", "ended": End.CLOSED})
         self._askers.close()

@@ -279,6 +279,21 @@ def test_a_setup_that_never_ends_is_given_up(bench: Bench) -> None:
     assert bench.reports[0].what == "its setup failed"
 
 
+@pytest.mark.parametrize("steps", range(4))
+def test_a_container_closes_whatever_agent_is_just_ending_by_itself(loop: VirtualTimeLoop, steps: int) -> None:
+    async def main() -> None:
+        container = Container(MemoryBus(), "yard", wall_time=loop.time)
+        agent = Agent(AgentName("one", "yard"))
+        await container.start(agent)
+        container.end(agent.name)
+        for _ in range(steps):
+            await asyncio.sleep(0.0)
+        await container.close()
+        assert container.agents == []
+
+    loop.run_until_complete(main())
+
+
 def test_a_take_down_that_raises_or_never_ends_is_reported(bench: Bench) -> None:
     class Broken(Agent):
         async def take_down(self) -> None:
