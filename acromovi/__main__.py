@@ -1,8 +1,6 @@
 """The `acromovi` command."""
 
 import argparse
-import atexit
-import gc
 import os
 import signal
 import sys
@@ -63,7 +61,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code.
     """
-    atexit.register(gc.freeze)  # all is closed by then; to look through what is left would take 0.1 s of the processor
     given = list(sys.argv[1:] if argv is None else argv)
     arguments = _parser(given).parse_args(given)
     module = import_module(COMMANDS[arguments.command][0])

@@ -2,6 +2,7 @@
 
 import argparse
 import asyncio
+import gc
 import json
 import os
 import signal
@@ -70,6 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     for module in _modules(arguments):
         import_module(module)  # now: once agents live here, it would hold them up
+    gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:

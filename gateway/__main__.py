@@ -1,8 +1,6 @@
 """`p2os-gateway`: a robot on a port becomes a robot on the bus."""
 
 import argparse
-import atexit
-import gc
 import signal
 import sys
 import time
@@ -53,7 +51,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.radio and arguments.baud not in (None, RADIO_BAUD):
         parser.error(f"radio modems know {RADIO_BAUD} bit/s only; leave out --baud, or --radio")
     sys.setswitchinterval(SWITCH_INTERVAL)
-    atexit.register(gc.freeze)  # all is closed by then; to look through what is left would take 0.1 s of the processor
     try:
         settings = Settings() if arguments.config is None else load_settings(arguments.config)
         settings = replace(settings, radio=settings.radio or arguments.radio)

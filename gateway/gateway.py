@@ -1,5 +1,6 @@
 """A gateway at work: looks for the robot, opens the bus meanwhile, joins the two, and says how it goes."""
 
+import gc
 import json
 import sys
 import threading
@@ -133,6 +134,7 @@ class Gateway:
             from bus import BusUnavailable, KeyNotValid, ZenohBus
             from bus.keys import robot_name
 
+            gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
             try:
                 robot_name(self._options.name or "robot")
             except KeyNotValid as error:

@@ -1,6 +1,5 @@
 """`p2os-emu`: emulated robots on ports of their own."""
 
-import atexit
 import contextlib
 import ctypes
 import gc
@@ -49,7 +48,6 @@ class PhysicsError(Exception):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Parse, build and run; returns an exit code of `p2os_emu.options`."""
-    atexit.register(gc.freeze)  # all is closed by then; to look through what is left would take 0.1 s of the processor
     try:
         options = parse(argv)
         if options.listing is not None:
