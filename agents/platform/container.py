@@ -225,6 +225,7 @@ class Container:
             NotAllowed: A secure bus does not allow a container of this platform here.
         """
         if not self._shown:
+            self._askers.watch()
             self._reports = self._bus.publisher(self._called.reports_key, JSON)
             self._said = self._bus.publisher(self._called.said_key, JSON)
             self._shown += [self._reports, self._said, *self._control.serve()]

@@ -179,9 +179,11 @@ class Desk:
             serving.turn_away(f"{self._me} is {self._state()}")
             self._ended(key, serving, protocol)
             return
+        release = self._home_there.attend(serving.message.sender, serving.asker_gone)
         task = asyncio.ensure_future(self._serve_one(serving, protocol, opening))
         self._tasks[task] = serving
         task.add_done_callback(self._tasks.pop)
+        task.add_done_callback(lambda task: release())
         task.add_done_callback(lambda task: self._ended(key, serving, protocol))
 
     async def _serve_one(self, serving: Serving, protocol: Protocol, opening: Opening) -> None:

@@ -2,7 +2,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Coroutine
+from collections.abc import Coroutine
 from contextvars import ContextVar
 from typing import Any
 
@@ -82,6 +82,10 @@ class Serving:
         if self._work is not None:
             self._work.cancel()
 
+    def asker_gone(self) -> None:
+        """Stop what is being done, since there is nobody any more for whom."""
+        self.cancel(f"{self.message.sender} has gone")
+
     async def run(self, name: str, work: Coroutine[Any, Any, None], agrees_itself: bool) -> Exception | None:
         """Do the work, and say how it ended, unless it was well, which the work itself says.
 
@@ -104,13 +108,10 @@ class Serving:
             self._work = asyncio.ensure_future(work)
         finally:
             _SERVING.reset(token)
-        release: Callable[[], None] | None = None
         try:
             await asyncio.sleep(0)  # the work begins first, since its task was made first
             if not self._work.done() and not agrees_itself:
                 self.agree()
-            if not self._work.done():
-                release = self._home.attend(self.message.sender, self._asker_gone)
             await self._work
         except asyncio.CancelledError:
             if self._was_cancelled() and not _is_being_cancelled():
@@ -127,8 +128,6 @@ class Serving:
             self.say(Performative.FAILURE, {"why": why[:LONGEST_REASON]})
             return err
         finally:
-            if release is not None:
-                release()
             self.close()
         return None
 
@@ -140,9 +139,6 @@ class Serving:
     def close(self) -> None:
         """End the conversation, if it has not ended."""
         self._conversation.close()
-
-    def _asker_gone(self) -> None:
-        self.cancel(f"{self.message.sender} has gone")
 
     def _was_cancelled(self) -> bool:
         return self._why_cancelled is not None

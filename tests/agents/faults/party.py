@@ -15,6 +15,7 @@ from bus import Bus, ZenohBus
 from tests.agents.faults.processes import until
 from tests.agents.faults.scripts import PATIENCE
 from tests.agents.faults.worker import Worker
+from tests.waiting import DEADLINE
 
 
 @asynccontextmanager
@@ -33,6 +34,13 @@ async def meet(bus: Bus, *names: AgentName) -> None:
     """Wait until these agents are seen."""
     with Directory(bus) as directory:
         await until(lambda: all(map(directory.knows, names)), f"{', '.join(map(str, names))} can be seen")
+
+
+async def reach(me: Agent, peer: AgentName) -> None:
+    """Ask until there is an answer: the first question after a change may be lost on the way."""
+    async with asyncio.timeout(DEADLINE):
+        while not (await me.request(peer, "look", reply_within=1.0)).is_done:
+            await asyncio.sleep(0.01)
 
 
 def conversations(me: Agent, peer: AgentName) -> dict[str, Coroutine[Any, Any, Ending]]:

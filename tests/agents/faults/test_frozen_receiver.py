@@ -8,7 +8,7 @@ import time
 from agents.platform import AclMessage, AgentName, Directory, Ending, Performative
 from bus import ZenohBus
 from tests.agents.faults import processes
-from tests.agents.faults.party import meet, party
+from tests.agents.faults.party import meet, party, reach
 
 LONGEST = 10.0  # s; about 1 s is what the bus profiles allow, on a machine that has nothing else to do
 MESSAGES = 200  # more than any socket holds
@@ -33,8 +33,7 @@ def test_who_sends_to_a_frozen_receiver_goes_on_and_reaches_it_again(robot: str)
                 await processes.until(lambda: not directory.knows(peer), "it counts as dead")
             assert (await me.request(peer, "look")).ending is Ending.DIED
             receiver.send_signal(signal.SIGCONT)
-            await meet(bus, peer)
-            assert (await me.request(peer, "look")).value() == "all clear"
+            await reach(me, peer)
 
     with processes.party(peer) as receiver, ZenohBus.open() as bus:
         asyncio.run(main(bus, receiver))

@@ -13,7 +13,7 @@ from agents.platform import AclMessage, AgentName, Directory, Ending, Performati
 from bus import ZenohBus
 from bus.session import configuration
 from tests.agents.faults import processes
-from tests.agents.faults.party import conversations, meet, party
+from tests.agents.faults.party import conversations, meet, party, reach
 from tests.agents.faults.worker import Worker
 from tests.waiting import DEADLINE
 
@@ -49,8 +49,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
 
             await asyncio.to_thread(router.come_back)
             await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed again")
-            await meet(here, WORKER)
-            assert (await console.request(WORKER, "look")).value() == "all clear"
+            await reach(console, WORKER)
             assert [found.name for found in await directory.search(robot="happy")] == [WORKER]
             async with console.subscribe(WORKER, "count") as values:
                 assert await anext(values) == 0

@@ -6,10 +6,10 @@ from collections.abc import AsyncIterator, Iterator
 import pytest
 
 from agents.platform import AclMessage, Agent, AgentName, Outcome, Performative, request, subscription
-from agents.platform.askers import MOST_IDLE, UNSEEN_TIME
+from agents.platform.askers import UNSEEN_TIME
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus
-from tests.agents.platform.two_containers import CONSOLE, TwoContainers
+from tests.agents.platform.two_containers import TwoContainers
 
 BASE = AgentName("base", "happy")
 
@@ -91,24 +91,23 @@ def test_an_agent_may_ask_in_its_setup(world: TwoContainers) -> None:
     assert early.outcome.is_done
 
 
-def test_only_so_many_askers_are_remembered(world: TwoContainers) -> None:
+def test_one_that_is_killed_as_it_asks_is_noticed_at_once(world: TwoContainers) -> None:
+    asking = world.begin(world.console.request(BASE, "work", reply_within=1e5))
+    world.loop.call_soon(world.lab.bus.close)  # it has asked by then, and nobody has begun
+    world.loop.run_for(0.1)
+    assert world.peer.in_flight == []
+    asking.cancel()
+    world.loop.run_for(0.1)
+
+
+def test_all_askers_are_watched_by_one_look_and_none_leaves_a_trace(world: TwoContainers) -> None:
     async def ask() -> None:
-        for number in range(MOST_IDLE + 20):
+        for number in range(20):
             one = Agent(AgentName(f"one-{number}", "lab"))
             await world.lab.start(one)
             assert (await one.request(BASE, "work", seconds=0.1)).is_done
 
     before = len(world.network.watchers)
     world.run(ask())
-    assert len(world.network.watchers) - before <= MOST_IDLE + 1
-
-
-def test_who_asks_again_is_watched_once(world: TwoContainers) -> None:
-    async def ask() -> None:
-        for _ in range(5):
-            assert (await world.console.request(BASE, "work", seconds=0.1)).is_done
-
-    before = len(world.network.watchers)
-    world.run(ask())
-    assert len(world.network.watchers) == before + 1
-    assert CONSOLE in world.robot._askers._known
+    assert len(world.network.watchers) == before
+    assert world.robot._askers._calls == {}
