@@ -1,6 +1,7 @@
 """What a Zenoh session holds open, and the one thread on which its handlers run."""
 
 import threading
+import time
 from collections.abc import Callable
 from queue import SimpleQueue
 from typing import Any, Protocol
@@ -31,7 +32,20 @@ class Declared(Subscription):
         self._among.discard(self)
         handle, self.handle = self.handle, None
         if handle is not None:
-            handle.undeclare()  # harmless after the session has closed
+            _withdraw(handle)  # harmless after the session has closed
+
+
+def _withdraw(handle: Undeclarable) -> None:
+    """Withdraw a declaration, as soon as no other thread uses it: Zenoh's Python calls it borrowed so long."""
+    until = time.monotonic() + HANDLER_GRACE
+    while True:
+        try:
+            handle.undeclare()
+            return
+        except RuntimeError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.001)
 
 
 class Listening(Declared):
