@@ -27,7 +27,7 @@ from p2os_emu.faults.board import FaultBoard
 from p2os_emu.fit import read_fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.world import World, WorldSpec
+from p2os_emu.world import DoorState, PersonPlace, Touches, World, WorldSpec
 
 T = TypeVar("T")
 
@@ -126,6 +126,26 @@ class Lockstep:
     def truth(self, name: str) -> Pose2D:
         """Where a robot really is in the world."""
         return self._emulator.truth(name).pose
+
+    def touches(self, name: str) -> Touches:
+        """What a robot has really bumped into: hull or accessory against wall, furniture, door, person or robot."""
+        return self._world.touches(name)
+
+    def people(self) -> Mapping[str, PersonPlace]:
+        """Where everybody really is who walks about."""
+        return self._world.people()
+
+    def doors(self) -> Mapping[str, DoorState]:
+        """How far each door with a leaf is open."""
+        return self._world.doors()
+
+    def set_door(self, name: str, is_open: bool) -> None:
+        """Open or shut a door; from then on it does no more by itself.
+
+        Raises:
+            WorldError: There is no such door.
+        """
+        self._world.set_door(name, is_open)
 
     def wire(self, name: str) -> bytes:
         """Every byte the robot has sent so far."""

@@ -16,10 +16,11 @@ from p2os import RobotModel
 from p2os.fields import POSITION_UNITS
 from p2os.wire_log import Entry, Source, WireLog, plain
 from p2os_emu.cassette import Cassette, Moment
-from p2os_emu.emulator import Emulator, Surroundings
+from p2os_emu.emulator import Emulator
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from p2os_emu.surroundings import Surroundings
 
 LEAD = 0.5
 """s that the emulated robot has been on when the first recorded byte comes."""

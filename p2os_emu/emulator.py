@@ -4,11 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from random import Random
-from typing import Protocol
 
 from geometry import Pose2D
 from p2os import Command, RobotModel, encode_command
-from p2os_emu.body import Body
 from p2os_emu.device import Cable
 from p2os_emu.faulty_body import FaultyBody
 from p2os_emu.fit import BARE, Fit
@@ -17,61 +15,10 @@ from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
 from p2os_emu.microcontroller.simulator import Simulator
+from p2os_emu.surroundings import Surroundings, Touches, Truth
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
 _FAREWELL = encode_command(Command.CLOSE)
-
-
-class Truth(Protocol):
-    """How a robot really moves, which its odometry only estimates."""
-
-    @property
-    def pose(self) -> Pose2D:
-        """In the world: m, m, rad."""
-        ...
-
-    @property
-    def linear(self) -> float:
-        """Forward speed, m/s."""
-        ...
-
-    @property
-    def angular(self) -> float:
-        """Turning speed, rad/s, counter-clockwise."""
-        ...
-
-
-class Surroundings(Protocol):
-    """The part of a world that the emulator needs."""
-
-    @property
-    def time(self) -> float:
-        """Emulated time since the start, s."""
-        ...
-
-    def step(self) -> None:
-        """Move everything on by `STEP`."""
-        ...
-
-    def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> Body:
-        """Put a robot down, on a free place unless one is given."""
-        ...
-
-    def remove_robot(self, name: str) -> None:
-        """Take a robot away."""
-        ...
-
-    def truth(self, name: str) -> Truth:
-        """How a robot really moves."""
-        ...
-
-    def place(self, name: str, pose: Pose2D) -> None:
-        """Put a robot elsewhere, as a hand would; its odometry does not notice."""
-        ...
-
-    def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
-        """Where the middle of each movable object is, m, m, m, and its heading, rad."""
-        ...
 
 
 @dataclass(slots=True)
@@ -260,6 +207,22 @@ class Emulator:
     def objects(self) -> Mapping[str, tuple[float, float, float, float]]:
         """Where the middle of each movable object is, m, m, m, and its heading, rad."""
         return self._world.object_places()
+
+    def touches(self, name: str) -> Touches:
+        """What a robot has bumped into since the start."""
+        return self._world.touches(name)
+
+    def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
+        """Where everybody is who walks about, m, m, rad, and whether they walk just now."""
+        return self._world.people()
+
+    def doors(self) -> Mapping[str, tuple[float, float]]:
+        """How far each door with a leaf is open, m, and of how much."""
+        return self._world.doors()
+
+    def set_door(self, name: str, is_open: bool) -> None:
+        """Open or shut a door; from then on it does no more by itself."""
+        self._world.set_door(name, is_open)
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Put a robot elsewhere, as a hand would; its odometry does not notice."""

@@ -4,6 +4,7 @@ It has the face of `p2os_emu.world.World` as far as the emulator needs it, and s
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
@@ -20,6 +21,14 @@ class FlatTruth(NamedTuple):
     pose: Pose2D
     linear: float
     angular: float
+
+
+@dataclass(frozen=True, slots=True)
+class FlatTouches:
+    """What a robot has bumped into: nothing."""
+
+    count: int = 0
+    last: tuple[tuple[float, str], ...] = ()
 
 
 class FlatBody:
@@ -115,6 +124,22 @@ class FlatWorld:
     def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
         """There are none."""
         return {}
+
+    def touches(self, name: str) -> FlatTouches:
+        """There is nothing to bump into."""
+        return FlatTouches()
+
+    def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
+        """There are none."""
+        return {}
+
+    def doors(self) -> Mapping[str, tuple[float, float]]:
+        """There are none."""
+        return {}
+
+    def set_door(self, name: str, is_open: bool) -> None:
+        """There is none."""
+        raise ValueError(f"there is no door {name!r} on an endless floor; take another world")
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Put a robot elsewhere."""

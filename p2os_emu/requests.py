@@ -16,9 +16,9 @@ from p2os_emu.faults.kind import FaultKind
 from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
-from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.runner import Runner
 from p2os_emu.team import Team, TeamError
+from p2os_emu.truth_rows import robot_row, surroundings_rows
 
 Fields = Mapping[str, Any]
 _MOST_STEPS = 72_000  # ten minutes of emulated time
@@ -103,44 +103,11 @@ def _checked(do: str, kind: _Request, key: str, value: Any) -> Any:
 
 
 def _truth(desk: Desk, fields: Fields) -> Mapping[str, Any]:
-    rows = {robot.name: _truth_of(desk, robot) for robot in desk.robots(fields)}
-    answer = {"robots": rows, "objects": desk.emulator.objects(), "time": desk.emulator.time, **_pace(desk)}
+    rows = {robot.name: robot_row(desk.emulator, robot) for robot in desk.robots(fields)}
+    answer = {"robots": rows, **surroundings_rows(desk.emulator), "time": desk.emulator.time, **_pace(desk)}
     if len(rows) == 1:  # meant or alone: spares the asker a level
         answer |= {key: next(iter(rows.values()))[key] for key in ("x", "y", "heading")}
     return answer
-
-
-def _truth_of(desk: Desk, robot: EmulatedRobot) -> dict[str, Any]:
-    truth = desk.emulator.truth(robot.name)
-    return {
-        "x": truth.pose.x,
-        "y": truth.pose.y,
-        "heading": truth.pose.heading,
-        "linear": truth.linear,
-        "angular": truth.angular,
-        "model": robot.model.name,
-        "port": robot.line.link.port,
-        "connected": robot.microcontroller.connected,
-        "motors_enabled": robot.microcontroller.motors_enabled,
-        "battery_charge": robot.microcontroller.battery_charge,
-        "frames_dropped": robot.line.link.dropped,
-        **_shown(robot.microcontroller),
-    }
-
-
-def _shown(controller: Microcontroller) -> dict[str, Any]:
-    """What people would see and hear of the board."""
-    outputs = controller.outputs
-    return {
-        "notes": [note._asdict() for note in controller.notes],
-        "lcd": outputs.lcd,
-        "servos": {str(port): pulse for port, pulse in outputs.servos.items()},
-        "power": dict(outputs.power),
-        "digital_out": controller.digital_out,
-        "charging": controller.charging.name.lower(),
-        "shutdown_wanted": controller.shutdown_wanted,
-        "simulator_messages": list(controller.simulator_messages),
-    }
 
 
 def _pose(desk: Desk, fields: Fields) -> Mapping[str, Any]:
@@ -154,6 +121,14 @@ def _pose(desk: Desk, fields: Fields) -> Mapping[str, Any]:
             raise RequestError(str(error)) from error
     pose = desk.emulator.truth(robot.name).pose
     return {"robot": robot.name, "x": pose.x, "y": pose.y, "heading": pose.heading}
+
+
+def _door(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+    try:
+        desk.emulator.set_door(fields["name"], fields["open"])
+    except ValueError as error:
+        raise RequestError(str(error)) from error
+    return {"door": fields["name"], "open": fields["open"]}
 
 
 def _fault(desk: Desk, fields: Fields) -> Mapping[str, Any]:
@@ -281,6 +256,7 @@ _PLACE: Mapping[str, type] = {"x": float, "y": float, "heading": float}
 REQUESTS: Mapping[str, _Request] = {
     "truth": _Request(_truth, {"robot": str}),
     "pose": _Request(_pose, {"robot": str, **_PLACE}),
+    "door": _Request(_door, {"name": str, "open": bool}, ("name", "open")),
     "fault": _Request(_fault, {"fault": str}, ("fault",)),
     "clear": _Request(_clear, {"number": int}),
     "faults": _Request(_faults, {}),

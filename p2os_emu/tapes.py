@@ -11,13 +11,14 @@ import configs
 from p2os import RobotModel
 from p2os_emu.cassette import Cassette, CassetteError, Player, Recorder, read
 from p2os_emu.checking import Parting, compare, replay
-from p2os_emu.emulator import STEP, EmulatedRobot, Surroundings
+from p2os_emu.emulator import STEP, EmulatedRobot
 from p2os_emu.fit import FitError, read_fit
 from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.options import Options
 from p2os_emu.ports import Ports
 from p2os_emu.runner import Runner
+from p2os_emu.surroundings import Surroundings
 
 
 class Recording:

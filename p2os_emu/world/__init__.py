@@ -5,9 +5,31 @@
 
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.leaves import DoorState
 from p2os_emu.world.load import load_world
+from p2os_emu.world.moving_doors import MovingDoor
+from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block, WorldSpec
-from p2os_emu.world.world import Outline, Truth, World
+from p2os_emu.world.touches import Touch, Touches
+from p2os_emu.world.truth import Outline, Truth
+from p2os_emu.world.walkers import PersonPlace
+from p2os_emu.world.world import World
 
-__all__ = ["STEP", "Block", "Outline", "RobotBody", "Truth", "World", "WorldError", "WorldSpec", "load_world"]
+__all__ = [
+    "STEP",
+    "Block",
+    "DoorState",
+    "MovingDoor",
+    "Outline",
+    "Person",
+    "PersonPlace",
+    "RobotBody",
+    "Touch",
+    "Touches",
+    "Truth",
+    "World",
+    "WorldError",
+    "WorldSpec",
+    "load_world",
+]

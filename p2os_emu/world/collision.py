@@ -95,6 +95,32 @@ def build_blocks(client: int, blocks: Iterable[Block]) -> list[int]:
     return bodies
 
 
+def build_person(client: int, radius: float, height: float) -> int:
+    """An upright cylinder that goes where it is put and yields to nothing; returns its body id."""
+    shape = engine.createCollisionShape(engine.GEOM_CYLINDER, radius=radius, height=height, physicsClientId=client)
+    return _kinematic(client, shape)
+
+
+def build_leaf(client: int, width: float, thickness: float, height: float) -> int:
+    """A panel that goes where it is put and yields to nothing; returns its body id."""
+    half = [width / 2, thickness / 2, height / 2]
+    return _kinematic(client, engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client))
+
+
+def _kinematic(client: int, shape: int) -> int:
+    body: int = engine.createMultiBody(0.0, shape, useMaximalCoordinates=True, physicsClientId=client)
+    engine.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION, physicsClientId=client)
+    _join(client, body, HULL, Group.BLOCK)
+    return body
+
+
+def put(client: int, body: int, pose: Pose2D, height: float) -> None:
+    """Put something that stands upright on the floor and is `height` m high where its middle is at a pose."""
+    engine.resetBasePositionAndOrientation(
+        body, [pose.x, pose.y, height / 2], upright(pose.heading), physicsClientId=client
+    )
+
+
 def build_object(client: int, movable: Movable) -> int:
     """Something that can be pushed and gripped; returns its body id. Its base frame lies in its middle."""
     if movable.shape is Shape.CYLINDER:

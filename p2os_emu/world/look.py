@@ -15,6 +15,8 @@ from p2os_emu.world.colours import COLOURS, Colour
 from p2os_emu.world.floor import Floor
 from p2os_emu.world.links import FIRST, Link
 from p2os_emu.world.movable import Movable, Shape
+from p2os_emu.world.moving_doors import LEAF_HEIGHT, LEAF_THICKNESS, MovingDoor
+from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
 from p2os_emu.world.spec import Block, WorldSpec
 
 Triple = tuple[float, float, float]
@@ -30,6 +32,8 @@ FLOOR_MARGIN = 4.0  # m of floor around what stands in a world
 LEAST_FLOOR = 24.0  # m
 FLOOR_DEPTH = 0.02
 NOSE = 0.06  # m, edge of the light in front
+HEAD = 0.24  # m, height of one
+SKIN: Colour = (0.80, 0.62, 0.50, 1.0)
 ROBOT_COLOURS = ("red", "blue", "orange", "green", "yellow", "purple", "teal", "pink")
 
 
@@ -83,6 +87,30 @@ def movable_look(movable: Movable) -> Look:
     """A movable object, seen from its middle."""
     form = Form.CYLINDER if movable.shape is Shape.CYLINDER else Form.BOX
     return (Part(form, (movable.length, movable.width, movable.height), COLOURS[movable.colour]),)
+
+
+def leaf_look(door: MovingDoor) -> Look:
+    """The leaf of a door, seen from its middle."""
+    return (Part(Form.BOX, (door.width, LEAF_THICKNESS, LEAF_HEIGHT), COLOURS[door.colour]),)
+
+
+def person_look(person: Person) -> Look:
+    """Somebody seen from the middle of their height: legs, body and head. In pictures the legs do not step."""
+    trunk, waist = HEIGHT - HEAD - LEG_HEIGHT, LEG_HEIGHT - HEIGHT
+    legs = [
+        Part(Form.CYLINDER, (2 * LEG_RADIUS, 2 * LEG_RADIUS, LEG_HEIGHT), COLOURS["dark grey"], (0.0, side, waist / 2))
+        for side in (HIP, -HIP)
+    ]
+    body = (
+        Part(
+            Form.CYLINDER,
+            (2 * BODY_RADIUS, 2 * BODY_RADIUS, trunk),
+            COLOURS[person.colour],
+            (0.0, 0.0, LEG_HEIGHT + (trunk - HEIGHT) / 2),
+        ),
+        Part(Form.SPHERE, (HEAD, HEAD, HEAD), SKIN, (0.0, 0.0, (HEIGHT - HEAD) / 2)),
+    )
+    return (*legs, *body)
 
 
 def robot_looks(name: str, chassis: Chassis, links: Sequence[Link]) -> dict[int, Look]:

@@ -1,7 +1,7 @@
 """One robot in the world: the `Body` that its microcontroller drives."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,9 +31,13 @@ from p2os_emu.world.spec import Block
 
 
 class RobotBody:
-    """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`."""
+    """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`.
+
+    touched: body ids of what hull and accessories touched in the last step, but for the floor.
+    """
 
     arm: Arm | None = None
+    touched: Collection[int] = ()
 
     def __init__(
         self,
@@ -52,6 +56,7 @@ class RobotBody:
         chance: np.random.Generator | None,
     ) -> None:
         self._chance = chance
+        self._objects = objects
         self._name = name
         self._scene = scene
         self.model = model
@@ -162,7 +167,9 @@ class RobotBody:
         """Read the machine anew; `World.step` does so after every step."""
         (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = self._joints()
         powered, strongest = self._target is not None, self._strongest
-        front, rear = self._bumpers()
+        contacts = self._hull_contacts()
+        self.touched = {*contacts, *self._bumped_by_links()} if self.links else contacts.keys()
+        front, rear = self._bumpers(contacts)
         if self._gripper is not None:
             self._gripper.follow()
         self._state = BodyState(
@@ -210,17 +217,26 @@ class RobotBody:
             physicsClientId=self._client,
         )
 
-    def _bumpers(self) -> tuple[int, int]:
-        """Pressed segments in front and behind."""
-        if not (self.model.front_bumpers or self.model.rear_bumpers):
-            return 0, 0
+    def _hull_contacts(self) -> dict[int, list[Point]]:
+        """Where the hull touches what, m in the world, by body id; the floor does not count."""
         touched: dict[int, list[Point]] = {}
         for contact in engine.getContactPoints(bodyA=self.body_id, linkIndexA=HULL, physicsClientId=self._client):
             other, place, distance = contact[2], contact[5], contact[8]
             if other != self._floor_id and distance <= 0.0:
                 touched.setdefault(other, []).append(place[:2])
+        return touched
+
+    def _bumped_by_links(self) -> Iterator[int]:
+        """What arm and gripper touch; things that can be gripped are theirs to touch."""
+        for contact in engine.getContactPoints(bodyA=self.body_id, physicsClientId=self._client):
+            other, link, distance = contact[2], contact[3], contact[8]
+            if link >= FIRST and distance <= 0.0 and other not in self._objects:
+                yield other
+
+    def _bumpers(self, touched: Mapping[int, Sequence[Point]]) -> tuple[int, int]:
+        """Pressed segments in front and behind."""
         front = rear = 0
-        if touched:
+        if touched and (self.model.front_bumpers or self.model.rear_bumpers):
             pose = self.pose
             for places in touched.values():
                 local = [pose.locate(x, y) for x, y in places]

@@ -4,8 +4,9 @@ A world comes from a `configs/worlds` file or from an ARIA `.map` file, and is a
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
 
 from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.colours import check_colour
@@ -13,6 +14,8 @@ from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor import Floor
 from p2os_emu.world.magnets import Magnet, MagnetEntry
 from p2os_emu.world.movable import Movable, ObjectEntry
+from p2os_emu.world.moving_doors import MovingDoor, MovingDoorEntry
+from p2os_emu.world.people import Person, PersonEntry
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
@@ -57,6 +60,8 @@ class WorldSpec:
     starts: where robots begin, best place first; never empty.
     routes: named lists of waypoints, m; a round trip ends where it begins.
     objects: what can be pushed and gripped. drops: where the floor ends, as at stairs that go down; of no height.
+    places: named points, m, for those who send robots somewhere. people: who walks about.
+    moving_doors: leaves that open and shut in gaps of walls.
     """
 
     name: str
@@ -69,6 +74,9 @@ class WorldSpec:
     drops: tuple[Block, ...] = ()
     magnets: tuple[Magnet, ...] = ()
     floor: Floor = field(default_factory=Floor)
+    places: Mapping[str, Point] = field(default_factory=dict)
+    people: tuple[Person, ...] = ()
+    moving_doors: tuple[MovingDoor, ...] = ()
 
     @property
     def middle(self) -> tuple[float, float, float]:
@@ -184,6 +192,9 @@ class WorldFile:
     floor: Floor = field(default_factory=Floor)
     starts: tuple[StartEntry, ...] = (StartEntry((0.0, 0.0)),)
     routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
+    places_m: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    people: tuple[PersonEntry, ...] = ()
+    moving_doors: tuple[MovingDoorEntry, ...] = ()
 
     def to_spec(self, name: str, source: str) -> WorldSpec:
         """Turn the entries into a world.
@@ -191,42 +202,67 @@ class WorldFile:
         Raises:
             WorldError: an entry makes no sense; names file, entry and reason.
         """
-        walls: list[Block] = []
-        furniture: list[Block] = []
-        objects: list[Movable] = []
-        drops: list[Block] = []
-        entry = ""
         try:
-            for i, wall in enumerate(self.walls):
-                entry = f"walls[{i}] {wall.name}"
-                walls.extend(wall.blocks())
-            for i, piece in enumerate(self.furniture):
-                entry = f"furniture[{i}] {piece.name}"
-                furniture.append(piece.block())
-            for i, thing in enumerate(self.objects):
-                entry = f"objects[{i}] {thing.name}"
-                if thing.name in (each.name for each in objects):
-                    raise ValueError("there is one of this name already; give each its own")
-                objects.append(thing.movable())
-            for i, drop in enumerate(self.drops):
-                entry = f"drops[{i}] {drop.name}"
-                drops.append(drop.block())
-            entry = "floor"
+            walls = _made("walls", self.walls, lambda wall: tuple(wall.blocks()))
+            furniture = _made("furniture", self.furniture, FurnitureEntry.block)
+            objects = _made("objects", self.objects, ObjectEntry.movable, apart=True)
+            drops = _made("drops", self.drops, DropEntry.block)
+            people = _made("people", self.people, PersonEntry.person, apart=True)
+            moving_doors = _made("moving_doors", self.moving_doors, MovingDoorEntry.door, apart=True)
+        except ValueError as err:
+            raise WorldError(f"{source}: {err}") from err
+        try:
             self.floor.check()
         except ValueError as err:
-            raise WorldError(f"{source}: {entry.strip()}: {err}") from err
+            raise WorldError(f"{source}: floor: {err}") from err
         if not self.starts:
             raise WorldError(f"{source}: starts must hold at least one place for a robot")
         starts = tuple(Pose2D(*start.at_m, math.radians(start.heading_deg)) for start in self.starts)
         return WorldSpec(
             name,
             self.about,
-            tuple(walls),
-            tuple(furniture),
+            tuple(block for wall in walls for block in wall),
+            furniture,
             starts,
             self.routes_m,
-            objects=tuple(objects),
-            drops=tuple(drops),
+            objects=objects,
+            drops=drops,
             magnets=tuple(magnet.magnet() for magnet in self.magnets),
             floor=self.floor,
+            places=self.places_m,
+            people=people,
+            moving_doors=moving_doors,
         )
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+E = TypeVar("E", bound=_Named)
+T = TypeVar("T")
+
+
+def _made(key: str, entries: Sequence[E], make: Callable[[E], T], *, apart: bool = False) -> tuple[T, ...]:
+    """What the entries under a key stand for.
+
+    Args:
+        key: In the file.
+        entries: Under it.
+        make: Makes one; raises ValueError where the entry makes no sense.
+        apart: No two may have one name.
+    Raises:
+        ValueError: With the place in the file.
+    """
+    made = []
+    names: set[str] = set()
+    for number, entry in enumerate(entries):
+        try:
+            if apart and entry.name in names:
+                raise ValueError("there is one of this name already; give each its own")
+            made.append(make(entry))
+        except ValueError as err:
+            raise ValueError(f"{key}[{number}] {entry.name}".strip() + f": {err}") from err
+        names.add(entry.name)
+    return tuple(made)

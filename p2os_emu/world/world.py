@@ -1,49 +1,36 @@
 """The world: a floor, walls, furniture and robots under one physics engine, stepped by count and never by the clock."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from random import Random
-from typing import NamedTuple
 
 import numpy as np
 
-from geometry import Polygon, Pose2D
+from geometry import Pose2D
 from p2os.robot_model import RobotModel
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world import window
-from p2os_emu.world.chassis import GRAVITY, HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
+from p2os_emu.world.bystanders import Bystanders
+from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
 from p2os_emu.world.collision import HULL, build_blocks, build_floor
 from p2os_emu.world.engine import STEP, engine
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.leaves import DoorState
 from p2os_emu.world.look import Look, floor_look, furniture_look, movable_look, robot_looks, wall_look
 from p2os_emu.world.objects import Moving, ObjectPlace, Objects
+from p2os_emu.world.physics import open_physics, solve_chains
 from p2os_emu.world.placement import Obstacles, free_pose, overlapping
 from p2os_emu.world.planar import PlanarScene
+from p2os_emu.world.presence import Presence
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sight import Sight
 from p2os_emu.world.sonar import Sonar
-from p2os_emu.world.spec import WorldSpec
-
-SOLVER_ITERATIONS = 20
-CHAIN_ITERATIONS = 60
-"""Where there are chains of joints: with fewer, an arm sags by a degree and the robot under it creeps 5 mm a minute."""
-
-
-class Truth(NamedTuple):
-    """Where a robot truly is: pose in the world; velocity in m/s forward and rad/s counter-clockwise."""
-
-    pose: Pose2D
-    linear: float
-    angular: float
-
-
-class Outline(NamedTuple):
-    """What a picture of the world shows, m."""
-
-    walls: tuple[Polygon, ...]
-    furniture: tuple[Polygon, ...]
+from p2os_emu.world.spec import Block, WorldSpec
+from p2os_emu.world.touches import Touches, TouchLog
+from p2os_emu.world.truth import Outline, Truth
+from p2os_emu.world.walkers import PersonPlace
 
 
 class World:
@@ -74,20 +61,15 @@ class World:
         self._robots: dict[str, RobotBody] = {}
         self._moving: tuple[Moving, ...] | None = None
         self._has_window = gui
-        self._client = _connect(gui)
-        engine.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=self._client)
-        engine.setPhysicsEngineParameter(
-            fixedTimeStep=STEP,
-            numSolverIterations=SOLVER_ITERATIONS,
-            solverResidualThreshold=0.0,  # never stops early: what is left over would be a creep at rest
-            enableConeFriction=0,  # costs a quarter more, to no end: wheels never reach the limit of friction
-            deterministicOverlappingPairs=1,
-            physicsClientId=self._client,
-        )
+        self._client = open_physics(gui)
         self._floor_id = build_floor(self._client)
         walls = build_blocks(self._client, spec.walls)
         furniture = build_blocks(self._client, spec.furniture)
         self.objects = Objects(self._client, spec.objects)
+        self._bystanders = Bystanders(self._client, spec, seed)
+        self._touches: dict[str, TouchLog] = {}
+        self._names = _names(walls, spec.walls, "a wall") | _names(furniture, spec.furniture, "furniture")
+        self._names |= {body: movable.name for body, movable in self.objects.bodies.items()} | self._bystanders.names
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
         self.sight = Sight(self._client)
         if gui:
@@ -99,6 +81,8 @@ class World:
             self._show(body, {HULL: furniture_look(piece)}, is_fixed=True)
         for body, movable in self.objects.bodies.items():
             self._show(body, {HULL: movable_look(movable)})
+        for body, look in self._bystanders.looks.items():
+            self._show(body, {HULL: look})
 
     @property
     def time(self) -> float:
@@ -112,13 +96,13 @@ class World:
 
     @property
     def moving(self) -> Sequence[Moving]:
-        """Everything that may be elsewhere after the next step: objects, then robots, at their present poses."""
+        """Everything that may be elsewhere after the next step, where it is now: objects, robots, doors, people."""
         if self._moving is None:
             robots = (
                 Moving(name, robot.chassis.hull(robot.pose), HULL_BOTTOM, HULL_TOP)
                 for name, robot in self._robots.items()
             )
-            self._moving = (*self.objects.moving(), *robots)
+            self._moving = (*self.objects.moving(), *robots, *self._bystanders.moving())
         return self._moving
 
     def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> RobotBody:
@@ -158,8 +142,10 @@ class World:
             None if random is None else np.random.default_rng(Random(f"{self._seed} {name} scan").getrandbits(64)),
         )
         if fit.has("arm"):
-            engine.setPhysicsEngineParameter(numSolverIterations=CHAIN_ITERATIONS, physicsClientId=self._client)
+            solve_chains(self._client)
         self._robots[name] = robot
+        self._names[robot.body_id] = name
+        self._touches[name] = TouchLog()
         self._moving = None
         self._show(robot.body_id, robot_looks(name, chassis, robot.links))
         return robot
@@ -174,16 +160,23 @@ class World:
         robot.lift()
         self.sight.remove(robot.body_id)
         engine.removeBody(robot.body_id, physicsClientId=self._client)
-        del self._robots[name]
+        del self._robots[name], self._names[robot.body_id], self._touches[name]
         self._moving = None
 
     def step(self) -> None:
         """Let `STEP` seconds pass."""
+        if self._bystanders:
+            self._bystanders.step(
+                [Presence.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()],
+                [Presence.of(thing.footprint) for thing in self.objects.moving()],
+            )
         engine.stepSimulation(physicsClientId=self._client)
         self.steps += 1
         self._moving = None
-        for robot in self._robots.values():
+        for name, robot in self._robots.items():
             robot.refresh()
+            if robot.touched:
+                self._touches[name].note(self.time, {self._names[body] for body in robot.touched})
 
     def truth(self, name: str) -> Truth:
         """Where a robot truly is.
@@ -197,6 +190,31 @@ class World:
     def object_places(self) -> Mapping[str, ObjectPlace]:
         """Where each movable object is."""
         return self.objects.places()
+
+    def touches(self, name: str) -> Touches:
+        """What a robot has bumped into, with its hull or an accessory.
+
+        Raises:
+            WorldError: There is no such robot.
+        """
+        self._robot(name)
+        return self._touches[name].touches
+
+    def people(self) -> Mapping[str, PersonPlace]:
+        """Where everybody is who walks about."""
+        return self._bystanders.people()
+
+    def doors(self) -> Mapping[str, DoorState]:
+        """How far each door with a leaf is open."""
+        return self._bystanders.doors()
+
+    def set_door(self, name: str, is_open: bool) -> None:
+        """Open or shut a door; from then on it does no more by itself.
+
+        Raises:
+            WorldError: There is no such door.
+        """
+        self._bystanders.set_door(name, is_open)
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Lift a robot and put it down at rest somewhere else; its encoders do not notice.
@@ -247,6 +265,7 @@ class World:
     def _free_pose(self, name: str, chassis: Chassis) -> Pose2D:
         others = [(pose.x, pose.y, robot.chassis.sweep) for robot in self._robots.values() for pose in (robot.pose,)]
         others += self.objects.circles()
+        others += [(each.x, each.y, each.reach) for each in self._bystanders.presences().values()]
         pose = free_pose(self.spec.starts, self._obstacles, others, chassis.sweep)
         if pose is None:
             raise WorldError(f"world {self.spec.name!r} has no free place left for robot {name!r}; give it a pose")
@@ -262,6 +281,7 @@ class World:
             if other != name
         ]
         others += ((thing.name, thing.footprint) for thing in self.objects.moving())
+        others += ((someone, presence.outline) for someone, presence in self._bystanders.presences().items())
         in_the_way = self._obstacles.overlapping(footprint) or overlapping(footprint, others)
         if in_the_way:
             raise WorldError(
@@ -269,8 +289,5 @@ class World:
             )
 
 
-def _connect(gui: bool) -> int:
-    client: int = window.connect() if gui else engine.connect(engine.DIRECT)
-    if client < 0:
-        raise WorldError("the physics engine cannot open one more world: close another first (one window at a time)")
-    return client
+def _names(bodies: Iterable[int], blocks: Iterable[Block], otherwise: str) -> dict[int, str]:
+    return {body: block.name or otherwise for body, block in zip(bodies, blocks, strict=True)}

@@ -1,0 +1,65 @@
+"""What moves by itself in a world, robots apart: people, and the leaves of doors."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from p2os_emu.world.leaves import DoorState, Leaves
+from p2os_emu.world.look import Look, leaf_look, person_look
+from p2os_emu.world.objects import Moving
+from p2os_emu.world.presence import Presence
+from p2os_emu.world.spec import WorldSpec
+from p2os_emu.world.walkers import PersonPlace, Walkers
+
+
+class Bystanders:
+    """People and doors of one world. Each waits for the other, and both for robots; things only keep doors open."""
+
+    def __init__(self, client: int, spec: WorldSpec, seed: int) -> None:
+        self._people = Walkers(client, spec.people, seed)
+        self._leaves = Leaves(client, spec.moving_doors, seed)
+        self._there_are_any = bool(spec.people or spec.moving_doors)
+
+    def __bool__(self) -> bool:
+        return self._there_are_any
+
+    @property
+    def looks(self) -> dict[int, Look]:
+        """What each looks like, by body id."""
+        people = {body: person_look(person) for body, person in self._people.bodies.items()}
+        return people | {body: leaf_look(door) for body, door in self._leaves.bodies.items()}
+
+    @property
+    def names(self) -> dict[int, str]:
+        """What each is called, by body id."""
+        return {
+            body: each.name for bodies in (self._people.bodies, self._leaves.bodies) for body, each in bodies.items()
+        }
+
+    def step(self, robots: Sequence[Presence], things: Sequence[Presence]) -> None:
+        """Move them all; the engine sees it in its next step."""
+        self._leaves.step([*robots, *self._people.presences().values(), *things])
+        self._people.step([*robots, *self._leaves.in_gaps().values()])
+
+    def moving(self) -> Iterator[Moving]:
+        """Each at its present place."""
+        yield from self._leaves.moving()
+        yield from self._people.moving()
+
+    def presences(self) -> dict[str, Presence]:
+        """Where no robot can be put: people, and doors that are not wide open."""
+        return self._people.presences() | self._leaves.in_gaps()
+
+    def people(self) -> Mapping[str, PersonPlace]:
+        """Where everybody is."""
+        return self._people.places()
+
+    def doors(self) -> Mapping[str, DoorState]:
+        """How far each door is open."""
+        return self._leaves.states()
+
+    def set_door(self, name: str, is_open: bool) -> None:
+        """Open or shut a door for good.
+
+        Raises:
+            WorldError: There is no such door.
+        """
+        self._leaves.set(name, is_open)

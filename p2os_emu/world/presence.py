@@ -1,0 +1,36 @@
+"""What stands in somebody's way: outlines on the floor, with the circles round them that most questions end at."""
+
+from collections.abc import Iterable
+from math import hypot
+from typing import NamedTuple
+
+from geometry import Polygon, polygons_overlap
+
+
+class Presence(NamedTuple):
+    """Something on the floor: the circle that it stands in, m, and its convex outline."""
+
+    x: float
+    y: float
+    reach: float
+    outline: Polygon
+
+    def meets(self, other: "Presence") -> bool:
+        """Tell whether two share a point of the floor."""
+        return self.is_near(other.x, other.y, other.reach) and polygons_overlap(self.outline, other.outline)
+
+    def is_near(self, x: float, y: float, reach: float) -> bool:
+        """Tell whether the circle round it reaches another circle."""
+        return hypot(self.x - x, self.y - y) <= self.reach + reach
+
+    @classmethod
+    def of(cls, outline: Polygon) -> "Presence":
+        """Of an outline: the circle is about the mean of its corners."""
+        x = sum(corner[0] for corner in outline) / len(outline)
+        y = sum(corner[1] for corner in outline) / len(outline)
+        return cls(x, y, max(hypot(corner[0] - x, corner[1] - y) for corner in outline), outline)
+
+
+def is_met(area: Presence, others: Iterable[Presence]) -> bool:
+    """Tell whether any of the others is on an area."""
+    return any(area.meets(other) for other in others)

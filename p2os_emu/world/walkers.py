@@ -1,0 +1,118 @@
+"""People under physics: upright cylinders to touch and to hear, legs that step for scanners to see."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from random import Random
+from typing import NamedTuple
+
+from geometry import Point, Polygon, Pose2D, polygons_overlap
+from p2os_emu.world.collision import build_person, put
+from p2os_emu.world.engine import STEP
+from p2os_emu.world.objects import Moving
+from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
+from p2os_emu.world.presence import Presence
+from p2os_emu.world.spec import rectangle
+from p2os_emu.world.walk import Walk
+
+LOOK_AHEAD = 0.8
+"""m ahead of the body within which people stop for what stands in their way."""
+ELBOW_ROOM = 0.1
+"""m on each side that must be free for them to walk on."""
+_CORNERS = 12  # of the polygon that stands for a circle
+_CIRCLE = [(math.cos(math.tau * i / _CORNERS), math.sin(math.tau * i / _CORNERS)) for i in range(_CORNERS)]
+
+
+class PersonPlace(NamedTuple):
+    """Where somebody is, m, rad, and whether they walk or stand."""
+
+    x: float
+    y: float
+    heading: float
+    walks: bool
+
+
+class Walker:
+    """One person."""
+
+    def __init__(self, client: int, person: Person, random: Random) -> None:
+        self.person = person
+        self.walks = False
+        self._client = client
+        self._walk = Walk(person, random)
+        self.body = build_person(client, BODY_RADIUS, HEIGHT)
+        self._put()
+
+    @property
+    def place(self) -> Pose2D:
+        """Where they are, heading the way they walk."""
+        return self._walk.place
+
+    def step(self, others: Sequence[Presence]) -> None:
+        """Let `STEP` seconds pass among others."""
+        rests = self._walk.is_resting
+        is_blocked = self.person.gives_way and not rests and self._is_blocked(others)
+        self.walks = not (rests or is_blocked)
+        self._walk.advance(STEP, is_blocked=is_blocked)
+        if self.walks:
+            self._put()
+
+    def moving(self) -> Iterator[Moving]:
+        """Two legs and what is above them."""
+        pose, ahead = self.place, self._walk.stride
+        for along, side in ((ahead, HIP), (-ahead, -HIP)):
+            yield Moving(self.person.name, _disc(pose.transform(along, side), LEG_RADIUS), 0.0, LEG_HEIGHT)
+        yield Moving(self.person.name, _disc((pose.x, pose.y), BODY_RADIUS), LEG_HEIGHT, HEIGHT)
+
+    def presence(self) -> Presence:
+        """What they take up on the floor."""
+        return Presence(self.place.x, self.place.y, BODY_RADIUS, _disc((self.place.x, self.place.y), BODY_RADIUS))
+
+    def _is_blocked(self, others: Sequence[Presence]) -> bool:
+        front, width = BODY_RADIUS + LOOK_AHEAD, 2 * (BODY_RADIUS + ELBOW_ROOM)
+        x, y = self.place.transform(front / 2, 0.0)
+        near = [other for other in others if other.is_near(x, y, math.hypot(front, width) / 2)]
+        if not near:
+            return False
+        way = rectangle(self.place, front, 0.0, width)
+        return any(polygons_overlap(way, other.outline) for other in near)
+
+    def _put(self) -> None:
+        put(self._client, self.body, self.place, HEIGHT)
+
+
+class Walkers:
+    """All people in one world."""
+
+    def __init__(self, client: int, people: Sequence[Person], seed: int) -> None:
+        self._walkers = [Walker(client, person, Random(f"{seed} {person.name} walk")) for person in people]
+
+    @property
+    def bodies(self) -> Mapping[int, Person]:
+        """Body ids of the engine, and who they are."""
+        return {walker.body: walker.person for walker in self._walkers}
+
+    def places(self) -> dict[str, PersonPlace]:
+        """Where each of them is."""
+        return {
+            walker.person.name: PersonPlace(walker.place.x, walker.place.y, walker.place.heading, walker.walks)
+            for walker in self._walkers
+        }
+
+    def step(self, others: Sequence[Presence]) -> None:
+        """Let `STEP` seconds pass among robots and doors; people walk through each other."""
+        for walker in self._walkers:
+            walker.step(others)
+
+    def moving(self) -> Iterator[Moving]:
+        """Each leg and each body where it is now."""
+        for walker in self._walkers:
+            yield from walker.moving()
+
+    def presences(self) -> dict[str, Presence]:
+        """What each takes up on the floor."""
+        return {walker.person.name: walker.presence() for walker in self._walkers}
+
+
+def _disc(middle: Point, radius: float) -> Polygon:
+    x, y = middle
+    return tuple((x + radius * c, y + radius * s) for c, s in _CIRCLE)
