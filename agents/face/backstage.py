@@ -50,13 +50,23 @@ class Backstage:
     def close(self) -> None:
         """End the agent, the thread and the bus."""
         with suppress(BusError, TimeoutError):  # it is left in any case
-            self._run(self._container.close(), LAST_WORDS)
+            self._run(self._end(), LAST_WORDS)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(LAST_WORDS)
         if not self._thread.is_alive():
             self._loop.close()
         if self._own_bus is not None:
             self._own_bus.close()
+
+    async def _end(self) -> None:
+        """Close the container, and leave nothing in the loop: Ctrl-C may have come before a call was waited for."""
+        try:
+            await self._container.close()
+        finally:
+            left = asyncio.all_tasks() - {asyncio.current_task()}
+            for task in left:
+                task.cancel()
+            await asyncio.gather(*left, return_exceptions=True)
 
     def _join(self, agent: Agent) -> None:
         try:
