@@ -40,6 +40,7 @@ from agents.platform.names import AgentName, ContainerName
 from agents.platform.outcome import Ending, Outcome
 from agents.platform.schedule import DROP, FAIL_AGENT, Failure, Restart, Schedule
 from agents.platform.serving import agree, asker
+from agents.platform.synchronizer import Synchronizer, listen_together
 
 __all__ = [
     "DROP",
@@ -82,6 +83,7 @@ __all__ = [
     "SetupFailed",
     "State",
     "Step",
+    "Synchronizer",
     "Template",
     "Tender",
     "Ticker",
@@ -94,6 +96,7 @@ __all__ = [
     "answers",
     "asker",
     "every",
+    "listen_together",
     "on",
     "proposes",
     "request",
