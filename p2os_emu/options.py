@@ -211,7 +211,7 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         "--world",
         dest="world",
         metavar="NAME|FILE",
-        help="a world, or a .toml or .map file (office; empty for --check)",
+        help="a world, a .toml or .map file, or plan:SEED for a made-up floor plan (office; empty for --check)",
     )
     group.add_argument(
         "--as-simulator",

@@ -6,6 +6,7 @@ import configs
 from geometry import MapError, read_map
 from p2os_emu.world.aria_map import world_of
 from p2os_emu.world.errors import WorldError
+from p2os_emu.world.floor_plan import PREFIX, floor_plan
 from p2os_emu.world.spec import WorldFile, WorldSpec
 
 
@@ -13,10 +14,13 @@ def load_world(name: str | Path) -> WorldSpec:
     """Load a world.
 
     Args:
-        name: Of a world in `configs/worlds` ("office"), or the path of a `.toml` or `.map` file.
+        name: Of a world in `configs/worlds` ("office"), the path of a `.toml` or `.map` file, or "plan:7" for a floor
+            plan made up by the seed 7.
     Raises:
         WorldError: there is no such world, or its file has an error; says which file, where and why.
     """
+    if str(name).startswith(PREFIX):
+        return floor_plan(_seed(str(name).removeprefix(PREFIX)))
     try:
         path = configs.find("worlds", str(name))
         if path.suffix == ".map":
@@ -25,3 +29,12 @@ def load_world(name: str | Path) -> WorldSpec:
     except (configs.ConfigError, MapError) as err:
         raise WorldError(str(err)) from err
     return file.to_spec(path.stem, str(path))
+
+
+def _seed(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise WorldError(
+            f"{PREFIX}{text} is no floor plan: write a whole number behind {PREFIX!r}, as {PREFIX}7"
+        ) from None

@@ -25,8 +25,8 @@ class Person:
 
     route: waypoints, m. loops: from the last waypoint on to the first; otherwise back the same way.
     begin: how far along the route they are when the world begins, m.
-    pause: the shortest and the longest rest at a waypoint, s.
-    gives_way: they stop short of what stands in their way, and turn back when their patience is at an end.
+    pause: the shortest and the longest rest at an end of the route, s; one that loops ends where it begins.
+    gives_way: they stop short of what stands in their way; others stop when they have bumped into it.
     patience: the shortest and the longest wait before they turn back, s.
     """
 

@@ -50,13 +50,15 @@ class Walk:
         self.place = self._route.at(self._along, self._sense)
 
     def _arrive(self) -> None:
-        """Rest at a waypoint; at an end of the route begin anew, or go back."""
+        """Go on at a waypoint; at an end of the route rest, and begin anew or go back."""
+        end = self._route.length if self._sense > 0 else 0.0
+        if self._along != end:
+            return
         self._rest = self._random.uniform(*self._person.pause)
         self._patience = self._random.uniform(*self._person.patience)
-        end = self._route.length if self._sense > 0 else 0.0
-        if self._along == end and self._route.loops:
+        if self._route.loops:
             self._along = self._route.length - end
-        elif self._along == end:
+        else:
             self._sense = -self._sense
 
     def _turn_back(self) -> None:

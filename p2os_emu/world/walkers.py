@@ -2,22 +2,27 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from random import Random
 from typing import NamedTuple
 
 from geometry import Point, Polygon, Pose2D, polygons_overlap
 from p2os_emu.world.collision import build_person, put
 from p2os_emu.world.engine import STEP
+from p2os_emu.world.errors import WorldError
+from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.objects import Moving
 from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
 from p2os_emu.world.presence import Presence
-from p2os_emu.world.spec import rectangle
+from p2os_emu.world.spec import WorldSpec, rectangle
 from p2os_emu.world.walk import Walk
 
 LOOK_AHEAD = 0.8
 """m ahead of the body within which people stop for what stands in their way."""
 ELBOW_ROOM = 0.1
 """m on each side that must be free for them to walk on."""
+STEP_BACK = 0.1
+"""m that must be free ahead of somebody who has bumped into something, before they walk on."""
 _CORNERS = 12  # of the polygon that stands for a circle
 _CIRCLE = [(math.cos(math.tau * i / _CORNERS), math.sin(math.tau * i / _CORNERS)) for i in range(_CORNERS)]
 
@@ -36,7 +41,7 @@ class Walker:
 
     def __init__(self, client: int, person: Person, random: Random) -> None:
         self.person = person
-        self.walks = False
+        self.walks = True
         self._client = client
         self._walk = Walk(person, random)
         self.body = build_person(client, BODY_RADIUS, HEIGHT)
@@ -50,7 +55,7 @@ class Walker:
     def step(self, others: Sequence[Presence]) -> None:
         """Let `STEP` seconds pass among others."""
         rests = self._walk.is_resting
-        is_blocked = self.person.gives_way and not rests and self._is_blocked(others)
+        is_blocked = not rests and self._is_blocked(others)
         self.walks = not (rests or is_blocked)
         self._walk.advance(STEP, is_blocked=is_blocked)
         if self.walks:
@@ -67,8 +72,16 @@ class Walker:
         """What they take up on the floor."""
         return Presence(self.place.x, self.place.y, BODY_RADIUS, _disc((self.place.x, self.place.y), BODY_RADIUS))
 
+    @property
+    def _room_wanted(self) -> tuple[float, float]:
+        """What must be free ahead and on each side, m; who does not give way stops when they have bumped."""
+        if self.person.gives_way:
+            return LOOK_AHEAD, ELBOW_ROOM
+        return (0.0 if self.walks else STEP_BACK), 0.0
+
     def _is_blocked(self, others: Sequence[Presence]) -> bool:
-        front, width = BODY_RADIUS + LOOK_AHEAD, 2 * (BODY_RADIUS + ELBOW_ROOM)
+        ahead, beside = self._room_wanted
+        front, width = BODY_RADIUS + ahead, 2 * (BODY_RADIUS + beside)
         x, y = self.place.transform(front / 2, 0.0)
         near = [other for other in others if other.is_near(x, y, math.hypot(front, width) / 2)]
         if not near:
@@ -111,6 +124,25 @@ class Walkers:
     def presences(self) -> dict[str, Presence]:
         """What each takes up on the floor."""
         return {walker.person.name: walker.presence() for walker in self._walkers}
+
+
+def check_routes(spec: WorldSpec) -> None:
+    """See that nobody's route leads through what stands still.
+
+    Raises:
+        WorldError: Somebody's does.
+    """
+    if not spec.people:
+        return
+    space = FreeSpace(spec, BODY_RADIUS)
+    for person in spec.people:
+        points = (*person.route, person.route[0]) if person.loops else person.route
+        for a, b in pairwise(points):
+            if not space.has_way((a, b)):
+                raise WorldError(
+                    f"world {spec.name!r}: {person.name} cannot walk from {list(a)} to {list(b)} m: something stands "
+                    f"within {BODY_RADIUS} m of the way; move a waypoint of the route"
+                )
 
 
 def _disc(middle: Point, radius: float) -> Polygon:

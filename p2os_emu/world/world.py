@@ -30,7 +30,7 @@ from p2os_emu.world.sonar import Sonar
 from p2os_emu.world.spec import Block, WorldSpec
 from p2os_emu.world.touches import Touches, TouchLog
 from p2os_emu.world.truth import Outline, Truth
-from p2os_emu.world.walkers import PersonPlace
+from p2os_emu.world.walkers import PersonPlace, check_routes
 
 
 class World:
@@ -48,8 +48,10 @@ class World:
             perfect: No imperfections: exact wheels, exact track, sonar without noise, misses or cross-talk.
             gui: Show a window.
         Raises:
-            WorldError: There is no display for the window, or the engine has no room for one more world.
+            WorldError: Somebody's route leads through a wall, there is no display for the window, or the engine has no
+                room for one more world.
         """
+        check_routes(spec)
         self.spec = spec
         self.steps = 0
         self.outline = Outline(

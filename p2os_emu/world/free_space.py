@@ -1,0 +1,146 @@
+"""The floor that is left to a disc of some radius: which places it can stand on, and which straight ways it can go.
+
+What stands still is a box, or a cylinder, which is a box of no size; a disc passes it when its middle stays as far from
+the box as both their radii together.
+"""
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from math import atan2, cos, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Point
+from p2os_emu.world.movable import Movable, Shape
+from p2os_emu.world.moving_doors import LEAF_THICKNESS, MovingDoor
+from p2os_emu.world.spec import Block, WorldSpec
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+TURNS = 3
+"""Vertices of the line that goes round a corner of 90 degrees: at 0.4 m, it is 1.5 cm longer than the true arc."""
+_ROUNDING = 1e-6  # m
+
+
+class FreeSpace:
+    """What is free for a disc."""
+
+    def __init__(self, spec: WorldSpec, radius: float, shut: Iterable[str] = ()) -> None:
+        """Prepare a world as it begins, without people.
+
+        Args:
+            spec: Walls, furniture, drops and objects are in the way; of moving doors only the ones that are shut.
+            radius: Of the disc, m.
+            shut: Names of moving doors.
+        """
+        boxes = [_box(block) for block in (*spec.walls, *spec.furniture, *spec.drops)]
+        boxes += [_object_box(movable) for movable in spec.objects]
+        shut = set(shut)
+        boxes += [_leaf_box(door) for door in spec.moving_doors if door.name in shut]
+        table = np.array(boxes, np.float64).reshape(-1, 6)
+        self._middles, self._halves = table[:, :2], table[:, 3:5]
+        self._margins = table[:, 5] + radius
+        self._cosines, self._sines = np.cos(table[:, 2]), np.sin(table[:, 2])
+        self.corners = self._free_corners()
+        """Where shortest ways turn: round the corners of everything, m, shape (n, 2)."""
+
+    def is_free(self, place: Point) -> bool:
+        """Tell whether the disc can stand with its middle at a place, m."""
+        return bool(self.are_free(np.array([place]))[0])
+
+    def are_free(self, places: Floats) -> Bools:
+        """Likewise for many places, shape (n, 2)."""
+        along, across = self._local(places)
+        out = np.hypot(_beyond(along, self._halves[:, 0]), _beyond(across, self._halves[:, 1]))
+        free: Bools = np.all(out >= self._margins - _ROUNDING, axis=1)
+        return free
+
+    def reachable(self, start: Point, ends: Floats) -> Bools:
+        """Tell to which of many places the disc can go straight from a start where it is free."""
+        ax, ay = self._local(np.array([start]))
+        bx, by = self._local(ends)
+        free: Bools = np.all(_distances(ax, ay, bx, by, self._halves) >= self._margins - _ROUNDING, axis=1)
+        return free
+
+    def has_way(self, points: Sequence[Point]) -> bool:
+        """Tell whether the disc can go straight from each place to the next."""
+        return all(self.reachable(a, np.array([b]))[0] for a, b in pairwise(points))
+
+    def _local(self, places: Floats) -> tuple[Floats, Floats]:
+        """Places as each box sees them: along its length and across, shape (places, boxes)."""
+        x = places[:, :1] - self._middles[:, 0]
+        y = places[:, 1:] - self._middles[:, 1]
+        return self._cosines * x + self._sines * y, self._cosines * y - self._sines * x
+
+    def _free_corners(self) -> Floats:
+        reach = self._margins / cos(pi / 4 / TURNS)
+        corners = []
+        for along in (1, -1):
+            for across in (1, -1):
+                for turn in (np.arange(TURNS) + 0.5) * pi / 2 / TURNS:
+                    x = along * (self._halves[:, 0] + reach * cos(turn))
+                    y = across * (self._halves[:, 1] + reach * sin(turn))
+                    corners.append(
+                        self._middles
+                        + np.stack((self._cosines * x - self._sines * y, self._sines * x + self._cosines * y), axis=1)
+                    )
+        everywhere = np.concatenate(corners)
+        return everywhere[self.are_free(everywhere)]
+
+
+def _box(block: Block) -> tuple[float, ...]:
+    return block.x, block.y, block.heading, block.length / 2, block.width / 2, 0.0
+
+
+def _object_box(movable: Movable) -> tuple[float, ...]:
+    pose = movable.pose
+    if movable.shape is Shape.CYLINDER:
+        return pose.x, pose.y, 0.0, 0.0, 0.0, movable.length / 2
+    return pose.x, pose.y, pose.heading, movable.length / 2, movable.width / 2, 0.0
+
+
+def _leaf_box(door: MovingDoor) -> tuple[float, ...]:
+    (x1, y1), (x2, y2) = door.jamb, door.post
+    heading = atan2(y2 - y1, x2 - x1)
+    return (x1 + x2) / 2, (y1 + y2) / 2, heading, door.width / 2, LEAF_THICKNESS / 2, 0.0
+
+
+def _beyond(value: Floats, half: Floats) -> Floats:
+    """How far something is outside of -half to half."""
+    beyond: Floats = np.maximum(np.abs(value) - half, 0.0)
+    return beyond
+
+
+def _distances(ax: Floats, ay: Floats, bx: Floats, by: Floats, halves: Floats) -> Floats:
+    """From straight ways a to b to boxes about the origin, m: 0 where they cross."""
+    half_x, half_y = halves[:, 0], halves[:, 1]
+    to_start = np.hypot(_beyond(ax, half_x), _beyond(ay, half_y))
+    to_end = np.hypot(_beyond(bx, half_x), _beyond(by, half_y))
+    nearest = np.minimum(to_start, to_end)
+    for x, y in ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y)):
+        nearest = np.minimum(nearest, _to_corner(x - ax, y - ay, bx - ax, by - ay))
+    enter_x, leave_x = _slab(ax, bx - ax, half_x)
+    enter_y, leave_y = _slab(ay, by - ay, half_y)
+    crosses = np.maximum(np.maximum(enter_x, enter_y), 0.0) <= np.minimum(np.minimum(leave_x, leave_y), 1.0)
+    return np.where(crosses, 0.0, nearest)
+
+
+def _to_corner(x: Floats, y: Floats, dx: Floats, dy: Floats) -> Floats:
+    """From a way that begins at the origin and ends at (dx, dy) to (x, y), m."""
+    squared = np.maximum(dx * dx + dy * dy, 1e-12)
+    share = np.clip((x * dx + y * dy) / squared, 0.0, 1.0)
+    distance: Floats = np.hypot(x - share * dx, y - share * dy)
+    return distance
+
+
+def _slab(start: Floats, way: Floats, half: Floats) -> tuple[Floats, Floats]:
+    """Shares of the way at which it comes between -half and half, and leaves again; never, where the first is inf."""
+    runs_along = np.abs(way) < 1e-12
+    safe = np.where(runs_along, 1.0, way)
+    one, other = (-half - start) / safe, (half - start) / safe
+    inside = np.abs(start) <= half
+    enter = np.where(runs_along, np.where(inside, -np.inf, np.inf), np.minimum(one, other))
+    leave = np.where(runs_along, np.inf, np.maximum(one, other))
+    return enter, leave
