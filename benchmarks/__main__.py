@@ -23,6 +23,7 @@ GROUPS = {
     "fuzz": "ten million generated frames into every parser: no crash, memory flat",
     "agents": "requests, informs, crowds of agents, and searches of the directory",
     "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
+    "fuser": "what fusing a thousand commands a second costs, and whether an old one is ever used",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

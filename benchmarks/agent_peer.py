@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from agents.platform import Agent, AgentName, Container, Performative, Template, request
+from agents.platform import Agent, AgentName, Container, Kinds, Performative, Template, request
 from agents.services.lease_client import leased
 from bus import ZenohBus, keys
 from bus.messages import twist
@@ -114,6 +114,17 @@ async def holder(profile: str, name: str, element: str, speed: str) -> None:
                         await asyncio.sleep(VELOCITY_PERIOD_S)
 
 
+async def component(kind: str, name: str, properties: str) -> None:
+    """One agent of any kind, given its properties in JSON."""
+    agent = Kinds().make(kind, AgentName.parse(name), json.loads(properties))
+    with ZenohBus.open() as bus:
+        async with Container(
+            bus, f"{agent.name.local}-{agent.name.platform}", platform=agent.name.platform
+        ) as container:
+            await container.start(agent)
+            await _serve()
+
+
 async def _serve() -> None:
     print(json.dumps({"ready": True}), flush=True)
     await asyncio.to_thread(sys.stdin.read)
@@ -125,6 +136,7 @@ KINDS: dict[str, Callable[..., Coroutine[Any, Any, None]]] = {
     "crowd": crowd,
     "sessions": sessions,
     "holder": holder,
+    "component": component,
 }
 
 if __name__ == "__main__":

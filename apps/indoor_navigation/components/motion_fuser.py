@@ -1,28 +1,34 @@
 """The only component that commands the base: one command out of what all the others want."""
 
 import asyncio
-from collections import defaultdict
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.fusion import Fusion, FusionNumbers, Unsound
 from apps.indoor_navigation.algorithms.last_second import LastSecond
-from apps.indoor_navigation.component import Component, Role, answers_query, hears
-from apps.indoor_navigation.data import MotionCmd
+from apps.indoor_navigation.component import Component, Role, answers_query, hears, push_key, sources
+from apps.indoor_navigation.components.inbox import Inbox
+from apps.indoor_navigation.data import Data, MotionCmd
+from bus import MessageError, Sample
+from bus.messages import decode_json
+
+AT_ONCE = 3  # pushes that may follow one another without a pause, after as many that were not needed
 
 
 @dataclass(frozen=True, slots=True)
 class FuserNumbers:
     """How often it pushes, and how it fuses.
 
-    period: s, after which it pushes even if it has heard nothing. soonest: s between two pushes, however much it hears;
-    what comes meanwhile is fused together.
+    period: s, after which it pushes even if it has heard nothing. soonest: s between two pushes on average,
+    however much it hears; what comes meanwhile is fused together.
     """
 
     period: float = 0.05
-    soonest: float = 0.005
+    soonest: float = 0.01
     fusion: FusionNumbers = field(default_factory=FusionNumbers)
 
 
@@ -36,65 +42,70 @@ class MotionFuser(Component):
     async def setup(self) -> None:
         """Begin to fuse; the first command is to stand."""
         self._fusion = Fusion(self.numbers.fusion)
+        self._inbox = Inbox()
         self._fused = self._fusion.fuse(self._now, self.home.wall_time())
-        self._fused_at = self._now
-        self._news = asyncio.Event()
-        self._commands: defaultdict[str, LastSecond] = defaultdict(LastSecond)
+        self._fused_at = self._due = self._now
         self._pushes, self._work = LastSecond(), LastSecond()
-        self._unsound: set[str] = set()  # sources that have been complained of
+        self._unsound: set[str] = set()  # keys whose commands have been complained of
         self.add(Cyclic(self._fuse_next), Restart())
 
+    def hear(self, kind: type[Data], method: Callable[..., Any]) -> None:
+        """Let what is pushed wait until it is fused: a thousand commands a second are not worth a call each."""
+        for source in sources(self.properties, kind):
+            self._inbox.open(source)
+            key = push_key(self.robot, source, kind)
+            self._open.append(self.bus.subscribe(key, partial(self._inbox.take, source), urgent=True))
+
     @hears(MotionCmd)
-    async def consider(self, command: MotionCmd) -> None:
-        """A source wants something."""
-        began = self._now
+    def consider(self, sample: Sample, heard_at: float) -> None:
+        """What a source wanted last, and when it said so."""
         try:
-            self._fusion.hear(command, began, self.home.wall_time())
-        except Unsound as err:
-            self._complain(str(command.source), err)
-            return
-        self._unsound.discard(command.source)
-        self._commands[command.source].add(began)
-        self._news.set()
-        self._work.add(began, self._now - began)
+            command = MotionCmd.from_json(decode_json(sample.payload))
+            self._fusion.hear(command, heard_at, self.home.wall_time() - (self._now - heard_at))
+        except (MessageError, Unsound) as err:
+            self._complain(sample.key, err)
+        else:
+            self._unsound.discard(sample.key)
 
     @answers_query("load")
     def load(self) -> dict[str, Any]:
         """Commands a second of each source, age in s and weight of the last; the part of the time that it works."""
         now = self._now
-        sources = {
-            name: {"rate": self._commands[name].total(now), "age": heard.age(now), "weight": heard.weight}
+        told = {
+            name: {"rate": self._inbox.rate(name), "age": heard.age(now), "weight": heard.weight}
             for name, heard in dict(self._fusion.heard).items()
         }
-        return {"sources": sources, "busy": self._work.total(now), "rate": self._pushes.total(now)}
+        return {"sources": told, "busy": self._work.total(now), "rate": self._pushes.total(now)}
 
     @answers_query("commands")
     def commands(self) -> dict[str, Any]:
         """The last command of each source, and whether it is young enough to be used; the fused one."""
         now = self._now
-        sources = {
+        told = {
             name: {**heard.command.to_json(), "is_young": heard.is_young(now)}
             for name, heard in dict(self._fusion.heard).items()
         }
-        return {"sources": sources, "fused": self._fused.to_json()}
+        return {"sources": told, "fused": self._fused.to_json()}
 
     async def _fuse_next(self) -> None:
         """Wait until something is new or the time has come, and push."""
         with suppress(TimeoutError):
             async with asyncio.timeout_at(self._fused_at + self.numbers.period):
-                await self._news.wait()
-        await asyncio.sleep(self._fused_at + self.numbers.soonest - self._now)
-        self._news.clear()
+                await self._inbox.news.wait()
+        await asyncio.sleep(self._due - self._now)
         self._fused_at = began = self._now
+        self._due = max(self._due, began - AT_ONCE * self.numbers.soonest) + self.numbers.soonest
+        for sample, heard_at in self._inbox.read().values():
+            self.consider(sample, heard_at)
         self._fused = self._fusion.fuse(began, self.home.wall_time())
         self.push(self._fused)
         self._pushes.add(began)
         self._work.add(began, self._now - began)
 
-    def _complain(self, source: str, error: Unsound) -> None:
-        """Say it once, until the source is sound again."""
-        if source not in self._unsound:
-            self._unsound.add(source)
+    def _complain(self, key: str, error: Exception) -> None:
+        """Say it once, until what comes there is sound again."""
+        if key not in self._unsound:
+            self._unsound.add(key)
             self.home.report(self.name, "a command is left out", error)
 
     @property
