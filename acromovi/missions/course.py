@@ -1,0 +1,200 @@
+"""One robot in a world with its navigation, all under one virtual clock: what a mission is played on."""
+
+from collections.abc import Awaitable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Self, TypeVar
+
+from acromovi.lockstep import Lockstep
+from agents.platform import AgentName, Container, Kinds, Report
+from agents.platform.virtual_time import VirtualTimeLoop
+from apps.indoor_navigation.component import query_key, send_key
+from apps.indoor_navigation.data import GoalPoint, LogMessage
+from apps.indoor_navigation.wiring import Wiring, load_wiring
+from bus import BusError, Sample, keys
+from bus.messages import decode, decode_json, heading
+from geometry import Point, Pose2D
+from p2os_emu.emulator import STEP
+from p2os_emu.world import WorldSpec
+
+T = TypeVar("T")
+
+ROBOT = "happy"
+PERIOD = 6  # steps between two samples: 20 Hz
+CONNECTING = 3.0  # s of virtual time in which a robot is connected and its sensors have been heard
+LOOK = 12  # steps between two looks at how the mission stands: 10 Hz
+SETTLE = 0.5  # s after the end, in which the robot comes to rest
+ENDED = ("done", "failed", "cancelled")
+
+
+@dataclass(slots=True)
+class Track:
+    """Where the robot truly was, 20 times a second, and where its odometry had it; in the world's frame."""
+
+    true: list[Pose2D] = field(default_factory=list)
+    believed: list[Pose2D] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Played:
+    """What happened on a mission.
+
+    state: how the navigation says that it ended; `late` if it did not in time. seconds: until it said so.
+    told: what it told the person. reports: what went wrong in the components. touched: what the robot bumped into.
+    """
+
+    state: str
+    seconds: float
+    track: Track
+    told: tuple[str, ...] = ()
+    reports: tuple[str, ...] = ()
+    touched: tuple[str, ...] = ()
+
+
+class Course:
+    """A robot, its world and its navigation. Same arguments and same calls, same missions."""
+
+    def __init__(
+        self,
+        world: WorldSpec,
+        model: str,
+        *,
+        fit: str = "laser",
+        seed: int = 0,
+        perfect: bool = False,
+        wiring: Wiring | None = None,
+    ) -> None:
+        """Put the robot on its place, connect it, and start all components.
+
+        Args:
+            world: Where; the robot begins at its first free start.
+            model: Of the robot.
+            fit: Its accessories.
+            seed: Of every chance.
+            perfect: No error of odometry, no noise of sensors.
+            wiring: Of the components; by default the application's own.
+        Raises:
+            WorldError, ConfigError, FitError: As `Lockstep`.
+        """
+        self.world = world
+        self.track = Track()
+        self.reports: list[str] = []
+        self.told: list[LogMessage] = []
+        self.lockstep = Lockstep(world, {ROBOT: model}, fits={ROBOT: fit}, seed=seed, perfect=perfect)
+        self.loop = VirtualTimeLoop()
+        self.start = self.lockstep.truth(ROBOT)
+        self._bus = self.lockstep.bus()
+        self._odom = Pose2D()
+        self._steps = 0
+        self._bus.subscribe(keys.ODOM.key(ROBOT), self._follow)
+        self._bus.subscribe(send_key(ROBOT, "user_interface", LogMessage), self._hear)
+        self._home = Container(self.lockstep.bus(), ROBOT, self._note, lambda: self.lockstep.time)
+        self._wiring = wiring or load_wiring()
+        self.run(1.0)
+        for part in self._wiring.parts:
+            self.start_component(part.local)
+        self.run(CONNECTING)
+
+    @property
+    def time(self) -> float:
+        """Virtual time, s."""
+        return self.lockstep.time
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the robot truly is."""
+        return self.lockstep.truth(ROBOT)
+
+    @property
+    def believed(self) -> Pose2D:
+        """Where its odometry has it, in the world's frame."""
+        return self.start.compose(self._odom)
+
+    def run(self, seconds: float) -> None:
+        """Let time pass."""
+        for _ in range(round(seconds / STEP)):
+            self.lockstep.run(STEP)
+            self.loop.run_for(STEP)
+            self._steps += 1
+            if self._steps % PERIOD == 0:
+                self.track.true.append(self.pose)
+                self.track.believed.append(self.believed)
+
+    def start_component(self, local: str) -> None:
+        """Let a component live that does not.
+
+        Raises:
+            StopIteration: There is no such component.
+        """
+        part = next(part for part in self._wiring.parts if part.local == local)
+        self._do(self._home.start(Kinds().find(part.kind)(part.agent(ROBOT), part.properties)))
+
+    def stop_component(self, local: str) -> None:
+        """End a component."""
+        self._do(self._home.stop(AgentName(local, ROBOT)))
+
+    def go(self, goal: Point, *, facing: float | None = None, limit: float = 300.0, mission: str = "mission") -> Played:
+        """Send the robot to a place of the world, and let time pass until it says that the mission has ended.
+
+        Args:
+            goal: m.
+            facing: Heading at the end, rad; None where any will do.
+            limit: s after which it is late.
+            mission: Its name.
+        """
+        self.track, self.told, self.reports = Track(), [], []
+        began = self.time
+        self.tell(goal, facing=facing, mission=mission)
+        state = "late"
+        while self.time - began < limit:
+            self.run(LOOK * STEP)
+            told = self.ask("path_planning", "state")
+            if told.get("mission") == mission and told.get("state") in ENDED:
+                state = told["state"]
+                break
+        seconds = self.time - began
+        self.run(SETTLE)
+        touched = tuple(touch.what for touch in self.lockstep.touches(ROBOT).last)
+        told_texts = tuple(f"{each.stamp - began:.1f} s {each.component}: {each.what}" for each in self.told)
+        return Played(state, seconds, self.track, told_texts, tuple(self.reports), touched)
+
+    def tell(self, goal: Point | None, *, facing: float | None = None, mission: str = "mission") -> None:
+        """Send the robot somewhere, or nowhere: that cancels the mission."""
+        x, y = self.start.locate(*goal) if goal is not None else (None, None)
+        turn = None if facing is None else facing - self.start.heading
+        told = GoalPoint(mission, x, y, turn).to_json()
+        self._bus.send(send_key(ROBOT, "path_planning", GoalPoint), told)
+
+    def ask(self, answerer: str, what: str) -> Mapping[str, Any]:
+        """Ask a component; nothing where it does not answer."""
+        try:
+            return self._bus.query(query_key(ROBOT, answerer, what))[0].value
+        except BusError:
+            return {}
+
+    def close(self) -> None:
+        """End everything."""
+        self._do(self._home.close())
+        self.lockstep.close()
+        self.loop.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def _do(self, work: Awaitable[T]) -> T:
+        async def done() -> T:
+            return await work
+
+        return self.loop.run_until_complete(done())
+
+    def _follow(self, sample: Sample) -> None:
+        pose = decode(sample.type_name, sample.payload).pose.pose
+        self._odom = Pose2D(pose.position.x, pose.position.y, heading(pose.orientation))
+
+    def _hear(self, sample: Sample) -> None:
+        self.told.append(LogMessage.from_json(decode_json(sample.payload)))
+
+    def _note(self, report: Report) -> None:
+        self.reports.append(f"{self.time:.1f} s {report.agent}: {report.what}: {report.error}")

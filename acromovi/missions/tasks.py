@@ -1,0 +1,228 @@
+"""What is asked of a robot: a mission by its case, condition and seed, with all that chance decides about it."""
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from itertools import pairwise
+from random import Random
+
+import numpy as np
+
+import configs
+from geometry import Point, Pose2D
+from p2os import RobotModel
+from p2os_emu.world import WorldError, WorldSpec, load_world
+from p2os_emu.world.conditions import LEAST_WALK, with_obstacles, with_people
+from p2os_emu.world.free_space import FreeSpace
+from p2os_emu.world.shortest_path import Path, shortest_path
+
+ROBOTS = {"p2dx": "laser", "peoplebot-sh": "laser", "powerbot-sh": "laser", "p3at-sh": "laser"}
+SEEDS = 20
+WIDER_THAN_DOORS = 0.65  # m; radius of a disc that fits through no door
+PASSING = 0.05  # m beside the robot on the shortest way
+TURNING = 0.15  # m round a robot that turns where a mission begins or ends
+AT_EASE = (0.2, 0.1, PASSING)  # m beside the robot that obstacles leave it on some way: what the doors leave it, too
+LEAST = {"room": 2.0, "corridor": 2.0, "rooms": 4.0}  # m of way
+TRIES = 2000
+MOST_OBSTACLES = 4
+PEOPLE = 2  # beside the one on the robot's way
+
+
+class Case(StrEnum):
+    """Where to."""
+
+    ROOM = "room"
+    CORRIDOR = "corridor"
+    ROOMS = "rooms"
+
+
+class Condition(StrEnum):
+    """Under which circumstances. In the first, third and fourth odometry and sensors are perfect."""
+
+    STATIC = "static"
+    ERROR = "error"
+    OBSTACLES = "obstacles"
+    PEOPLE = "people"
+    ALL = "all"
+
+    @property
+    def is_perfect(self) -> bool:
+        """Whether the robot has no errors."""
+        return self not in (Condition.ERROR, Condition.ALL)
+
+    @property
+    def has_obstacles(self) -> bool:
+        """Whether things stand in the way."""
+        return self in (Condition.OBSTACLES, Condition.ALL)
+
+    @property
+    def has_people(self) -> bool:
+        """Whether people walk about."""
+        return self in (Condition.PEOPLE, Condition.ALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One cell of the matrix: what has to be known to play a mission again."""
+
+    case: Case
+    condition: Condition
+    seed: int
+    robot: str
+    world: str
+
+    @classmethod
+    def of(cls, case: Case, condition: Condition, seed: int, robot: str = "", world: str = "") -> "Job":
+        """Robots and worlds in turn, unless they are given: every other world is generated."""
+        models = list(ROBOTS)
+        return cls(
+            case,
+            condition,
+            seed,
+            robot or models[seed % len(models)],
+            world or ("house" if seed // len(models) % 2 == 0 else f"plan:{seed}"),
+        )
+
+    @property
+    def command(self) -> str:
+        """What to type to play it."""
+        said = f"acromovi missions --case {self.case} --condition {self.condition} --seed {self.seed}"
+        usual = Job.of(self.case, self.condition, self.seed)
+        said += f" --robot {self.robot}" if self.robot != usual.robot else ""
+        return said + (f" --world {self.world}" if self.world != usual.world else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A job made ready. world: with one start. way: the shortest there is."""
+
+    job: Job
+    world: WorldSpec
+    goal: Point
+    way: Path
+
+    @property
+    def start(self) -> Pose2D:
+        """Where the robot begins."""
+        return self.world.starts[0]
+
+
+class NoTask(ValueError):
+    """A world has no room for a mission."""
+
+
+def all_jobs(seeds: Sequence[int] = range(SEEDS)) -> list[Job]:
+    """The matrix."""
+    return [Job.of(case, condition, seed) for seed in seeds for condition in Condition for case in Case]
+
+
+def prepare(job: Job) -> Task:
+    """Choose start and goal, put obstacles and people into the world: the same for the same job.
+
+    Raises:
+        NoTask: The world has no room for such a mission.
+        WorldError, ConfigError: There is no such world or robot.
+    """
+    world = replace(load_world(job.world), people=(), moving_doors=(), objects=())
+    model = configs.load(RobotModel, "robots", job.robot)
+    chooser = _Chooser(world, model, Random(f"{job.case} {job.world} {job.robot} {job.seed}"))
+    start, goal, way = chooser.ends(job.case)
+    world = replace(world, starts=(start,))
+    if job.condition.has_obstacles:
+        world = chooser.with_obstacles(world, way, job.seed)
+        way = chooser.way(world, (start.x, start.y), goal) or way
+    if job.condition.has_people:
+        world = chooser.with_people(world, way, job.seed)
+    return Task(job, world, goal, way)
+
+
+class _Chooser:
+    """Chance, bound by the world."""
+
+    def __init__(self, world: WorldSpec, model: RobotModel, chance: Random) -> None:
+        self._world = world
+        self._chance = chance
+        self._half = model.width / 2
+        self._sweep = math.hypot(max(model.length_front, model.length_rear), self._half)
+        self._turning = FreeSpace(world, self._sweep + TURNING)
+        self._rooms = FreeSpace(replace(world, furniture=()), WIDER_THAN_DOORS)
+        names = sorted(world.places)
+        self._corridor = [world.places[name] for name in names if name.startswith("corridor")]
+        self._room = [world.places[name] for name in names if not name.startswith("corridor")]
+
+    def ends(self, case: Case) -> tuple[Pose2D, Point, Path]:
+        """Start, goal, and the shortest way between them."""
+        for _ in range(TRIES if self._corridor and len(self._room) > 1 else 0):
+            room = self._chance.choice(self._room)
+            start = self._near(room, 0.8)
+            goal = self._goal(case, room)
+            if not (self._turning.is_free(start) and self._turning.is_free(goal)):
+                continue
+            way = self.way(self._world, start, goal)
+            if way is None or way.length < LEAST[case]:
+                continue
+            if case is Case.ROOMS and not self._passes_corridor(way):
+                continue
+            heading = round(self._chance.uniform(-math.pi, math.pi), 3)
+            return Pose2D(*start, heading), goal, way
+        raise NoTask(f"world {self._world.name!r} has no room for a mission of case {case}; choose another world")
+
+    def way(self, world: WorldSpec, start: Point, goal: Point) -> Path | None:
+        """The shortest way for the robot, if there is one."""
+        return shortest_path(world, start, goal, radius=self._half + PASSING)
+
+    def with_obstacles(self, world: WorldSpec, way: Path, seed: int) -> WorldSpec:
+        """Things on the way or beside it; another way stays free."""
+        ends = way.points[0], way.points[-1]
+        ease = next(ease for ease in AT_EASE if shortest_path(world, *ends, radius=self._half + ease) is not None)
+        bounded = _between(world, *ends)
+        for count in range(MOST_OBSTACLES, 0, -1):
+            with suppress(WorldError):
+                fuller = with_obstacles(bounded, seed, count, radius=self._half + ease)
+                return replace(fuller, places=world.places)
+        return world
+
+    def with_people(self, world: WorldSpec, way: Path, seed: int) -> WorldSpec:
+        """Somebody who goes the same way or comes towards the robot, and others who walk about."""
+        start = way.points[0]
+        if way.length > 2 * LEAST_WALK:
+            met = with_people(_between(world, start, way.points[-1]), seed, 1, keep_clear=[start])
+            world = replace(met, places=world.places)
+        return with_people(world, seed, PEOPLE, keep_clear=[start])
+
+    def _goal(self, case: Case, room: Point) -> Point:
+        if case is Case.ROOM:
+            return self._near(room, 4.0)
+        if case is Case.CORRIDOR:
+            return self._near(self._chance.choice(self._corridor), 1.5)
+        return self._near(self._chance.choice([other for other in self._room if other != room]), 0.8)
+
+    def _near(self, place: Point, most: float) -> Point:
+        """A place in the same room, or the same corridor."""
+        for _ in range(TRIES):
+            x, y = (round(value + self._chance.uniform(-most, most), 3) for value in place)
+            near = x, y
+            if self._rooms.is_free(near) and self._rooms.reachable(place, np.array([near]))[0]:
+                return near
+        return place
+
+    def _passes_corridor(self, way: Path) -> bool:
+        middle = np.array([_along(way, share * way.length) for share in np.linspace(0.1, 0.9, 17)])
+        return any(bool(self._rooms.reachable(place, middle).any()) for place in self._corridor)
+
+
+def _along(way: Path, far: float) -> Point:
+    """The place so far along a way, m."""
+    for a, b in pairwise(way.points):
+        if far <= (step := math.dist(a, b)):
+            share = far / step if step else 0.0
+            return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+        far -= step
+    return way.points[-1]
+
+
+def _between(world: WorldSpec, start: Point, goal: Point) -> WorldSpec:
+    """The world, as if nobody went anywhere else."""
+    return replace(world, places={"start": start, "goal": goal})

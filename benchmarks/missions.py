@@ -1,0 +1,57 @@
+"""Three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures."""
+
+import argparse
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from acromovi.missions.command import play_many
+from acromovi.missions.matrix import Result
+from acromovi.missions.page import MEASURES, in_busy_worlds, in_still_worlds, median, page, share_reached, with_touches
+from acromovi.missions.picture import draw_grid, draw_mission, draw_sheet
+from acromovi.missions.tasks import all_jobs
+from benchmarks.figures import Figure
+
+MINUTES = 15.0
+MOST_PICTURES = 12  # of failures
+
+
+def measure(options: argparse.Namespace) -> list[Figure]:
+    """Play all of them, and judge them by the truth."""
+    began = time.monotonic()
+    results = play_many(all_jobs())
+    minutes = (time.monotonic() - began) / 60
+    options.out.mkdir(parents=True, exist_ok=True)
+    pictures = _draw(results, options.out)
+    (options.out / "missions.md").write_text(page(results, pictures=pictures), encoding="utf-8")
+    still, busy = in_still_worlds(results), in_busy_worlds(results)
+    return [
+        _figure("missions not reached in static worlds", 100 * (1 - share_reached(still)), 1.0, "%", len(still)),
+        _figure("missions not reached with obstacles or people", 100 * (1 - share_reached(busy)), 3.0, "%", len(busy)),
+        _figure("missions in which anything was touched", float(len(with_touches(results))), 0.0, "", len(results)),
+        _figure("path over the shortest path, median", median(results, MEASURES["path / shortest"]), 1.15, "", 300),
+        _figure(
+            "time over path at cruising speed, median",
+            median(results, MEASURES["time / path at cruising speed"]),
+            1.35,
+            "",
+            len(results),
+        ),
+        _figure("time for all missions", minutes, MINUTES, "min", len(results)),
+    ]
+
+
+def _figure(name: str, value: float, reach: float, unit: str, samples: int) -> Figure:
+    return Figure("missions", name, value, reach, unit, samples)
+
+
+def _draw(results: Sequence[Result], out: Path) -> list[str]:
+    """The pictures, by their names."""
+    draw_sheet(out / "missions-house.png", results, "house")
+    draw_grid(out / "missions-plans.png", [r for r in results if r.job.world != "house" and r.job.condition == "all"])
+    names = ["missions-house.png", "missions-plans.png"]
+    for result in [result for result in results if not result.is_good and result.path][:MOST_PICTURES]:
+        job = result.job
+        names.append(f"failed-{job.case}-{job.condition}-{job.seed}.png")
+        draw_mission(out / names[-1], result)
+    return names
