@@ -1,0 +1,89 @@
+"""The base of a kinematic robot: it alone knows where the robot is."""
+
+import asyncio
+from dataclasses import dataclass, field
+from math import isfinite, tau
+from typing import Any
+
+import numpy as np
+
+from apps.indoor_navigation.component import Component, Role, answers_query, hears
+from apps.indoor_navigation.components.robot_base_server import BaseNumbers
+from apps.indoor_navigation.data import MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.kinematic.plane import Plane
+from apps.indoor_navigation.kinematic.robot import Body, KinematicRobot
+from geometry import Twist2D, wrap_angle
+
+STEP = 0.02  # s
+
+
+@dataclass(frozen=True, slots=True)
+class KinematicBaseNumbers(BaseNumbers):
+    """Those of every base, and what this robot is.
+
+    map: a file of ARIA's; a room of its own without one. period: s between two odometries, and two readings of the
+    sonar. discs: of the sonar, evenly on the rim. farthest: m that they see.
+    """
+
+    map: str = ""
+    period: float = 0.1
+    discs: int = 16
+    farthest: float = 5.0
+    body: Body = field(default_factory=Body)
+
+
+class KinematicBaseServer(Component):
+    """Rolls as it is told, and says where it is and what its sonar sees."""
+
+    role = Role.HARDWARE
+    gives = (Odometry, SonarRead)
+    numbers_type = KinematicBaseNumbers
+
+    async def setup(self) -> None:
+        """Put the robot where its map says."""
+        numbers = self.numbers
+        self.kinematic = KinematicRobot(numbers.body, Plane.read(numbers.map))
+        self._headings = np.array([wrap_angle(tau * number / numbers.discs) for number in range(numbers.discs)])
+        self._wanted = Twist2D()
+        self._commanded_at = float("-inf")
+        self._moved_at = self._now
+        self.every(STEP, self._roll)
+        self.every(numbers.period, self._tell)
+
+    @hears(MotionCmd)
+    async def drive(self, command: MotionCmd) -> None:
+        """Move as the fuser says."""
+        if all(isinstance(speed, int | float) and isfinite(speed) for speed in (command.linear, command.angular)):
+            self._wanted, self._commanded_at = Twist2D(command.linear, command.angular), self._now
+
+    @answers_query("robot")
+    def tell_robot(self) -> dict[str, Any]:
+        """Name, model, size in m and limits in m/s and rad/s."""
+        body = self.numbers.body
+        return {
+            "name": self.robot,
+            "model": "kinematic",
+            "front": body.radius,
+            "rear": body.radius,
+            "width": 2.0 * body.radius,
+            "radius": body.radius,
+            "limits": {"linear": body.linear, "angular": body.angular},
+        }
+
+    async def _roll(self) -> None:
+        now = self._now
+        is_commanded = now - self._commanded_at <= self.numbers.no_command
+        self.kinematic.step(self._wanted if is_commanded else Twist2D(), now - self._moved_at)
+        self._moved_at = now
+
+    async def _tell(self) -> None:
+        stamp, pose, speed = self.home.wall_time(), self.kinematic.odometry, self.kinematic.speed
+        self.push(Odometry(stamp, pose.x, pose.y, pose.heading, speed.linear, speed.angular))
+        radius = self.numbers.body.radius
+        places = radius * np.cos(self._headings), radius * np.sin(self._headings)
+        ranges = self.kinematic.sonar(self._headings, self.numbers.farthest)
+        self.push(SonarRead(stamp, (pose.x, pose.y, pose.heading), *places, self._headings, ranges))
+
+    @property
+    def _now(self) -> float:
+        return asyncio.get_running_loop().time()
