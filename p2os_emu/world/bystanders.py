@@ -1,6 +1,6 @@
 """What moves by itself in a world, robots apart: people, and the leaves of doors."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from p2os_emu.world.leaves import DoorState, Leaves
 from p2os_emu.world.look import Look, leaf_look, person_look
@@ -34,10 +34,11 @@ class Bystanders:
             body: each.name for bodies in (self._people.bodies, self._leaves.bodies) for body, each in bodies.items()
         }
 
-    def step(self, robots: Sequence[Presence], things: Sequence[Presence]) -> None:
-        """Move them all; the engine sees it in its next step."""
-        self._leaves.step([*robots, *self._people.presences().values(), *things])
-        self._people.step([*robots, *self._leaves.in_gaps().values()])
+    def step(self, robots: Callable[[], Iterable[Presence]], things: Callable[[], Iterable[Presence]]) -> None:
+        """Move them all; the engine sees it in its next step. Who is in the way is only asked where it matters."""
+        self._leaves.step(lambda: (*robots(), *self._people.presences().values(), *things()))
+        if self._people:
+            self._people.step(lambda: (*robots(), *self._leaves.in_gaps().values()))
 
     def moving(self) -> Iterator[Moving]:
         """Each at its present place."""

@@ -1,7 +1,7 @@
 """The leaves of doors under physics: they slide, wait for whoever stands in the gap, and are seen by every sensor."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from random import Random
 from typing import NamedTuple
 
@@ -17,6 +17,8 @@ from p2os_emu.world.spec import rectangle
 
 MARGIN = 0.1
 """m that a leaf which shuts keeps from whatever stands in the gap."""
+
+Others = Callable[[], Iterable[Presence]]
 
 
 class DoorState(NamedTuple):
@@ -34,26 +36,32 @@ class Leaf:
         self._client = client
         self._random = random
         (x1, y1), (x2, y2) = door.jamb, door.post
+        self._width = door.width
         self._jamb = Pose2D(x1, y1, math.atan2(y2 - y1, x2 - x1))
         self._gap = Presence.of(rectangle(self._jamb, door.width, 0.0, LEAF_THICKNESS + 2 * MARGIN))
         self._wants_open = door.is_open
         self._left = self._time_in_this_state()
-        self.opening = door.width if door.is_open else 0.0
+        self.opening = self._width if door.is_open else 0.0
         self.body = build_leaf(client, door.width, LEAF_THICKNESS, LEAF_HEIGHT)
         self._put()
 
     @property
+    def is_still(self) -> bool:
+        """It does not move until somebody moves it."""
+        return self._left == math.inf and self.opening == (self._width if self._wants_open else 0.0)
+
+    @property
     def is_wide_open(self) -> bool:
         """Nothing of it is in the gap."""
-        return self.opening == self.door.width
+        return self.opening == self._width
 
     def set(self, is_open: bool) -> None:
         """Open or shut it for good: it does no more by itself."""
         self._wants_open, self._left = is_open, math.inf
 
-    def step(self, others: Sequence[Presence]) -> None:
+    def step(self, others: Others) -> None:
         """Let `STEP` seconds pass among others, which it does not crush."""
-        end = self.door.width if self._wants_open else 0.0
+        end = self._width if self._wants_open else 0.0
         if self.opening != end:
             self._slide(end, others)
         else:
@@ -62,18 +70,18 @@ class Leaf:
                 self._wants_open = not self._wants_open
                 self._left = self._time_in_this_state()
 
-    def _slide(self, end: float, others: Sequence[Presence]) -> None:
-        if end == 0.0 and is_met(self._gap, others):
+    def _slide(self, end: float, others: Others) -> None:
+        if end == 0.0 and is_met(self._gap, others()):
             return
         way = self.door.speed * STEP
         self.opening = min(end, self.opening + way) if end else max(end, self.opening - way)
         self._put()
 
     def _put(self) -> None:
-        x, y = self._jamb.transform(self.door.width / 2 - self.opening, 0.0)
+        x, y = self._jamb.transform(self._width / 2 - self.opening, 0.0)
         place = Pose2D(x, y, self._jamb.heading)
         put(self._client, self.body, place, LEAF_HEIGHT)
-        half = self.door.width / 2
+        half = self._width / 2
         self.moving = Moving(self.door.name, rectangle(place, half, half, LEAF_THICKNESS), 0.0, LEAF_HEIGHT)
 
     def _time_in_this_state(self) -> float:
@@ -86,6 +94,7 @@ class Leaves:
 
     def __init__(self, client: int, doors: Sequence[MovingDoor], seed: int) -> None:
         self._leaves = {door.name: Leaf(client, door, Random(f"{seed} {door.name} door")) for door in doors}
+        self._busy = [leaf for leaf in self._leaves.values() if not leaf.is_still]
 
     @property
     def bodies(self) -> Mapping[int, MovingDoor]:
@@ -104,12 +113,17 @@ class Leaves:
         """
         if name not in self._leaves:
             raise WorldError(f"there is no door {name!r} that moves; {nearest(name, self._leaves)}")
-        self._leaves[name].set(is_open)
+        leaf = self._leaves[name]
+        leaf.set(is_open)
+        if leaf not in self._busy:
+            self._busy.append(leaf)
 
-    def step(self, others: Sequence[Presence]) -> None:
+    def step(self, others: Others) -> None:
         """Let `STEP` seconds pass among robots, people and things."""
-        for leaf in self._leaves.values():
+        for leaf in self._busy:
             leaf.step(others)
+            if leaf.is_still:
+                self._busy = [other for other in self._busy if other is not leaf]
 
     def moving(self) -> Iterator[Moving]:
         """Each leaf where it is now."""

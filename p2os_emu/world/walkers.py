@@ -1,7 +1,7 @@
 """People under physics: upright cylinders to touch and to hear, legs that step for scanners to see."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from random import Random
 from typing import NamedTuple
@@ -23,6 +23,8 @@ ELBOW_ROOM = 0.1
 """m on each side that must be free for them to walk on."""
 STEP_BACK = 0.1
 """m that must be free ahead of somebody who has bumped into something, before they walk on."""
+LOOK_PERIOD = 3
+"""Steps from one look at what is ahead to the next."""
 _CORNERS = 12  # of the polygon that stands for a circle
 _CIRCLE = [(math.cos(math.tau * i / _CORNERS), math.sin(math.tau * i / _CORNERS)) for i in range(_CORNERS)]
 
@@ -42,6 +44,7 @@ class Walker:
     def __init__(self, client: int, person: Person, random: Random) -> None:
         self.person = person
         self.walks = True
+        self._is_blocked = False
         self._client = client
         self._walk = Walk(person, random)
         self.body = build_person(client, BODY_RADIUS, HEIGHT)
@@ -52,12 +55,14 @@ class Walker:
         """Where they are, heading the way they walk."""
         return self._walk.place
 
-    def step(self, others: Sequence[Presence]) -> None:
-        """Let `STEP` seconds pass among others."""
-        rests = self._walk.is_resting
-        is_blocked = not rests and self._is_blocked(others)
-        self.walks = not (rests or is_blocked)
-        self._walk.advance(STEP, is_blocked=is_blocked)
+    def look(self, others: Sequence[Presence]) -> None:
+        """See whether others are in the way."""
+        self._is_blocked = self._meets(others)
+
+    def step(self) -> None:
+        """Let `STEP` seconds pass."""
+        self.walks = not (self._walk.is_resting or self._is_blocked)
+        self._walk.advance(STEP, is_blocked=self._is_blocked)
         if self.walks:
             self._put()
 
@@ -79,7 +84,7 @@ class Walker:
             return LOOK_AHEAD, ELBOW_ROOM
         return (0.0 if self.walks else STEP_BACK), 0.0
 
-    def _is_blocked(self, others: Sequence[Presence]) -> bool:
+    def _meets(self, others: Sequence[Presence]) -> bool:
         ahead, beside = self._room_wanted
         front, width = BODY_RADIUS + ahead, 2 * (BODY_RADIUS + beside)
         x, y = self.place.transform(front / 2, 0.0)
@@ -97,7 +102,11 @@ class Walkers:
     """All people in one world."""
 
     def __init__(self, client: int, people: Sequence[Person], seed: int) -> None:
+        self._steps = 0
         self._walkers = [Walker(client, person, Random(f"{seed} {person.name} walk")) for person in people]
+
+    def __bool__(self) -> bool:
+        return bool(self._walkers)
 
     @property
     def bodies(self) -> Mapping[int, Person]:
@@ -111,10 +120,15 @@ class Walkers:
             for walker in self._walkers
         }
 
-    def step(self, others: Sequence[Presence]) -> None:
+    def step(self, others: Callable[[], Iterable[Presence]]) -> None:
         """Let `STEP` seconds pass among robots and doors; people walk through each other."""
+        if self._steps % LOOK_PERIOD == 0:
+            ahead = tuple(others())
+            for walker in self._walkers:
+                walker.look(ahead)
+        self._steps += 1
         for walker in self._walkers:
-            walker.step(others)
+            walker.step()
 
     def moving(self) -> Iterator[Moving]:
         """Each leg and each body where it is now."""

@@ -169,8 +169,8 @@ class World:
         """Let `STEP` seconds pass."""
         if self._bystanders:
             self._bystanders.step(
-                [Presence.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()],
-                [Presence.of(thing.footprint) for thing in self.objects.moving()],
+                lambda: (Presence.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()),
+                lambda: (Presence.of(thing.footprint) for thing in self.objects.moving()),
             )
         engine.stepSimulation(physicsClientId=self._client)
         self.steps += 1
