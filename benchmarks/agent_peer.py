@@ -10,7 +10,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from agents.platform import Agent, AgentName, Container, Kinds, Performative, Template, request
-from agents.services.lease_client import leased
+from agents.services.lease_client import find_arbiter, leased
 from bus import ZenohBus, keys
 from bus.messages import twist
 
@@ -106,12 +106,19 @@ async def holder(profile: str, name: str, element: str, speed: str) -> None:
             agent = Agent(AgentName("driver", name))
             await container.start(agent)
             velocity = twist(float(speed), 0.0)
-            async with leased(agent, element) as lease:
+            async with leased(agent, element, arbiter=await _arbiter(agent)) as lease:
                 with bus.publisher(keys.CMD_VEL.key(base.platform), keys.CMD_VEL.type_name) as wheels:
                     print(json.dumps({"ready": True}), flush=True)
                     while True:
                         wheels.put(velocity, lease.token.encode())
                         await asyncio.sleep(VELOCITY_PERIOD_S)
+
+
+async def _arbiter(agent: Agent) -> AgentName:
+    """An arbiter, and not the gateway in its place."""
+    while (found := await find_arbiter(agent)) is None:
+        await asyncio.sleep(0.05)
+    return found
 
 
 async def component(kind: str, name: str, properties: str) -> None:
