@@ -5,6 +5,7 @@ Both are put where robots go: on shortest ways between the named places of a wor
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache, partial
 from math import dist, pi
 from random import Random
 
@@ -100,8 +101,9 @@ def _ways(spec: WorldSpec, random: Random, radius: float) -> list[Path]:
     if len(spec.places) < 2:
         raise WorldError(f"world {spec.name!r} needs two places or more under [places_m] to put something between")
     space = FreeSpace(spec, radius)
+    path = cache(partial(path_in, space))
     pairs = (random.sample(list(spec.places.values()), 2) for _ in range(WAYS))
-    ways = [way for start, goal in pairs if (way := path_in(space, start, goal))]
+    ways = [way for start, goal in pairs if (way := path(start, goal))]
     if not ways:
         raise WorldError(f"world {spec.name!r} has no way of {2 * radius:.2f} m between its places")
     return ways
