@@ -85,6 +85,7 @@ class Course:
         self._bus = self.lockstep.bus()
         self._odom = Pose2D()
         self._steps = 0
+        self._told_at = 0.0
         self._bus.subscribe(keys.ODOM.key(ROBOT), self._follow)
         self._bus.subscribe(send_key(ROBOT, "user_interface", LogMessage), self._hear)
         self._home = Container(self.lockstep.bus(), ROBOT, self._note, lambda: self.lockstep.time)
@@ -141,24 +142,27 @@ class Course:
             limit: s after which it is late.
             mission: Its name.
         """
-        self.track, self.told, self.reports = Track(), [], []
-        began = self.time
         self.tell(goal, facing=facing, mission=mission)
+        return self.wait(limit, mission)
+
+    def wait(self, limit: float = 300.0, mission: str = "mission") -> Played:
+        """Let time pass until a mission that has been told has ended; what happened since it was told."""
         state = "late"
-        while self.time - began < limit:
+        while self.time - self._told_at < limit:
             self.run(LOOK * STEP)
             told = self.ask("path_planning", "state")
             if told.get("mission") == mission and told.get("state") in ENDED:
                 state = told["state"]
                 break
-        seconds = self.time - began
+        seconds = self.time - self._told_at
         self.run(SETTLE)
         touched = tuple(touch.what for touch in self.lockstep.touches(ROBOT).last)
-        told_texts = tuple(f"{each.stamp - began:.1f} s {each.component}: {each.what}" for each in self.told)
-        return Played(state, seconds, self.track, told_texts, tuple(self.reports), touched)
+        said = tuple(f"{each.stamp - self._told_at:.1f} s {each.component}: {each.what}" for each in self.told)
+        return Played(state, seconds, self.track, said, tuple(self.reports), touched)
 
     def tell(self, goal: Point | None, *, facing: float | None = None, mission: str = "mission") -> None:
-        """Send the robot somewhere, or nowhere: that cancels the mission."""
+        """Send the robot somewhere, or nowhere: that cancels the mission. What is noted begins anew."""
+        self.track, self.told, self.reports, self._told_at = Track(), [], [], self.time
         x, y = self.start.locate(*goal) if goal is not None else (None, None)
         turn = None if facing is None else facing - self.start.heading
         told = GoalPoint(mission, x, y, turn).to_json()
