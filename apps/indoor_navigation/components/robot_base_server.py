@@ -28,14 +28,16 @@ log = logging.getLogger("navigation")
 
 @dataclass(frozen=True, slots=True)
 class BaseNumbers:
-    """s of silence.
+    """Mostly s of silence.
 
-    no_command: of the fuser, after which the robot is stopped. no_odometry: of the robot, after which it is missed.
-    sonar_age: of a disc, after which its last range says nothing. idle: without motion, after which nothing is said to
-    the wheels any more, and no lease is held, so that others may drive. priority: of the lease.
+    no_command: of the fuser, after which the robot is stopped. oldest: s since the reading from which a command
+    follows, after which it is not obeyed, as when this process was frozen. no_odometry: of the robot, after which it is
+    missed. sonar_age: of a disc, after which its last range says nothing. idle: without motion, after which nothing is
+    said to the wheels any more, and no lease is held, so that others may drive. priority: of the lease.
     """
 
     no_command: float = 0.3
+    oldest: float = 1.0
     no_odometry: float = 1.0
     sonar_age: float = 0.6
     idle: float = 1.0
@@ -98,7 +100,7 @@ class RobotBaseServer(Component):
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
         """Move as the fuser says. While the robot rests, the wheels are left alone after a while."""
-        if not all(isinstance(speed, int | float) and isfinite(speed) for speed in (command.linear, command.angular)):
+        if not is_sound(command) or self.home.wall_time() - command.stamp > self.numbers.oldest:
             return  # as good as silence, which stops the robot
         self._commanded_at = self._now
         if command.linear or command.angular:
@@ -194,6 +196,12 @@ class RobotBaseServer(Component):
     @property
     def _now(self) -> float:
         return asyncio.get_running_loop().time()
+
+
+def is_sound(command: MotionCmd) -> bool:
+    """Whether its numbers are some."""
+    numbers = (command.stamp, command.linear, command.angular)
+    return all(isinstance(number, int | float) and isfinite(number) for number in numbers)
 
 
 def described(told: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:

@@ -2,13 +2,13 @@
 
 import asyncio
 from dataclasses import dataclass, field
-from math import isfinite, tau
+from math import tau
 from typing import Any
 
 import numpy as np
 
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
-from apps.indoor_navigation.components.robot_base_server import BaseNumbers
+from apps.indoor_navigation.components.robot_base_server import BaseNumbers, is_sound
 from apps.indoor_navigation.data import MotionCmd, Odometry, SonarRead
 from apps.indoor_navigation.kinematic.plane import Plane
 from apps.indoor_navigation.kinematic.robot import Body, KinematicRobot
@@ -53,7 +53,7 @@ class KinematicBaseServer(Component):
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
         """Move as the fuser says."""
-        if all(isinstance(speed, int | float) and isfinite(speed) for speed in (command.linear, command.angular)):
+        if is_sound(command) and self.home.wall_time() - command.stamp <= self.numbers.oldest:
             self._wanted, self._commanded_at = Twist2D(command.linear, command.angular), self._now
 
     @answers_query("robot")

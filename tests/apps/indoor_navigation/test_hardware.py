@@ -159,6 +159,13 @@ def test_a_command_with_no_number_is_as_good_as_silence(site: Site, robot: Robot
     assert robot.told[-1][1:] == (0.0, 0.0, "")
 
 
+def test_commands_that_waited_while_the_process_was_frozen_move_nothing(site: Site, robot: Robot) -> None:
+    for _ in range(10):
+        site.push("motion_fuser", MotionCmd(site.time - 3.0, "motion_fuser", 0.2, 0.0, 1.0))
+        site.run(0.05)
+    assert robot.told == []
+
+
 def test_the_wheels_of_a_robot_that_rests_are_left_alone(site: Site, robot: Robot) -> None:
     drive(site, robot, 1.0)
     drive(site, robot, 1.5, linear=0.0)
