@@ -24,6 +24,7 @@ GROUPS = {
     "agents": "requests, informs, crowds of agents, and searches of the directory",
     "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
     "fuser": "what fusing a thousand commands a second costs, and whether an old one is ever used",
+    "navigation_latency": "from a scan or sonar message to the fused command, all components in processes of their own",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 
@@ -34,7 +35,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         prog="python -m benchmarks",
         description="Measure the figures of the project.",
         epilog="groups:\n"
-        + "\n".join(f"  {name:<12} {what}" for name, what in GROUPS.items())
+        + "\n".join(f"  {name:<18} {what}" for name, what in GROUPS.items())
         + "\n\nexample: python -m benchmarks codec latency --out /tmp/bench",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
