@@ -52,6 +52,7 @@ def _worlds() -> Iterator[Row]:
         path = configs.find("worlds", name)
         about = configs.read(path).get("about", "") if path.suffix == ".toml" else "ARIA map"
         yield name, str(about)
+    yield "plan:SEED", "rooms along a corridor, made up by a whole number"
 
 
 def _links() -> Iterator[Row]:

@@ -42,6 +42,7 @@ class FreeSpace:
         table = np.array(boxes, np.float64).reshape(-1, 6)
         self._middles, self._halves = table[:, :2], table[:, 3:5]
         self._margins = table[:, 5] + radius
+        self._reaches = np.hypot(*self._halves.T) + self._margins
         self._cosines, self._sines = np.cos(table[:, 2]), np.sin(table[:, 2])
         self.corners = self._free_corners()
         """Where shortest ways turn: round the corners of everything, m, shape (n, 2)."""
@@ -61,7 +62,11 @@ class FreeSpace:
         """Tell to which of many places the disc can go straight from a start where it is free."""
         ax, ay = self._local(np.array([start]))
         bx, by = self._local(ends)
-        free: Bools = np.all(_distances(ax, ay, bx, by, self._halves) >= self._margins - _ROUNDING, axis=1)
+        ways, boxes = np.nonzero(_to_point(-ax, -ay, bx - ax, by - ay) < self._reaches)  # the others are far away
+        bx, by = bx[ways, boxes], by[ways, boxes]
+        distances = _distances(ax[0, boxes], ay[0, boxes], bx, by, self._halves[boxes])
+        free = np.ones(len(ends), np.bool_)
+        free[ways[distances < self._margins[boxes] - _ROUNDING]] = False
         return free
 
     def has_way(self, points: Sequence[Point]) -> bool:
@@ -114,20 +119,20 @@ def _beyond(value: Floats, half: Floats) -> Floats:
 
 
 def _distances(ax: Floats, ay: Floats, bx: Floats, by: Floats, halves: Floats) -> Floats:
-    """From straight ways a to b to boxes about the origin, m: 0 where they cross."""
+    """From straight ways a to b to boxes about the origin, one each, m: 0 where they cross."""
     half_x, half_y = halves[:, 0], halves[:, 1]
     to_start = np.hypot(_beyond(ax, half_x), _beyond(ay, half_y))
     to_end = np.hypot(_beyond(bx, half_x), _beyond(by, half_y))
     nearest = np.minimum(to_start, to_end)
     for x, y in ((half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y)):
-        nearest = np.minimum(nearest, _to_corner(x - ax, y - ay, bx - ax, by - ay))
+        nearest = np.minimum(nearest, _to_point(x - ax, y - ay, bx - ax, by - ay))
     enter_x, leave_x = _slab(ax, bx - ax, half_x)
     enter_y, leave_y = _slab(ay, by - ay, half_y)
     crosses = np.maximum(np.maximum(enter_x, enter_y), 0.0) <= np.minimum(np.minimum(leave_x, leave_y), 1.0)
     return np.where(crosses, 0.0, nearest)
 
 
-def _to_corner(x: Floats, y: Floats, dx: Floats, dy: Floats) -> Floats:
+def _to_point(x: Floats, y: Floats, dx: Floats, dy: Floats) -> Floats:
     """From a way that begins at the origin and ends at (dx, dy) to (x, y), m."""
     squared = np.maximum(dx * dx + dy * dy, 1e-12)
     share = np.clip((x * dx + y * dy) / squared, 0.0, 1.0)

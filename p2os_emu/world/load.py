@@ -35,6 +35,4 @@ def _seed(text: str) -> int:
     try:
         return int(text)
     except ValueError:
-        raise WorldError(
-            f"{PREFIX}{text} is no floor plan: write a whole number behind {PREFIX!r}, as {PREFIX}7"
-        ) from None
+        raise WorldError(f"{PREFIX}{text} is no floor plan: write a whole number, as in {PREFIX}7") from None

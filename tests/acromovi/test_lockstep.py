@@ -180,3 +180,13 @@ def test_scans_of_a_seed_are_always_the_same() -> None:
     assert len(first) > 30  # ten a second, once the laser is set up
     assert first == again
     assert first != other
+
+
+def test_touches_people_and_doors_are_known_for_a_judge() -> None:
+    with Lockstep(load_world("people-lab"), {ROBOT: "p3dx-sh"}, seed=1) as lockstep:
+        lockstep.set_door("door", False)
+        began = lockstep.people()["Anna"]
+        lockstep.run(4.0)
+        assert lockstep.touches(ROBOT).count == 0
+        assert lockstep.doors()["door"].opening == 0.0
+        assert lockstep.people()["Anna"].x > began.x + 1.0

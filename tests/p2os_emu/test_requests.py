@@ -4,12 +4,14 @@ import contextlib
 import json
 import math
 from collections.abc import Iterator
+from contextlib import closing
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from geometry import Pose2D
 from p2os import Command, encode_command
 from p2os_emu.control import RequestError
 from p2os_emu.emulator import STEP, Emulator
@@ -21,6 +23,7 @@ from p2os_emu.ports import Ports
 from p2os_emu.requests import REQUESTS, Desk
 from p2os_emu.runner import Runner
 from p2os_emu.team import Team
+from p2os_emu.world import World, load_world
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +69,36 @@ def test_truth_of_all_and_of_one(desk: Desk) -> None:
     one = ask(desk, "truth", robot="happy")
     assert (one["x"], one["y"], one["heading"]) == (1.0, 2.0, 0.5)
     assert one["late_dropped"] == 0
+
+
+def test_truth_tells_touches_people_and_doors(desk: Desk) -> None:
+    truth = ask(desk, "truth", robot="happy")
+    assert (truth["people"], truth["doors"]) == ({}, {})
+    assert (truth["robots"]["happy"]["touches"], truth["robots"]["happy"]["touched"]) == (0, [])
+
+
+def test_people_touches_and_doors_of_a_real_world_can_be_asked_and_doors_told() -> None:
+    with closing(Poller()) as poller, World(load_world("people-lab"), seed=1) as world:
+        emulator = Emulator(world, LinkProfile("ideal"))
+        lab = Desk(
+            Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", []),
+            FaultBoard(emulator.robots),
+            Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None),
+        )
+        lab.team.add("p3dx-sh:happy", Pose2D(2.5, 0.6, 0.0))
+        assert ask(lab, "door", name="door", open=False) == {"door": "door", "open": False}
+        for _ in range(round(4.0 / STEP)):
+            emulator.step()
+        truth = ask(lab, "truth")
+        assert set(truth["people"]) == {"Anna", "Bert", "Carl"}
+        assert truth["people"]["Anna"]["walks"] is True
+        assert truth["doors"]["door"] == {"opening": 0.0, "width": pytest.approx(1.2)}
+        happy = truth["robots"]["happy"]
+        assert happy["touches"] == 1
+        assert happy["touched"][0]["what"] == "Carl"
+        with pytest.raises(RequestError, match="did you mean door"):
+            ask(lab, "door", name="dor", open=True)
+        emulator.close()
 
 
 def test_pose_without_a_place_only_tells(desk: Desk) -> None:

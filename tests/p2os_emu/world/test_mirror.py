@@ -11,7 +11,7 @@ from configs import load
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.fit import Fit
-from p2os_emu.world import Block, World, WorldSpec
+from p2os_emu.world import Block, MovingDoor, Person, World, WorldSpec
 from p2os_emu.world.floor import PIXELS, Floor, Texture, picture
 from p2os_emu.world.mirror import SKY, Mirror
 from p2os_emu.world.movable import Movable, Shape
@@ -139,3 +139,21 @@ def test_view_looks_where_head_and_robot_point() -> None:
     along = np.subtract(seen.ahead, seen.eye)
     assert along == pytest.approx((np.cos(0.3), 0.0, np.sin(0.3)), abs=1e-9)
     assert np.dot(along, seen.up) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_camera_sees_people_and_doors_that_move(mirror: Mirror) -> None:
+    person = Person("Anna", ((3.0, 0.0), (3.0, 3.0)), speed=1.0, colour="red")
+    door = MovingDoor("door", (3.0, -1.6), (3.0, -0.6), colour="red", is_open=False)
+    with World(WorldSpec("test", people=(person,), moving_doors=(door,)), perfect=True) as world:
+        news = world.sight.news(set())
+        mirror.apply(news)
+        columns = reds(mirror.draw(view(), WIDTH, HEIGHT))[1]
+        assert (columns < WIDTH / 2).any(), "the left half of the person"
+        assert (columns > WIDTH * 0.7).any(), "the door"
+        world.set_door("door", True)
+        for _ in range(240):
+            world.step()
+        mirror.apply(world.sight.news(set(news.new)))
+        later = reds(mirror.draw(view(), WIDTH, HEIGHT))[1]
+    assert later.min() < columns.min(), "the person has walked to the left"
+    assert later.mean() != columns.mean()
