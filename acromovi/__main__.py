@@ -30,6 +30,8 @@ COMMANDS = {
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
+    "navigate": ("acromovi.navigation.command", "Let a robot find its way through rooms that it does not know"),
+    "missions": ("acromovi.missions.command", "Play missions of the indoor navigation in lockstep, and judge them"),
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),
     "keys": ("acromovi.keys", "Make the keys of a secure bus: who may look, who may drive"),
     "wrap": ("acromovi.wrap", "Make an agent of a program or a C library, as a file says"),

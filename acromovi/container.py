@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from types import FrameType
@@ -21,6 +21,7 @@ from configs.loader import ConfigError
 if TYPE_CHECKING:
     from agents.platform import Container, Report
 
+PROGRAM = "acromovi container"
 GRACE = 1.8  # s for all agents to end; what has not ended then is cut off
 MEETING_TIME = 1.0  # s in which sessions on one machine have met
 LOOK_FOR_OTHERS = 2.0  # s to wait for a container of the same name that is slow to answer
@@ -75,23 +76,28 @@ def run(arguments: argparse.Namespace) -> int:
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
-        container = Container(bus, name, report, platform=platform, kinds=Kinds(arguments.apps))
+        container = Container(bus, name, reporter(PROGRAM), platform=platform, kinds=Kinds(arguments.apps))
         asyncio.run(live(container, arguments, end))
     return end.code
 
 
-def report(report: "Report") -> None:
-    """Say what went wrong with an agent: in one sentence where that is all there is to know."""
+def reporter(program: str) -> "Callable[[Report], None]":
+    """Says in a program's name what goes wrong with an agent: in one sentence where that is all there is to know."""
     from agents.face.errors import RobotError
     from agents.platform import AgentError
     from agents.platform.container import log_report
     from bus import BusError
     from configs import ConfigError
 
-    if isinstance(report.error, RobotError | AgentError | BusError | ConfigError):
-        print(f"acromovi container: {report.agent}: {report.what}: {report.error}", file=sys.stderr, flush=True)
-    else:
-        log_report(report)
+    def report(report: "Report") -> None:
+        if report.error is None:
+            print(f"{program}: {report.agent}: {report.what}", file=sys.stderr, flush=True)
+        elif isinstance(report.error, RobotError | AgentError | BusError | ConfigError):
+            print(f"{program}: {report.agent}: {report.what}: {report.error}", file=sys.stderr, flush=True)
+        else:
+            log_report(report)
+
+    return report
 
 
 def _modules(arguments: argparse.Namespace) -> Iterator[str]:

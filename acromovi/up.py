@@ -87,7 +87,7 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
     def complain(sentence: str) -> None:
         print(f"acromovi up: {sentence}", file=sys.stderr, flush=True)
 
-    asked_to_end = _signals(ENDINGS)
+    asked_to_end = signals(ENDINGS)
     with ZenohBus.open(choices.bus_of(teams_key(team.name))) as bus:
         await _see_that_nobody_is_there(bus, team)
         processes = await Processes.open(folder)
@@ -121,7 +121,7 @@ def _greeting(team: "Team", robots: Sequence[str]) -> str:
     return f"{who} of {team.name} serve{waited_for}; Ctrl-C ends the team"
 
 
-def _signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":
+def signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":
     """Resolved with the first of these signals that comes; more of them do no harm."""
     loop = asyncio.get_running_loop()
     came: asyncio.Future[int] = loop.create_future()

@@ -3,16 +3,14 @@
 from collections.abc import Iterator
 from datetime import datetime
 from itertools import pairwise
-from xml.sax.saxutils import escape
 
 from acromovi.sniffer.overheard import brief, shortened
 from acromovi.sniffer.sequence import Arrow, Diagram
 from acromovi.sniffer.text import clock
+from acromovi.svg import COLOURS, LETTER, STYLE, document, head, width_of, written
 
-COLOURS = ("#1f77b4", "#2a9d4a", "#9467bd", "#d9730d", "#0f9aa8", "#c2409a", "#8c6239", "#5b6abf", "#7a8a1f", "#d4487a")
 PLAIN = "#6b7280"  # of messages that belong to no conversation
 NO = "#c62828"  # of the word that says that something is not done
-LETTER = 6.4  # px, the width of a letter of 11 px, rather wide
 ROW = 30.0  # px from one message to the next
 TIMES = 96.0  # px for the times at the left
 TOP, BOTTOM = 84.0, 24.0  # px above the first message, and below the last
@@ -23,11 +21,9 @@ SELF = 34.0  # px that a message to oneself reaches out
 LONGEST_LABEL = 48  # characters
 LONGEST_NAME = 28  # characters
 LONGEST_HINT = 1000  # characters that are shown when the pointer rests on a message
-STYLE = (
-    "text{font:11px system-ui,'Segoe UI','DejaVu Sans',sans-serif;fill:#1f2937}"
+OWN_STYLE = (
     ".time{font-family:ui-monospace,'DejaVu Sans Mono',monospace;font-size:10px;fill:#6b7280}"
-    ".name{font-weight:600}.what{font-weight:600}.title{font-size:13px;font-weight:600}.life{stroke:#cbd5e1}"
-    ".label{paint-order:stroke;stroke:#fff;stroke-width:4px;stroke-linejoin:round}"
+    ".what{font-weight:600}.life{stroke:#cbd5e1}"
 )
 
 
@@ -37,21 +33,21 @@ def svg(diagram: Diagram) -> str:
     lowest = TOP + ROW * max(len(diagram.arrows), 1)
     width = places[-1] + _reach(diagram) if places else 420.0
     height = lowest + BOX + BOTTOM
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.0f} {height:.0f}">',
-        f"<title>{_written(_title(diagram))}</title>",
-        f"<style>{STYLE}</style>",
-        "<defs>",
-        *(_head(number, colour) for number, colour in enumerate((*COLOURS, PLAIN))),
-        "</defs>",
-        '<rect width="100%" height="100%" fill="#ffffff"/>',
-        f'<text class="title" x="16" y="24">{_written(_title(diagram))}</text>',
-        *_lifelines(diagram, places, lowest),
-        *(part for row, arrow in enumerate(diagram.arrows) for part in _arrow(arrow, places, TOP + ROW * (row + 0.7))),
-        "</svg>",
-    ]
-    return "\n".join(parts) + "\n"
+    heads = (head(f"head{number}", colour) for number, colour in enumerate((*COLOURS, PLAIN)))
+    arrows = enumerate(diagram.arrows)
+    return document(
+        width,
+        height,
+        _title(diagram),
+        STYLE + OWN_STYLE,
+        [
+            "<defs>",
+            *heads,
+            "</defs>",
+            *_lifelines(diagram, places, lowest),
+            *(part for row, arrow in arrows for part in _arrow(arrow, places, TOP + ROW * (row + 0.7))),
+        ],
+    )
 
 
 def _title(diagram: Diagram) -> str:
@@ -71,7 +67,7 @@ def _places(diagram: Diagram) -> list[float]:
     for arrow in sorted(diagram.arrows, key=lambda arrow: abs(arrow.end - arrow.start)):
         first, last = sorted((arrow.start, arrow.end))
         between = range(first, min(max(last, first + 1), len(gaps)))
-        needed = _width(arrow.label(LONGEST_LABEL)) + BESIDE + SELF * (first == last)
+        needed = width_of(arrow.label(LONGEST_LABEL)) + BESIDE + SELF * (first == last)
         lacking = needed - sum(gaps[each] for each in between)
         for each in between:
             gaps[each] += max(lacking / len(between), 0.0)
@@ -85,7 +81,7 @@ def _reach(diagram: Diagram) -> float:
     """How far the diagram goes on to the right of the last lifeline, px."""
     last = len(diagram.lifelines) - 1
     own = [arrow.label(LONGEST_LABEL) for arrow in diagram.arrows if arrow.start == arrow.end == last]
-    return 16 + max([_box(diagram.lifelines[last]) / 2, *(SELF + 8 + _width(label) for label in own)])
+    return 16 + max([_box(diagram.lifelines[last]) / 2, *(SELF + 8 + width_of(label) for label in own)])
 
 
 def _lifelines(diagram: Diagram, places: list[float], lowest: float) -> Iterator[str]:
@@ -97,7 +93,7 @@ def _lifelines(diagram: Diagram, places: list[float], lowest: float) -> Iterator
                 f'<rect x="{x - width / 2:.1f}" y="{y:.1f}" width="{width:.1f}" height="{BOX:.0f}" rx="5" '
                 'fill="#f1f5f9" stroke="#94a3b8"/>'
             )
-            shown = _written(shortened(name, LONGEST_NAME))
+            shown = written(shortened(name, LONGEST_NAME))
             yield f'<text class="name" x="{x:.1f}" y="{y + 17:.1f}" text-anchor="middle">{shown}</text>'
 
 
@@ -106,7 +102,7 @@ def _arrow(arrow: Arrow, places: list[float], y: float) -> Iterator[str]:
     colour = (*COLOURS, PLAIN)[number]
     here, there = places[arrow.start], places[arrow.end]
     yield "<g>"
-    yield f"<title>{_written(_hint(arrow))}</title>"
+    yield f"<title>{written(_hint(arrow))}</title>"
     yield f'<text class="time" x="16" y="{y + 3.5:.1f}">{clock(arrow.time)}</text>'
     line = f'fill="none" stroke="{colour}" stroke-width="1.5" marker-end="url(#head{number})"'
     if here == there:
@@ -125,7 +121,7 @@ def _label(arrow: Arrow, longest: int, x: float, y: float, anchor: str) -> str:
     colour = f' style="fill:{NO}"' if arrow.is_no else ""
     return (
         f'<text class="label" x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">'
-        f'<tspan class="what"{colour}>{_written(what)}</tspan> {_written(text)}</text>'
+        f'<tspan class="what"{colour}>{written(what)}</tspan> {written(text)}</text>'
     )
 
 
@@ -134,21 +130,5 @@ def _hint(arrow: Arrow) -> str:
     return f"{arrow.what} {brief(arrow.content, LONGEST_HINT)}\n{conversation}"
 
 
-def _head(number: int, colour: str) -> str:
-    return (
-        f'<marker id="head{number}" viewBox="0 0 8 8" refX="2" refY="4" markerWidth="6" markerHeight="6" '
-        f'orient="auto"><path d="M0 0 L8 4 L0 8 z" fill="{colour}"/></marker>'
-    )
-
-
 def _box(name: str) -> float:
-    return _width(shortened(name, LONGEST_NAME)) * 1.08 + 20  # a name is bold
-
-
-def _width(text: str) -> float:
-    return LETTER * sum(2 if ord(letter) > 0x2E80 else 1 for letter in text)  # 0x2E80: where the wide scripts begin
-
-
-def _written(text: str) -> str:
-    """A text for XML, without what XML cannot carry."""
-    return escape("".join(each if each.isprintable() or each == "\n" else " " for each in text))
+    return width_of(shortened(name, LONGEST_NAME)) * 1.08 + 20  # a name is bold

@@ -1,0 +1,42 @@
+"""`acromovi navigate`: a robot finds its way through rooms that it does not know."""
+
+import argparse
+from importlib import import_module
+
+# Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
+ORDERS = {
+    "up": ("acromovi.navigation.launch", "Start the components for a robot, and end them with Ctrl-C"),
+    "picture": ("acromovi.navigation.picture", "Draw the mission as it stands"),
+    "wiring": ("acromovi.navigation.wiring_command", "Draw the components that run, and who tells whom what"),
+    "process": ("acromovi.navigation.one_process", "Run one process of the navigation; `up` starts these"),
+}
+EPILOG = """\
+examples:
+  acromovi navigate up happy                 start the navigation of the robot happy, until Ctrl-C
+  acromovi navigate picture happy now.svg
+  acromovi navigate ORDER --help             more about one of them
+
+Places are in m in the frame `odom`: where the robot's gateway connected is 0 0, and x points to where it looked then.
+
+Exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    orders = parser.add_subparsers(dest="order", metavar="ORDER", required=True)
+    for name, (module, summary) in ORDERS.items():
+        order = orders.add_parser(
+            name,
+            help=summary,
+            description=f"{summary}.",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+        import_module(module).add_arguments(order)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what is asked for."""
+    return int(import_module(ORDERS[arguments.order][0]).run(arguments))

@@ -1,0 +1,166 @@
+"""`acromovi navigate up`: the processes of a robot's navigation, until Ctrl-C."""
+
+import argparse
+import asyncio
+import json
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from acromovi.navigation.wired import Processes, add_wiring, processes, words
+from acromovi.options import add_bus
+
+if TYPE_CHECKING:
+    from acromovi.navigation.at_work import NavigationAtWork
+    from acromovi.team.plan import Program
+    from bus.bus import Bus
+
+FOLDER = "acromovi-"
+MEETING_TIME = 0.5  # s in which a navigation that is up already must have been seen
+EPILOG = """\
+examples:
+  acromovi navigate up happy                         what the wiring says, in the processes that it names
+  acromovi navigate up happy --processes each        ten processes
+  acromovi navigate up happy --processes one         one
+  acromovi navigate up happy --process hardware --process reactive
+      these two here; the others by the same command on another machine, with a --bus that joins both
+  acromovi navigate up happy --set components.goto.numbers.speed=0.3
+  acromovi navigate up happy --wiring mine.toml
+
+A process that dies or is frozen is started again, and the mission goes on. With --json one line is printed once all
+are at work: {"robot": NAME, "processes": {PROCESS: [COMPONENT, ...], ...}}
+
+Exit codes: 1 it has not come up (the reason is on stderr, and nothing is left running), 2 wrong usage, 130 stopped by
+Ctrl-C, 143 by SIGTERM.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
+    add_wiring(parser)
+    parser.add_argument(
+        "--process",
+        metavar="NAME",
+        action="append",
+        default=[],
+        dest="only",
+        help="this process and no other; repeat for more (default: all)",
+    )
+    parser.add_argument("--json", action="store_true", help="print one line of JSON once all are at work")
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Start the processes, keep them going, and end them."""
+    from acromovi.navigation.at_work import NotUp
+    from bus.keys import robot_name
+
+    robot_name(arguments.robot)
+    chosen = of_names(processes(arguments), arguments.only)
+    folder = Path(tempfile.mkdtemp(prefix=FOLDER))
+    try:
+        return asyncio.run(_hold(arguments, chosen, folder))
+    except NotUp as err:
+        print(f"acromovi navigate up: {err}", file=sys.stderr)
+        return 1
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def of_names(known: Processes, wanted: list[str]) -> Processes:
+    """Those processes that are wanted; all, where none is named.
+
+    Raises:
+        ConfigError: There is no such process.
+    """
+    from configs.loader import ConfigError
+
+    for name in wanted:
+        if name not in known:
+            raise ConfigError(f"the wiring has no process {name!r}; choose one of {', '.join(known)}")
+    return {name: parts for name, parts in known.items() if name in (wanted or known)}
+
+
+def program(robot: str, process: str, options: list[str], bus: str) -> "Program":
+    """One process."""
+    from acromovi.navigation.wired import container_name
+    from acromovi.team.plan import Program, Stage
+
+    command = (sys.executable, "-m", "acromovi", "navigate", "process", robot, process, *options, "--bus", bus)
+    return Program(f"{process} of {robot}", Stage.AGENTS, (*command, "--json"), robot, container_name(robot, process))
+
+
+async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) -> int:
+    from acromovi.navigation.at_work import NavigationAtWork
+    from acromovi.team.processes import Processes as RealProcesses
+    from acromovi.up import ENDINGS, signals
+    from bus.session import ZenohBus
+
+    def tell(sentence: str) -> None:
+        if not (arguments.json or arguments.quiet):
+            print(sentence, flush=True)
+
+    def complain(sentence: str) -> None:
+        print(f"acromovi navigate up: {sentence}", file=sys.stderr, flush=True)
+
+    asked_to_end = signals(ENDINGS)
+    robot = arguments.robot
+    programs = [program(robot, name, words(arguments), arguments.bus) for name in chosen]
+    with ZenohBus.open(arguments.bus) as bus:
+        await _look_round(bus, robot, chosen, tell)
+        real = await RealProcesses.open(folder)
+        with NavigationAtWork(programs, real.start, bus, complain) as at_work:
+            try:
+                at_work.begin()
+                await _come_up(at_work, asked_to_end)
+                if not asked_to_end.done():
+                    _announce(arguments, chosen, tell)
+                return 128 + await asked_to_end
+            finally:
+                at_work.supervisor.rest()
+                await real.end()
+                await at_work.supervisor.end()
+
+
+async def _come_up(at_work: "NavigationAtWork", asked_to_end: "asyncio.Future[int]") -> None:
+    coming_up = asyncio.ensure_future(at_work.come_up())
+    either: list[asyncio.Future[Any]] = [coming_up, asked_to_end]
+    await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
+    if coming_up.done():
+        coming_up.result()
+    coming_up.cancel()
+
+
+def _announce(arguments: argparse.Namespace, chosen: Processes, tell: Any) -> None:
+    names = {process: [part.local for part in parts] for process, parts in chosen.items()}
+    count = sum(map(len, names.values()))
+    tell(f"{arguments.robot} navigates: {count} components in {', '.join(names)}; Ctrl-C ends them")
+    tell(f"acromovi navigate go {arguments.robot} X Y sends it")
+    if arguments.json:
+        print(json.dumps({"robot": arguments.robot, "processes": names}), flush=True)
+
+
+async def _look_round(bus: "Bus", robot: str, chosen: Processes, tell: Any) -> None:
+    """Refuse to start what is there already, since two of one name would both command; miss the robot aloud.
+
+    Raises:
+        NotUp: A component that is to run here is on this bus.
+    """
+    from acromovi.navigation.at_work import NotUp
+    from bus.keys import ALIVE
+
+    there: set[str] = set()
+    keys = {part.agent(robot).alive_key: part.agent(robot) for parts in chosen.values() for part in parts}
+    watching = [bus.watch_alive(key, lambda key, is_there: there.add(key)) for key in [*keys, ALIVE.key(robot)]]
+    await asyncio.sleep(MEETING_TIME)
+    for each in watching:
+        each.close()
+    if taken := sorted(str(agent) for key, agent in keys.items() if key in there):
+        raise NotUp(f"{taken[0]} is on this bus already; end what runs there first, or use another --bus")
+    if ALIVE.key(robot) not in there:
+        tell(f"{robot} is not on this bus yet; its navigation waits for it")

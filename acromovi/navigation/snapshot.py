@@ -1,0 +1,50 @@
+"""A mission at one moment: what path planning knows, what everybody wants of the wheels, and the robot's outline."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bus.bus import Bus
+
+ENDED = ("done", "failed", "cancelled")
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Answers as they came; empty where nobody answered.
+
+    planning: of path planning's query `picture`. commands: of the fuser's `commands`. body: of the base's `robot`.
+    """
+
+    robot: str
+    planning: Mapping[str, Any] = field(default_factory=dict)
+    commands: Mapping[str, Any] = field(default_factory=dict)
+    body: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """How it stands, in one line."""
+        told = self.planning
+        if not told.get("mission"):
+            return f"{self.robot}: no mission yet"
+        why = f" ({told['why']})" if told.get("why") else ""
+        return f"{self.robot}, {told['mission']}: {told.get('state')}{why}, {told.get('travelled') or 0.0:.1f} m so far"
+
+
+def snapshot(bus: "Bus", robot: str) -> Snapshot:
+    """Take one.
+
+    Raises:
+        NobodyNavigates: There is no path planning for this robot.
+        RequestNotDone: Path planning is there and does not answer.
+    """
+    from acromovi.navigation.components import expect, query
+    from agents.platform.errors import RequestNotDone
+
+    name = expect(bus, robot, "path_planning")
+    planning = query(bus, robot, "path_planning", "picture")
+    if not planning:
+        raise RequestNotDone(f"{name} is there and does not answer; see what it does: acromovi introspect {name}")
+    commands = query(bus, robot, "motion_fuser", "commands")
+    return Snapshot(robot, planning, commands, query(bus, robot, "robot_base_server", "robot"))

@@ -1,0 +1,60 @@
+"""`acromovi navigate wiring`: who tells whom what, drawn from the components that run."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from acromovi.options import add_bus
+from acromovi.sniff import new_file
+
+EPILOG = """\
+examples:
+  acromovi navigate wiring happy wiring.svg
+  acromovi navigate wiring happy wiring.svg --json      and print what each component says of itself
+
+The drawing shows what runs now: a component that has died is missing, and named below.
+
+Exit codes: 0 done, 1 nobody navigates the robot, or the file cannot be written, 2 wrong usage.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
+    parser.add_argument("file", metavar="FILE", type=new_file, help="the SVG to write")
+    parser.add_argument("--json", action="store_true", help="print what the components say of themselves as one object")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Look once, and draw."""
+    from acromovi.navigation.components import NobodyNavigates, descriptions
+    from acromovi.navigation.wiring_picture import Seen, svg
+    from bus.session import ZenohBus
+
+    with ZenohBus.open(arguments.bus) as bus:
+        found = descriptions(bus, arguments.robot)
+    if not found:
+        start = f"start it with: acromovi navigate up {arguments.robot}"
+        raise NobodyNavigates(f"nobody navigates {arguments.robot}; {start}")
+    if arguments.json:
+        print(json.dumps({"robot": arguments.robot, "components": found}))
+    components = []
+    for each in found:
+        try:
+            components.append(Seen.from_description(each))
+        except (LookupError, TypeError, ValueError):
+            print(f"acromovi navigate wiring: {each.get('name')} does not describe its wiring", file=sys.stderr)
+    return write(arguments.file, svg(arguments.robot, components), "wiring")
+
+
+def write(path: Path, text: str, order: str) -> int:
+    """Write a file; the exit code."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as err:
+        print(f"acromovi navigate {order}: {path} cannot be written: {err.strerror}", file=sys.stderr)
+        return 1
+    return 0
