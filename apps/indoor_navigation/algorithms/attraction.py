@@ -1,0 +1,204 @@
+"""Towards the target, always: straight where that is free, else by the free direction that costs the least.
+
+For each of many directions it is reckoned which way the robot would come if it turned there and went on, with all of
+its outline, and what stands in that way. That a robot needs room to turn is thus known, and that it swings its tail.
+"""
+
+from dataclasses import dataclass
+from math import atan2, cos, hypot, inf, pi, sin
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.braking import safe_speed
+from apps.indoor_navigation.algorithms.outline import Outline, runs_into
+from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
+from geometry import wrap_angle
+
+# Directions about the target's, rad: close together where they are likely.
+_ASIDE = np.concatenate((np.arange(5.0, 61.0, 5.0), np.arange(70.0, 131.0, 15.0)))
+DIRECTIONS = np.radians(np.concatenate((-_ASIDE[::-1], [0.0], _ASIDE)))
+# Steps of time, s, in which a way is reckoned at `PACE`: short ones first, since the near is what it meets.
+STEPS = np.array([0.15, 0.15, 0.2, 0.2, 0.25, 0.3, 0.3, 0.35, 0.35, 0.4, 0.4, 0.4, 0.4, 0.4])
+PACE = 0.5  # m/s
+FAR = PACE * float(STEPS.sum())  # m, of the longest way
+ENOUGH = 1.0  # m; a way that is free so far may end
+PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
+BEYOND = 1.0  # m that it goes on beyond it without another order
+
+
+@dataclass(frozen=True, slots=True)
+class AttractionNumbers:
+    """How it steers.
+
+    gain: 1/s, of the turn towards the chosen direction. angular: the fastest, rad/s. margin: m that stay free on each
+    side. comfort: m of clearance that it likes, and from which on it goes at full speed. slowest: m/s, with no more
+    than the margin. deceleration: m/s² to stand at the target. reaction: s until the wheels obey. there: m from the
+    target that are near enough. detour, tightness, unsteadiness, block: what costs how much, beside 1 for a m of way:
+    clearance below comfort, a rad away from the direction chosen last, a way that ends too soon.
+    """
+
+    gain: float = 1.4
+    angular: float = 0.9
+    margin: float = 0.05
+    comfort: float = 0.45
+    cramped: float = 0.18
+    ease: float = 0.3
+    slowest: float = 0.12
+    deceleration: float = 0.22
+    reaction: float = 0.25
+    there: float = 0.04
+    tightness: float = 1.5
+    unsteadiness: float = 0.6
+    block: float = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Speeds:
+    """m/s forward, rad/s counter-clockwise."""
+
+    linear: float = 0.0
+    angular: float = 0.0
+
+
+class Attraction:
+    """Knows the direction that it chose last, so as not to waver."""
+
+    def __init__(self, numbers: AttractionNumbers, outline: Outline) -> None:
+        self._numbers = numbers
+        self._outline = outline
+        self._order = -1
+        self._chosen: float | None = None  # direction in odom, rad
+        self._course: float | None = None  # in odom, on which it passes the target
+
+    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+        """Say how to go on.
+
+        Args:
+            odometry: Where the robot is.
+            target: Where it is to be, in odom.
+            places: x and y of obstacles in the robot's frame, m.
+        """
+        if target.order != self._order:
+            self._order, self._course = target.order, None
+        distance, direction = self._to_target(odometry, target)
+        if distance <= self._numbers.there:
+            return Speeds()
+        return self._towards(odometry, target, distance, direction, places)
+
+    def _to_target(self, odometry: Odometry, target: WorldCoord) -> tuple[float, float]:
+        """How far it is and in which direction, in odom; for one that is to be passed, of a place behind it."""
+        x, y = target.x - odometry.x, target.y - odometry.y
+        distance, direction = hypot(x, y), atan2(y, x)
+        if target.is_last:
+            return distance, direction
+        if self._course is None and distance < PASSING:
+            self._course = direction
+        if self._course is None:
+            return distance + BEYOND, direction
+        left = x * cos(self._course) + y * sin(self._course) + BEYOND
+        return max(0.0, left), self._course
+
+    def _towards(
+        self,
+        odometry: Odometry,
+        target: WorldCoord,
+        distance: float,
+        direction: float,
+        places: tuple[Floats, Floats],
+    ) -> Speeds:
+        bearing = wrap_angle(direction - odometry.heading)
+        ways = _Ways(self._numbers, self._outline, bearing, distance, places)
+        before = None if self._chosen is None else wrap_angle(self._chosen - direction)
+        chosen = ways.best(before)
+        self._chosen = direction + float(DIRECTIONS[chosen])
+        error = wrap_angle(bearing + float(DIRECTIONS[chosen]))
+        return self._speeds(error, target, distance, ways.fastest(chosen, target.speed))
+
+    def _speeds(self, error: float, target: WorldCoord, distance: float, fastest: float) -> Speeds:
+        numbers = self._numbers
+        if target.is_last:
+            fastest = min(fastest, safe_speed(distance, numbers.deceleration, numbers.reaction))
+        # Beside a target that is almost reached its direction means little.
+        gain = numbers.gain * min(1.0, distance / 0.3)
+        angular = max(-numbers.angular, min(numbers.angular, gain * error))
+        return Speeds(fastest * slowing(error), angular)
+
+
+def slowing(error: float) -> float:
+    """The part of its speed with which one goes who looks so far away from where it wants to, rad."""
+    return max(0.0, cos(error)) ** 2 if abs(error) < pi / 2.0 else 0.0
+
+
+class _Ways:
+    """Where each direction would lead.
+
+    A way is free until the outline comes nearer than the margin to something, or, where it is nearer already, nearer
+    than it is.
+    """
+
+    def __init__(
+        self,
+        numbers: AttractionNumbers,
+        outline: Outline,
+        bearing: float,
+        distance: float,
+        places: tuple[Floats, Floats],
+    ) -> None:
+        self._numbers = numbers
+        x, y, heading, gone = _rolled_out(numbers, bearing, distance)
+        left = np.hypot(distance * cos(bearing) - x, distance * sin(bearing) - y)
+        distances = outline.distances((x, y, heading), *places)
+        near = distances.min(axis=-1, initial=inf)
+        is_barred = runs_into(distances, outline.distance(*places), numbers.margin)
+        self._steps = np.where(is_barred.any(axis=1), is_barred.argmax(axis=1), near.shape[1])
+        index = np.maximum(self._steps - 1, 0)
+        rows = np.arange(len(DIRECTIONS))
+        self._free = np.where(self._steps > 0, gone[rows, index], 0.0)
+        self._left = np.where(self._steps > 0, left[rows, index], distance)
+        self._is_open = self._steps == near.shape[1]
+        self._gone, self._near = (
+            gone,
+            np.where(np.arange(near.shape[1]) < np.maximum(self._steps, 1)[:, None], near, inf),
+        )
+
+    def best(self, before: float | None) -> int:
+        """The number of the direction that costs the least; `before` is the last chosen one, from the target's."""
+        numbers = self._numbers
+        tight = np.clip(1.0 - self._near / numbers.comfort, 0.0, 1.0) ** 2
+        tight = (tight + np.clip(1.0 - self._near / numbers.cramped, 0.0, 1.0)) * (1.0 - 0.7 * self._gone / FAR)
+        cost = self._left + numbers.tightness * tight.max(axis=1)
+        cost = cost + np.where(self._is_open, 0.0, numbers.block * np.clip(1.0 - self._free / ENOUGH, 0.0, 1.0))
+        if before is not None:
+            cost = cost + numbers.unsteadiness * (1.0 - np.cos(DIRECTIONS - before))
+        return int(cost.argmin())
+
+    def fastest(self, number: int, cruising: float) -> float:
+        """How fast the robot may be now, m/s, to be slow where the way is narrow, and to stand where it ends."""
+        numbers = self._numbers
+        ease = np.clip((self._near[number] - numbers.margin) / (numbers.ease - numbers.margin), 0.0, 1.0)
+        there = numbers.slowest + max(0.0, cruising - numbers.slowest) * ease
+        before = np.maximum(0.0, self._gone[number] - cruising * numbers.reaction)
+        narrow = float(np.sqrt(there * there + 2.0 * numbers.deceleration * before).min())
+        end = inf if self._is_open[number] else float(self._free[number])
+        return min(cruising, narrow, safe_speed(end, numbers.deceleration, numbers.reaction))
+
+
+def _rolled_out(numbers: AttractionNumbers, bearing: float, distance: float) -> tuple[Floats, Floats, Floats, Floats]:
+    """x, y and heading in the robot's frame, and m gone, after each step towards each direction."""
+    shape = len(DIRECTIONS), len(STEPS)
+    x, y, heading, gone = (np.zeros(shape) for _ in range(4))
+    error = (bearing + DIRECTIONS + pi) % (2.0 * pi) - pi
+    wanted = error.copy()
+    place_x, place_y, way = np.zeros(shape[0]), np.zeros(shape[0]), np.zeros(shape[0])
+    for step, duration in enumerate(STEPS):
+        turned = np.sign(error) * np.minimum(
+            np.abs(error), np.minimum(numbers.gain * np.abs(error), numbers.angular) * duration
+        )
+        forward = np.minimum(
+            PACE * duration * np.where(np.abs(error) < pi / 2.0, np.cos(error), 0.0) ** 2, distance - way
+        )
+        middle = wanted - error + turned / 2.0
+        error = error - turned
+        place_x, place_y, way = place_x + forward * np.cos(middle), place_y + forward * np.sin(middle), way + forward
+        x[:, step], y[:, step], heading[:, step], gone[:, step] = place_x, place_y, wanted - error, way
+    return x, y, heading, gone

@@ -1,0 +1,119 @@
+"""Sonar and laser readings as rays: where each begins, how far it is free, and whether something is at its end."""
+
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.outline import Truths
+from apps.indoor_navigation.data import Floats, LaserRead, ObstRead, SonarRead
+
+SONAR_RANGE = 3.0  # m; what a disc hears from farther away may be anywhere in its cone
+HALF_CONE = 0.35  # rad; sound goes astray about the axis as far as this
+AGREES = 0.2  # m by which a disc may hear something nearer than the laser sees it
+
+
+@dataclass(frozen=True, slots=True)
+class Rays:
+    """Arrays of one length, in odom, m, in the order of their angles.
+
+    hits: whether an obstacle is at the end.
+    """
+
+    origin_x: Floats
+    origin_y: Floats
+    end_x: Floats
+    end_y: Floats
+    hits: Truths
+
+    @classmethod
+    def none(cls) -> "Rays":
+        """Nothing is known."""
+        empty = np.empty(0)
+        return cls(empty, empty, empty, empty, np.empty(0, bool))
+
+    @classmethod
+    def of(cls, obstacles: ObstRead) -> "Rays":
+        """Those that a reading of the obstacles holds."""
+        hits = obstacles.hits > 0.5
+        return cls(obstacles.origin_x, obstacles.origin_y, obstacles.end_x, obstacles.end_y, hits)
+
+    def followed_by(self, other: "Rays") -> "Rays":
+        """Both."""
+        return Rays(
+            np.concatenate((self.origin_x, other.origin_x)),
+            np.concatenate((self.origin_y, other.origin_y)),
+            np.concatenate((self.end_x, other.end_x)),
+            np.concatenate((self.end_y, other.end_y)),
+            np.concatenate((self.hits, other.hits)),
+        )
+
+    def where(self, chosen: Truths) -> "Rays":
+        """Some of them."""
+        return Rays(
+            self.origin_x[chosen], self.origin_y[chosen], self.end_x[chosen], self.end_y[chosen], self.hits[chosen]
+        )
+
+
+def laser_rays(scan: LaserRead, most: int) -> Rays:
+    """A scan as at most so many rays; of beams side by side the shortest stands for all."""
+    together = max(1, -(-len(scan.ranges) // most))
+    count = len(scan.ranges) // together
+    blocks = scan.ranges[: count * together].reshape(count, together)
+    shortest = blocks.argmin(axis=1)
+    ranges = blocks[np.arange(count), shortest]
+    angles = scan.angle_min + (np.arange(count) * together + shortest) * scan.angle_increment
+    x, y, heading = in_odom(scan.pose, *scan.mount)
+    hits = ranges < scan.range_max
+    lengths = np.minimum(ranges, scan.range_max)
+    origin_x, origin_y = np.full(count, x), np.full(count, y)
+    return Rays(
+        origin_x,
+        origin_y,
+        x + lengths * np.cos(heading + angles),
+        y + lengths * np.sin(heading + angles),
+        hits,
+    )
+
+
+def sonar_rays(sonar: SonarRead) -> Rays:
+    """The axes of the discs. Farther than `SONAR_RANGE` they are free and hit nothing."""
+    robot_x, robot_y, robot_heading = sonar.pose
+    c, s = cos(robot_heading), sin(robot_heading)
+    x = robot_x + c * sonar.places_x - s * sonar.places_y
+    y = robot_y + s * sonar.places_x + c * sonar.places_y
+    lengths = np.minimum(sonar.ranges, SONAR_RANGE)
+    directions = robot_heading + sonar.headings
+    return Rays(x, y, x + lengths * np.cos(directions), y + lengths * np.sin(directions), sonar.ranges < SONAR_RANGE)
+
+
+def unexplained(sonar: Rays, laser: Rays) -> Rays:
+    """The axes that say what the laser does not.
+
+    A disc hears the nearest thing in a wide cone, a door's frame beside the axis, say. Where the laser sees something
+    in the cone that is as near, it knows better where that is; and where it sees across the whole cone, the axis adds
+    nothing to what is free. What is left is what is too low or too clear for the laser, or where it does not look.
+    """
+    if not len(laser.end_x) or not len(sonar.end_x):
+        return sonar
+    length = np.hypot(sonar.end_x - sonar.origin_x, sonar.end_y - sonar.origin_y)
+    axis = np.arctan2(sonar.end_y - sonar.origin_y, sonar.end_x - sonar.origin_x)
+    x, y = laser.end_x - sonar.origin_x[:, None], laser.end_y - sonar.origin_y[:, None]
+    c, s = np.cos(axis)[:, None], np.sin(axis)[:, None]
+    is_in_cone = np.abs(np.arctan2(c * y - s * x, c * x + s * y)) <= HALF_CONE
+    is_as_near = np.hypot(x, y) <= length[:, None] + AGREES
+    is_seen = (is_in_cone & is_as_near & laser.hits).any(axis=1)
+    return sonar.where(~np.where(sonar.hits, is_seen, is_in_cone.sum(axis=1) > 2))
+
+
+def in_odom(pose: tuple[float, float, float], x: float, y: float, heading: float) -> tuple[float, float, float]:
+    """A place on the robot, in odom."""
+    c, s = cos(pose[2]), sin(pose[2])
+    return pose[0] + c * x - s * y, pose[1] + s * x + c * y, pose[2] + heading
+
+
+def in_robot(pose: tuple[float, float, float], x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Points in odom, in the frame of a robot that is there."""
+    c, s = cos(pose[2]), sin(pose[2])
+    along, across = x - pose[0], y - pose[1]
+    return c * along + s * across, c * across - s * along

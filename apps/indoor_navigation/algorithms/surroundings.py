@@ -1,0 +1,101 @@
+"""What is known to stand near the robot: all that is seen now, and for a while what was seen and left the view.
+
+A scanner looks ahead. A robot that is half through a door has the frame beside it, where nothing sees it any more, and
+must not turn as if it were gone.
+"""
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.outline import Truths
+from apps.indoor_navigation.algorithms.rays import Rays, in_robot
+from apps.indoor_navigation.data import Floats
+
+NEAR = 2.5  # m from the robot; what is farther away is of no concern yet
+KEPT = 15.0  # s for which something is believed to be where nobody looks
+BESIDE = 1.2  # m from the robot, likewise
+IN_VIEW = 0.03  # m between a ray and a place of which it knows better
+MOST = 120  # places that are remembered
+
+# Something slender that stands alone may be a leg, and there is more of a person above it.
+SLENDER = 0.25  # m
+ALONE = 0.25  # m to what is seen on both sides of it
+BODY = 0.22  # m about it
+RING = np.linspace(-np.pi, np.pi, 8, endpoint=False)
+
+
+class Surroundings:
+    """Places in odom where obstacles are."""
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """The robot's pose was set anew, and places say nothing any more."""
+        self._x = self._y = self._seen_at = np.empty(0)
+        self._last = Rays.none()
+
+    def see(self, stamp: float, rays: Rays) -> None:
+        """Take all that sensors see at s of any clock, and let go what they prove to be gone."""
+        is_sure = self._last.hits & _is_of_eye(self._last)
+        x, y = self._last.end_x[is_sure], self._last.end_y[is_sure]
+        x, y = np.concatenate((self._x, x)), np.concatenate((self._y, y))
+        seen_at = np.concatenate((self._seen_at, np.full(len(x) - len(self._x), stamp)))
+        is_kept = np.asarray((stamp - seen_at < KEPT) & (stamp >= seen_at))
+        if len(rays.end_x):
+            middle = rays.origin_x.mean(), rays.origin_y.mean()
+            is_kept &= np.hypot(x - middle[0], y - middle[1]) < BESIDE
+            x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
+            is_kept = ~_are_in_view(rays, x, y)
+        chosen = np.flatnonzero(is_kept)[-MOST:]
+        self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
+        self._last = rays
+
+    def places(self, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
+        """x and y in the frame of a robot that is at a pose in odom, no farther than `NEAR`."""
+        hits = self._last.hits
+        ring_x, ring_y = _about_slender(self._last)
+        x = np.concatenate((self._last.end_x[hits], self._x, ring_x))
+        y = np.concatenate((self._last.end_y[hits], self._y, ring_y))
+        x, y = in_robot(pose, x, y)
+        is_near = x * x + y * y < NEAR * NEAR
+        return x[is_near], y[is_near]
+
+
+def _is_of_eye(rays: Rays) -> Truths:
+    """Which are the scanner's. A disc's echo comes from somewhere in its cone; it has no shape, nor a sure place."""
+    if not len(rays.end_x):
+        return rays.hits
+    are = np.asarray((rays.origin_x == rays.origin_x[0]) & (rays.origin_y == rays.origin_y[0]))
+    return are if are.sum() > 1 else np.zeros_like(are)
+
+
+def _are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
+    """Which of some places a ray runs to, through, or against something before: what it has seen is what counts."""
+    along_x, along_y = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
+    length = np.hypot(along_x, along_y)
+    length[length == 0.0] = np.inf
+    unit_x, unit_y = along_x / length, along_y / length
+    from_x, from_y = x[:, None] - rays.origin_x, y[:, None] - rays.origin_y
+    is_ahead = from_x * unit_x + from_y * unit_y > 0.0
+    across = np.abs(from_y * unit_x - from_x * unit_y)
+    return np.asarray((is_ahead & (across < IN_VIEW)).any(axis=1))
+
+
+def _about_slender(rays: Rays) -> tuple[Floats, Floats]:
+    """Places about each slender thing that stands alone, where the rest of a person would be."""
+    rays = rays.where(_is_of_eye(rays))
+    if len(rays.end_x) < 3:
+        return np.empty(0), np.empty(0)
+    depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
+    steps = np.abs(np.diff(depth))
+    apart = np.hypot(np.diff(rays.end_x), np.diff(rays.end_y)) > ALONE
+    starts = np.concatenate(([0], np.flatnonzero(apart | (steps > ALONE)) + 1))
+    ends = np.concatenate((starts[1:], [len(depth)])) - 1
+    inner = (starts > 0) & (ends < len(depth) - 1)
+    starts, ends = starts[inner], ends[inner]
+    is_nearer = (depth[starts - 1] > depth[starts] + ALONE) & (depth[ends + 1] > depth[ends] + ALONE)
+    is_slender = np.hypot(rays.end_x[ends] - rays.end_x[starts], rays.end_y[ends] - rays.end_y[starts]) < SLENDER
+    chosen = is_nearer & is_slender & rays.hits[starts]
+    x = (rays.end_x[starts[chosen]] + rays.end_x[ends[chosen]]) / 2.0
+    y = (rays.end_y[starts[chosen]] + rays.end_y[ends[chosen]]) / 2.0
+    return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()

@@ -1,0 +1,89 @@
+"""Drive to where one is told, round what is in the way."""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers, Speeds
+from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.algorithms.surroundings import Surroundings
+from apps.indoor_navigation.component import Role, hears, is_told
+from apps.indoor_navigation.components.embodied import Embodied
+from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, Odometry, WorldCoord
+
+GO = "go"
+
+
+@dataclass(frozen=True, slots=True)
+class GotoNumbers:
+    """max_age: s between pose and obstacles, beyond which it stands rather than go by what is old."""
+
+    max_age: float = 0.6
+    attraction: AttractionNumbers = field(default_factory=AttractionNumbers)
+
+
+class Steering(Protocol):
+    """What finds the way from reading to reading."""
+
+    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+        """Say how to go on; places are the x and y of obstacles in the robot's frame, m."""
+        ...
+
+
+class Goto(Embodied):
+    """Wants the robot at the place that it was told last, with each pose and each reading of obstacles."""
+
+    role = Role.REACTIVE
+    gives = (MotionCmd,)
+    numbers_type = GotoNumbers
+
+    async def setup(self) -> None:
+        """Know nothing yet."""
+        self._surroundings = Surroundings()
+        self._target: WorldCoord | None = None
+        self._odometry: Odometry | None = None
+        self._seen_at = float("-inf")
+        await super().setup()
+
+    def embody(self, outline: Outline) -> None:
+        """From now on it can steer."""
+        self._steering = self.steering(outline)
+
+    def steering(self, outline: Outline) -> Steering:
+        """What steers a robot with this outline."""
+        return Attraction(self.numbers.attraction, outline)
+
+    @is_told(WorldCoord)
+    async def go(self, target: WorldCoord) -> None:
+        """There, unless there was a later order."""
+        if self._target is None or target.order >= self._target.order:
+            self._target = target
+
+    @hears(ObstRead)
+    async def mind(self, obstacles: ObstRead) -> None:
+        """What is in the way now."""
+        self._surroundings.see(obstacles.stamp, Rays.of(obstacles))
+        self._seen_at = obstacles.stamp
+        self._push()
+
+    @hears(Odometry)
+    async def follow(self, odometry: Odometry) -> None:
+        """The robot is there now."""
+        if self._odometry is not None and odometry.jumps != self._odometry.jumps:
+            self._surroundings.forget()
+            self._seen_at = float("-inf")
+        self._odometry = odometry
+        self._push()
+
+    def _push(self) -> None:
+        if self._odometry is None or self._target is None or self.outline is None:
+            return
+        stamp = max(self._odometry.stamp, self._seen_at)
+        if self._target.aim != GO:
+            self.push(MotionCmd(stamp, self.name.local, 0.0, 0.0, 0.0))
+            return
+        speeds = Speeds()
+        if abs(self._odometry.stamp - self._seen_at) <= self.numbers.max_age:
+            pose = self._odometry.x, self._odometry.y, self._odometry.heading
+            speeds = self._steering.steer(self._odometry, self._target, self._surroundings.places(pose))
+        self.push(MotionCmd(stamp, self.name.local, speeds.linear, speeds.angular, 1.0))

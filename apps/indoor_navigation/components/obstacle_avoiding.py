@@ -1,0 +1,89 @@
+"""Keep the robot from touching anything, whatever the others want."""
+
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
+from apps.indoor_navigation.algorithms.rays import in_robot
+from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
+from apps.indoor_navigation.algorithms.surroundings import Surroundings
+from apps.indoor_navigation.algorithms.walkers import moved
+from apps.indoor_navigation.component import Role, hears
+from apps.indoor_navigation.components.embodied import Embodied
+from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Odometry, SonarRead
+
+WALKER_AGE = 0.5  # s for which somebody who walked is minded
+
+
+@dataclass(frozen=True, slots=True)
+class AvoidingNumbers:
+    """What it believes, and how it avoids."""
+
+    senses: SensesNumbers = field(default_factory=SensesNumbers)
+    avoidance: AvoidanceNumbers = field(default_factory=AvoidanceNumbers)
+
+
+class ObstacleAvoiding(Embodied):
+    """Says with each reading of sonar or laser how to keep clear, and how fast is safe."""
+
+    role = Role.REACTIVE
+    gives = (MotionCmd,)
+    numbers_type = AvoidingNumbers
+
+    async def setup(self) -> None:
+        """Know nothing yet."""
+        self._senses = Senses(self.numbers.senses)
+        self._surroundings = Surroundings()
+        self._odometry: Odometry | None = None
+        self._before: LaserRead | None = None
+        self._walkers: tuple[Floats, Floats] = np.empty(0), np.empty(0)
+        self._walked_at = -inf
+        await super().setup()
+
+    @hears(Odometry)
+    async def follow(self, odometry: Odometry) -> None:
+        """So fast is the robot now."""
+        if self._odometry is not None and odometry.jumps != self._odometry.jumps:
+            self._senses.forget()
+            self._surroundings.forget()
+            self._before = None
+        self._odometry = odometry
+
+    @hears(SonarRead)
+    async def listen_around(self, sonar: SonarRead) -> None:
+        """Avoid what the sonar hears."""
+        self._senses.take(sonar)
+        self._push()
+
+    @hears(LaserRead)
+    async def look(self, scan: LaserRead) -> None:
+        """Avoid what the laser sees, and most of all what moves."""
+        if self._before is not None:
+            walkers = moved(scan, self._before)
+            if len(walkers[0]):
+                self._walkers, self._walked_at = walkers, scan.stamp
+        self._before = scan
+        self._senses.take(scan)
+        self._push()
+
+    def _push(self) -> None:
+        if self._odometry is None or self.outline is None:
+            return
+        stamp, pose = self._senses.stamp, self._senses.pose
+        rays = self._senses.rays()
+        if not len(rays.end_x):
+            return  # blind; the fuser holds the robot when nothing comes
+        self._surroundings.see(stamp, rays)
+        is_recent = 0.0 <= stamp - self._walked_at < WALKER_AGE
+        push = avoid(
+            self.numbers.avoidance,
+            self.outline,
+            self._surroundings.places(pose),
+            in_robot(pose, *(self._walkers if is_recent else (np.empty(0), np.empty(0)))),
+            self._odometry.linear,
+            self._odometry.angular,
+            has_laser=self._senses.laser is not None,
+        )
+        self.push(MotionCmd(stamp, self.name.local, push.linear, push.angular, push.weight, push.limit))
