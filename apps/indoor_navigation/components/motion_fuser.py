@@ -16,7 +16,7 @@ from apps.indoor_navigation.data import Data, MotionCmd
 from bus import MessageError, Sample
 from bus.messages import decode_json
 
-AT_ONCE = 3  # pushes that may follow one another without a pause, after as many that were not needed
+AT_ONCE = 4  # pushes that may follow one another without a pause, after as many that were not needed
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class FuserNumbers:
     """
 
     period: float = 0.05
-    soonest: float = 0.01
+    soonest: float = 0.02
     fusion: FusionNumbers = field(default_factory=FusionNumbers)
 
 
@@ -92,7 +92,8 @@ class MotionFuser(Component):
         with suppress(TimeoutError):
             async with asyncio.timeout_at(self._fused_at + self.numbers.period):
                 await self._inbox.news.wait()
-        await asyncio.sleep(self._due - self._now)
+        if (pause := self._due - self._now) > 0.0:
+            await asyncio.sleep(pause)
         self._fused_at = began = self._now
         self._due = max(self._due, began - AT_ONCE * self.numbers.soonest) + self.numbers.soonest
         for sample, heard_at in self._inbox.read().values():
