@@ -25,6 +25,7 @@ GROUPS = {
     "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
     "fuser": "what fusing a thousand commands a second costs, and whether an old one is ever used",
     "navigation_latency": "from a scan or sonar message to the fused command, all components in processes of their own",
+    "doors": "doors found in generated laser scans, and the time that one scan takes",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

@@ -1,0 +1,54 @@
+"""What is common to all door-like exits."""
+
+from dataclasses import dataclass
+from math import hypot
+
+
+@dataclass(frozen=True, slots=True)
+class DoorNumbers:
+    """What counts as a door-like exit. Lengths in m.
+
+    narrowest, widest: of an opening; slack: by which it may be measured too narrow. usual: what is wider is no door but
+    the mouth of a corridor. clear: free beyond it, at least.
+    beams: that go through and so far, at least. share: of the beams that come to the opening, that must. echoes: of
+    those that go through, that must meet something in the end: where there is no echo at all, it may as well be black.
+    wall: in view, both sides together, at least. least_wall, mouth_wall: on either side, of a door and of a mouth.
+    open_wall, hidden_wall, free_wall: on one side at least, of a wall that ends in the open, where its other end is at
+    a corner, hidden, and in the open, too. corridor_wall: of either wall of a corridor that ends, as part of its width.
+    """
+
+    narrowest: float = 0.8
+    widest: float = 2.4
+    usual: float = 1.6
+    slack: float = 0.03
+    clear: float = 1.0
+    beams: int = 6
+    share: float = 0.5
+    echoes: float = 0.2
+    wall: float = 0.95
+    least_wall: float = 0.05
+    mouth_wall: float = 0.6
+    open_wall: float = 0.85
+    hidden_wall: float = 1.1
+    free_wall: float = 1.5
+    corridor_wall: float = 0.75
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """An exit in the scanner's frame: its jambs, the unit normal away from the scanner, confidence."""
+
+    left: tuple[float, float]
+    right: tuple[float, float]
+    normal: tuple[float, float]
+    confidence: float
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Half-way between the jambs."""
+        return (self.left[0] + self.right[0]) / 2.0, (self.left[1] + self.right[1]) / 2.0
+
+    @property
+    def width(self) -> float:
+        """From jamb to jamb, m."""
+        return hypot(self.left[0] - self.right[0], self.left[1] - self.right[1])
