@@ -12,7 +12,9 @@ from p2os_emu.world.spec import WALL_HEIGHT, Block, WallEntry, WorldSpec
 
 LINE_THICKNESS = 0.02  # a line of a map is the face of a wall, whichever side one sees it from
 POINT_CELL = 0.05  # m; points closer together than this are one obstacle
-STARTS = ("RobotHome", "Dock", "Goal")
+GOAL = "Goal"
+"""Kind of places where robots are sent; its name is the place's."""
+STARTS = ("RobotHome", "Dock", GOAL)
 """Kinds of places where robots may begin, best first."""
 REFLECTOR = "Reflector"
 BOXES = ("Sim.BoxObstacle", "BoxObstacle")
@@ -23,7 +25,7 @@ BOX_FRICTION = 0.3
 
 
 def world_of(file: MapFile, name: str) -> WorldSpec:
-    """Make a world: robots start at RobotHome, else at a dock or a goal, else at the origin."""
+    """Make a world: robots start at RobotHome, else at a dock or a goal, else at the origin; goals are places."""
     walls = [block for line in file.lines for block in _wall(line)]
     if not file.lines:
         walls += _rows_of_cells(file.points)
@@ -34,7 +36,14 @@ def world_of(file: MapFile, name: str) -> WorldSpec:
         for block in _wall(cairn.extent, reflector=True)
     ]
     starts = tuple(cairn.pose for kind in STARTS for cairn in file.places(kind))
-    return WorldSpec(name, f"ARIA map {name}", tuple(walls), starts=starts or (Pose2D(),), objects=tuple(_boxes(file)))
+    return WorldSpec(
+        name,
+        f"ARIA map {name}",
+        tuple(walls),
+        starts=starts or (Pose2D(),),
+        objects=tuple(_boxes(file)),
+        places={cairn.name: (cairn.pose.x, cairn.pose.y) for cairn in file.places(GOAL) if cairn.name},
+    )
 
 
 def _wall(line: Segment, reflector: bool = False) -> Iterable[Block]:

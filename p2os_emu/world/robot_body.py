@@ -168,8 +168,8 @@ class RobotBody:
         (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = self._joints()
         powered, strongest = self._target is not None, self._strongest
         contacts = self._hull_contacts()
-        self.touched = {*contacts, *self._bumped_by_links()} if self.links else contacts.keys()
-        front, rear = self._bumpers(contacts)
+        self.touched = {*contacts, *self._bumped_by_links()} if self.links else contacts
+        front, rear = self._bumpers(contacts) if contacts else (0, 0)
         if self._gripper is not None:
             self._gripper.follow()
         self._state = BodyState(
@@ -221,9 +221,9 @@ class RobotBody:
         """Where the hull touches what, m in the world, by body id; the floor does not count."""
         touched: dict[int, list[Point]] = {}
         for contact in engine.getContactPoints(bodyA=self.body_id, linkIndexA=HULL, physicsClientId=self._client):
-            other, place, distance = contact[2], contact[5], contact[8]
-            if other != self._floor_id and distance <= 0.0:
-                touched.setdefault(other, []).append(place[:2])
+            other = contact[2]
+            if other != self._floor_id and contact[8] <= 0.0:  # their distance
+                touched.setdefault(other, []).append(contact[5][:2])
         return touched
 
     def _bumped_by_links(self) -> Iterator[int]:
@@ -236,7 +236,7 @@ class RobotBody:
     def _bumpers(self, touched: Mapping[int, Sequence[Point]]) -> tuple[int, int]:
         """Pressed segments in front and behind."""
         front = rear = 0
-        if touched and (self.model.front_bumpers or self.model.rear_bumpers):
+        if self.model.front_bumpers or self.model.rear_bumpers:
             pose = self.pose
             for places in touched.values():
                 local = [pose.locate(x, y) for x, y in places]

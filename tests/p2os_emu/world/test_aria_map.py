@@ -56,3 +56,8 @@ def test_robots_start_at_home_then_docks_then_goals() -> None:
     spec = world("".join(f'Cairn: {cairn} "" ICON ""\n' for cairn in cairns))
     assert [start.x for start in spec.starts] == [3.0, 2.0, 1.0]
     assert world("").starts == (Pose2D(),)
+
+
+def test_goals_with_names_are_places() -> None:
+    spec = world('Cairn: Goal 1000 -500 90 "" ICON "desk"\nCairn: Goal 0 0 0 "" ICON ""\nLINES\n0 0 4000 0')
+    assert spec.places == {"desk": (1.0, -0.5)}

@@ -9,7 +9,7 @@ import pytest
 from geometry import Pose2D
 from p2os.robot_model import RobotModel
 from p2os_emu.fit import Fit
-from p2os_emu.world import STEP, Block, RobotBody, World, WorldError, WorldSpec, load_world
+from p2os_emu.world import STEP, Block, MovingDoor, Person, RobotBody, World, WorldError, WorldSpec, load_world
 from p2os_emu.world.movable import Movable, Shape
 
 Models = Callable[[str], RobotModel]
@@ -41,6 +41,19 @@ def test_each_sensor_of_a_powerbot_sees_what_stands_before_it(
     world.place("robot", Pose2D(-0.2))
     drive(world, body, 0.0, 0.1)
     assert body.state.infrared == 0xFF
+
+
+def test_infrared_sees_people_and_shut_doors(model: Models, make_world: MakeWorld) -> None:
+    shape = model("powerbot-sh")
+    ahead = shape.length_front + 0.2
+    person = Person("Anna", ((ahead + 0.1, 0.0), (ahead + 0.1, 5.0)), speed=1.0)
+    door = MovingDoor("door", (ahead, -1.0), (ahead, 1.0), is_open=False)
+    for spec in (WorldSpec("street", people=(person,)), WorldSpec("gate", moving_doors=(door,))):
+        world = make_world(spec)
+        body = world.add_robot("robot", shape, Pose2D(-0.3))
+        world.place("robot", Pose2D(0.0))
+        world.step()
+        assert body.state.infrared != 0xFF
 
 
 def test_the_first_sensor_of_a_powerbot_is_the_rightmost(model: Models) -> None:
