@@ -28,7 +28,7 @@ class FuserNumbers:
     """
 
     period: float = 0.05
-    soonest: float = 0.02
+    soonest: float = 0.015
     fusion: FusionNumbers = field(default_factory=FusionNumbers)
 
 
