@@ -88,7 +88,7 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
     Raises:
         NotAllowed: A secure bus does not let this program ask agents.
     """
-    async with _asker(bus, peer) as agent:
+    async with asker(bus, peer) as agent:
         return await agent.request(peer, request, reply_within=within, **given)
 
 
@@ -99,13 +99,18 @@ async def follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]
         NotAllowed: A secure bus does not let this program ask agents.
         RequestNotDone: It was refused, or has failed.
     """
-    async with _asker(bus, peer) as agent, agent.subscribe(peer, name, **given) as values:
+    async with asker(bus, peer) as agent, agent.subscribe(peer, name, **given) as values:
         async for value in values:
             print(json.dumps(value, ensure_ascii=False), flush=True)
 
 
 @asynccontextmanager
-async def _asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
+async def asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
+    """An agent that lives for the questions of one block.
+
+    Raises:
+        NotAllowed: A secure bus does not let this program ask agents.
+    """
     from agents.platform.agent import Agent
     from agents.platform.container import Container
     from agents.platform.names import PASSER_BY, AgentName

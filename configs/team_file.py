@@ -16,6 +16,7 @@ class TeamRobot:
     fit: its accessories, as `--fit` writes them; of a real robot, what is bolted onto it.
     laser, arm, camera: where those of a real robot are plugged in.
     link: of an emulated one, where it differs from the team's.
+    navigation: whether its indoor navigation is started with the team, as `acromovi navigate up` does.
     at_m, heading_deg: where it begins in an emulated world; left to the world without them.
     """
 
@@ -27,6 +28,7 @@ class TeamRobot:
     arm: str | None = None
     camera: str | None = None
     link: str | None = None
+    navigation: bool = False
     at_m: tuple[float, float] | None = None
     heading_deg: float = 0.0
 

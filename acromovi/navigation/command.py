@@ -6,6 +6,11 @@ from importlib import import_module
 # Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
 ORDERS = {
     "up": ("acromovi.navigation.launch", "Start the components for a robot, and end them with Ctrl-C"),
+    "go": ("acromovi.navigation.going", "Send a robot to a place"),
+    "cancel": ("acromovi.navigation.cancelling", "End the mission of a robot, which stops"),
+    "state": ("acromovi.navigation.standing", "Say how a robot's mission stands"),
+    "log": ("acromovi.navigation.log", "Print what a robot tells of its missions"),
+    "watch": ("acromovi.navigation.watch", "Follow a mission in this terminal: state, map and log"),
     "picture": ("acromovi.navigation.picture", "Draw the mission as it stands"),
     "wiring": ("acromovi.navigation.wiring_command", "Draw the components that run, and who tells whom what"),
     "process": ("acromovi.navigation.one_process", "Run one process of the navigation; `up` starts these"),
@@ -13,6 +18,8 @@ ORDERS = {
 EPILOG = """\
 examples:
   acromovi navigate up happy                 start the navigation of the robot happy, until Ctrl-C
+  acromovi navigate go happy 6 2.5 --wait    send it, from another terminal, and see how that ends
+  acromovi navigate watch happy
   acromovi navigate picture happy now.svg
   acromovi navigate ORDER --help             more about one of them
 

@@ -14,7 +14,6 @@ from acromovi.options import add_bus
 
 if TYPE_CHECKING:
     from acromovi.navigation.at_work import NavigationAtWork
-    from acromovi.team.plan import Program
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
@@ -86,17 +85,9 @@ def of_names(known: Processes, wanted: list[str]) -> Processes:
     return {name: parts for name, parts in known.items() if name in (wanted or known)}
 
 
-def program(robot: str, process: str, options: list[str], bus: str) -> "Program":
-    """One process."""
-    from acromovi.navigation.wired import container_name
-    from acromovi.team.plan import Program, Stage
-
-    command = (sys.executable, "-m", "acromovi", "navigate", "process", robot, process, *options, "--bus", bus)
-    return Program(f"{process} of {robot}", Stage.AGENTS, (*command, "--json"), robot, container_name(robot, process))
-
-
 async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) -> int:
     from acromovi.navigation.at_work import NavigationAtWork
+    from acromovi.team.plan import navigation_process
     from acromovi.team.processes import Processes as RealProcesses
     from acromovi.up import ENDINGS, signals
     from bus.session import ZenohBus
@@ -110,7 +101,7 @@ async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) 
 
     asked_to_end = signals(ENDINGS)
     robot = arguments.robot
-    programs = [program(robot, name, words(arguments), arguments.bus) for name in chosen]
+    programs = [navigation_process(robot, name, words(arguments), arguments.bus) for name in chosen]
     with ZenohBus.open(arguments.bus) as bus:
         await _look_round(bus, robot, chosen, tell)
         real = await RealProcesses.open(folder)

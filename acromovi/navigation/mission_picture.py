@@ -138,7 +138,7 @@ def _draw_robot(axes: "Axes", shot: Snapshot) -> None:
         return
     xs, ys = zip(*_placed(outline(shot.body), pose), strict=True)
     axes.fill(xs, ys, color=ROBOT, alpha=0.35, linewidth=0)
-    axes.plot(xs, ys, color=ROBOT, linewidth=1.2, label=str(shot.body.get("model", "robot")))
+    axes.plot(xs, ys, color=ROBOT, linewidth=1.2, label=_plain(str(shot.body.get("model", "robot"))))
     for name, colour, width, command in _commands(shot):
         points = list(_placed(_motion(command), pose))
         if name == "fused" and len(points) > 1:
@@ -190,7 +190,7 @@ def _said(name: str, command: Mapping[str, Any]) -> str:
     weight = f"weight {command['weight']:.2g}" if name != "fused" and command["weight"] else ""
     wants = f"{command['linear']:.2f} m/s, {command['angular']:+.2f} rad/s" if command["weight"] else "nothing"
     more = ", ".join(filter(None, (weight, limit)))
-    return f"{name}: {wants}" + (f"\n{more}" if more else "")
+    return _plain(f"{name}: {wants}" + (f"\n{more}" if more else ""))
 
 
 def _motion(command: Mapping[str, Any]) -> Points:
@@ -225,4 +225,9 @@ def _arrow(colour: str, width: float) -> dict[str, Any]:
 def _wrapped(title: str) -> str:
     from textwrap import fill
 
-    return fill(title, 100)
+    return _plain(fill(title, 100))
+
+
+def _plain(text: str) -> str:
+    """Without what would be set as a formula."""
+    return text.replace("$", r"\$")

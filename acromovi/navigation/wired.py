@@ -1,6 +1,7 @@
 """Which components run in which process, as the wiring file and the command line say."""
 
 import argparse
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,8 +58,6 @@ def processes(arguments: argparse.Namespace) -> Processes:
 
 def words(arguments: argparse.Namespace) -> list[str]:
     """The same options again, for a command line."""
-    import json
-
     given = ["--processes", arguments.processes]
     given += ["--wiring", str(arguments.wiring.absolute())] if arguments.wiring else []
     for key, value in arguments.changes:

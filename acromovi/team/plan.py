@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import configs
 from acromovi.team.identities import robots_key, teams_key
@@ -16,6 +16,9 @@ from bus.secure import Profile
 from configs import ConfigError
 from configs.team_file import TeamFile, TeamRobot
 from p2os_emu.links.profile import LinkProfile
+
+if TYPE_CHECKING:
+    from apps.indoor_navigation.wiring import Wiring
 
 SERVICES = "services"  # the container of the team's own agents
 EMULATED = "emulated = true\n"
@@ -106,6 +109,8 @@ def load_team(name: str, only: Sequence[str] = ()) -> Team:
         _check(robot, path, names)
     for service in file.services:
         _check_service(service, path)
+    if any(robot.navigation for robot in file.robots):
+        _wiring()
     for wanted in only:
         if wanted not in names:
             raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
@@ -150,6 +155,19 @@ def container(robot: str, choices: Choices) -> Program:
     """The container of a robot's agents."""
     words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
     return Program(f"the container of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=robot)
+
+
+def navigation(robot: str, choices: Choices) -> list[Program]:
+    """The processes of a robot's indoor navigation, as its wiring has them."""
+    bus = choices.bus_of(robots_key(robot))
+    return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
+
+
+def navigation_process(robot: str, process: str, options: Sequence[str], bus: str) -> Program:
+    """One of these processes. options: of the wiring, for a command line."""
+    words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
+    name = f"{robot}-{process}"
+    return Program(f"{process} of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=name)
 
 
 def services(team: Team, choices: Choices) -> Program:
@@ -208,6 +226,12 @@ def _check_service(name: str, path: Path) -> None:
 
     if name not in KINDS:
         raise ConfigError(f"{path}: there is no service {name!r}; {_nearest(name, tuple(KINDS), 'the services')}")
+
+
+def _wiring() -> "Wiring":
+    from apps.indoor_navigation.wiring import load_wiring  # late: few teams navigate
+
+    return load_wiring()
 
 
 def _nearest(name: str, names: Collection[str], whose: str = "its robots") -> str:

@@ -177,11 +177,17 @@ class TeamAtWork(Closeable):
     def _add_gateway(self, robot: TeamRobot, ports: dict[str, Any]) -> None:
         self._queue.add(plan.gateway(self._team, robot, ports, self._folder, self._choices))
 
+    def _add_agents(self, robot: str) -> None:
+        self._queue.add(plan.container(robot, self._choices))
+        if any(each.name == robot and each.navigation for each in self._team.robots):
+            for program in plan.navigation(robot, self._choices):
+                self._queue.add(program)
+
     def _gateway_said(self, robot: str, event: str, said: dict[str, Any]) -> None:
         match event:
             case "connected":
                 self._readiness.connected(robot, self._loop.time())
-                self._queue.add(plan.container(robot, self._choices))
+                self._add_agents(robot)
                 self._tell_of_return(robot)
             case "waiting":
                 self._complain(f"{robot} is not there yet: waiting for {said.get('port')}")

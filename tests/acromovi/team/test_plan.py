@@ -100,6 +100,16 @@ def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_
     assert happy.stage is services.stage is Stage.AGENTS
 
 
+def test_a_robot_that_navigates_has_the_processes_of_its_wiring(file: Path) -> None:
+    file.write_text(DWARFS.replace('model = "p2dx"', 'model = "p2dx"\nnavigation = true'))
+    team = load_team(str(file))
+    assert [robot.name for robot in team.robots if robot.navigation] == ["grumpy"]
+    programs = plan.navigation("grumpy", Choices("lan"))
+    assert "grumpy-hardware" in [program.container for program in programs]
+    assert all(program.stage is Stage.AGENTS and program.robot == "grumpy" for program in programs)
+    assert programs[0].command[3:] == ("navigate", "process", "grumpy", "hardware", "--bus", "lan", "--json")
+
+
 def test_services_are_given_the_properties_of_the_teams_file(file: Path) -> None:
     file.write_text(DWARFS + '[services.arbiter]\naudit_file = "who moved what.jsonl"\n')
     services = plan.services(load_team(str(file)), Choices())

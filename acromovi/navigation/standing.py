@@ -1,0 +1,62 @@
+"""`acromovi navigate state`: how a robot's mission stands."""
+
+import argparse
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from acromovi.options import add_bus
+
+EPILOG = """\
+examples:
+  acromovi navigate state happy
+  acromovi navigate state happy --json
+      {"mission": NAME, "state": STATE, "why": TEXT, "since": S, "goal": {...}, "sub_target": [X, Y], "travelled": M,
+       "pose": [X, Y, HEADING]}
+
+STATE is idle, turning, going, passing a door, waiting, re-planning, done, failed or cancelled.
+
+Exit codes: 0 done, whatever the state, 1 nobody navigates the robot (the reason is on stderr), 2 wrong usage.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
+    parser.add_argument("--json", action="store_true", help="one JSON object")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask once."""
+    from acromovi.navigation.components import ask, expect
+    from bus.session import ZenohBus
+
+    with ZenohBus.open(arguments.bus) as bus:
+        told = ask(bus, expect(bus, arguments.robot), "state").value()
+    print(json.dumps(told) if arguments.json else "\n".join(lines(told)))
+    return 0
+
+
+def lines(told: Mapping[str, Any]) -> Iterator[str]:
+    """It for people."""
+    if not told.get("mission"):
+        yield "no mission yet"
+        return
+    why = f": {told['why']}" if told.get("why") else ""
+    yield f"{told['mission']}: {told['state']}{why}, for {told.get('since') or 0.0:.0f} s"
+    goal = told.get("goal") or {}
+    if goal.get("x") is not None:
+        yield f"goal         {place(goal['x'], goal['y'], goal.get('heading'))}"
+    if told.get("sub_target"):
+        yield f"sub-target   {place(*told['sub_target'])}"
+    if told.get("pose"):
+        yield f"robot        {place(*told['pose'])}"
+    yield f"travelled    {told.get('travelled') or 0.0:.1f} m"
+
+
+def place(x: float, y: float, heading: float | None = None) -> str:
+    """A place in odom, for people."""
+    looks = f", heading {heading:.2f} rad" if heading is not None else ""
+    return f"x {x:.2f} m, y {y:.2f} m{looks}"

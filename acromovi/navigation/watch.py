@@ -1,0 +1,137 @@
+"""`acromovi navigate watch`: a mission in a terminal: state, map and log."""
+
+import argparse
+import asyncio
+import shutil
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+from acromovi.navigation.log import line, messages
+from acromovi.navigation.standing import lines
+from acromovi.options import add_bus
+
+if TYPE_CHECKING:
+    from agents.platform import Agent, AgentName
+    from bus.bus import Bus
+
+PERIOD = 0.5  # s between two looks
+LOGGED = 6  # messages that are shown
+HOME, CLEAR_REST, CLEAR_TO_END_OF_LINE = "\x1b[H", "\x1b[J", "\x1b[K"
+ALTERNATE, NORMAL = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"  # a screen of its own, and the one before
+MARKS = " ·█"  # by what is known of the floor: nothing, free, an obstacle
+COMPASS = "→↗↑↖←↙↓↘"
+EPILOG = """\
+example:
+  acromovi navigate watch happy
+
+In the map █ is an obstacle, · free floor, an arrow the robot, + a sub-target, D a door, X the goal. It ends with
+Ctrl-C; the mission goes on.
+
+Exit codes: 1 nobody navigates the robot, or no terminal (the reason is on stderr), 130 stopped by Ctrl-C.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the command line."""
+    parser.epilog = EPILOG
+    parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
+    add_bus(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show it until Ctrl-C."""
+    from acromovi.navigation.components import expect
+    from bus.session import ZenohBus
+
+    if not sys.stdout.isatty():
+        print(
+            "acromovi navigate watch: this needs a terminal, and none is there; state and log do not", file=sys.stderr
+        )
+        return 1
+    with ZenohBus.open(arguments.bus) as bus:
+        face = expect(bus, arguments.robot)
+        sys.stdout.write(ALTERNATE)
+        try:
+            asyncio.run(follow(bus, face))
+        finally:
+            sys.stdout.write(NORMAL)
+            sys.stdout.flush()
+    return 0
+
+
+async def follow(bus: "Bus", face: "AgentName") -> None:
+    """Show it for ever."""
+    from acromovi.ask import asker
+    from acromovi.navigation.components import PATIENCE
+
+    log: deque[str] = deque(maxlen=LOGGED)
+    async with asker(bus, face) as agent:
+        hearing = asyncio.ensure_future(_hear(agent, face, log))
+        try:
+            while True:
+                begun = time.monotonic()
+                outcome = await agent.request(face, "picture", reply_within=PATIENCE)
+                told = outcome.result if outcome.is_done else {}
+                trouble = "" if outcome.is_done else f"{outcome.ending}: {outcome.why}"
+                _show(page(face.platform, told, log, trouble, shutil.get_terminal_size()))
+                await asyncio.sleep(max(PERIOD - (time.monotonic() - begun), 0.1))
+        finally:
+            hearing.cancel()
+            await asyncio.gather(hearing, return_exceptions=True)
+
+
+async def _hear(agent: "Agent", face: "AgentName", log: deque[str]) -> None:
+    async for message in messages(agent, face):
+        log.append(line(message))
+
+
+def _show(rows: Sequence[str]) -> None:
+    sys.stdout.write(HOME + "\n".join(f"{row}{CLEAR_TO_END_OF_LINE}" for row in rows) + CLEAR_REST)
+    sys.stdout.flush()
+
+
+def page(robot: str, told: Mapping[str, Any], log: Sequence[str], trouble: str, size: tuple[int, int]) -> list[str]:
+    """What the terminal shows, no larger than so many columns and rows."""
+    columns, rows = size
+    head = [f"{robot}  {trouble}"] if trouble else [f"{robot}  {next(lines(told))}", *list(lines(told))[1:]]
+    room = rows - len(head) - len(log) - 3
+    shown = [*head, "", *floor_map(told, columns, room), "", *log]
+    return [row[:columns] for row in shown][:rows]
+
+
+def floor_map(told: Mapping[str, Any], columns: int, rows: int) -> Iterator[str]:
+    """What is known of the floor, as text in so many columns and rows; a letter is twice as high as wide."""
+    from acromovi.navigation.mission_picture import floor_of
+
+    grid = told.get("grid") or {}
+    floor = floor_of(grid)
+    if not floor.size or rows < 1:
+        return
+    high = max(-(-floor.shape[0] // rows), -(-floor.shape[1] * 2 // max(columns, 1)), 2)  # cells in a letter's height
+    wide = max(high // 2, 1)
+    drawn = [
+        [MARKS[int(floor[row : row + high, column : column + wide].max())] for column in range(0, floor.shape[1], wide)]
+        for row in range(0, floor.shape[0], high)
+    ]
+    for mark, x, y in _marks(told):
+        row = int((y - grid["y"]) / grid["resolution"] // high)
+        column = int((x - grid["x"]) / grid["resolution"] // wide)
+        if 0 <= row < len(drawn) and 0 <= column < len(drawn[0]):
+            drawn[row][column] = mark
+    yield from ("".join(letters).rstrip() for letters in reversed(drawn))
+
+
+def _marks(told: Mapping[str, Any]) -> Iterator[tuple[str, float, float]]:
+    """The last one is on top."""
+    yield from (("D", door["x"], door["y"]) for door in told.get("doors", ()) if door.get("is_believed", True))
+    yield from (("+", x, y) for x, y in (told.get("route") or ())[1:])
+    goal = told.get("goal") or {}
+    if goal.get("x") is not None and goal.get("y") is not None:
+        yield "X", goal["x"], goal["y"]
+    if told.get("pose"):
+        x, y, heading = told["pose"]
+        yield COMPASS[round(heading / (pi / 4)) % 8], x, y
