@@ -134,13 +134,19 @@ def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
     """Read and check a wiring.
 
     Args:
-        path: The file.
+        path: The file; one that says `over = "wiring.toml"` has only what differs from that file beside it.
         changes: Tables laid over the file's, as `{"components": {"goto": {"numbers": {"speed": 0.3}}}}`.
     Raises:
         ConfigError: It cannot be used; says why.
     """
-    table = _laid_over(configs.read(path), changes or {})
+    table = _laid_over(_read(path), changes or {})
     return Wiring(configs.build(WiringFile, table, str(path)), str(path))
+
+
+def _read(path: Path) -> Table:
+    table = configs.read(path)
+    below = table.pop("over", None)
+    return table if below is None else _laid_over(configs.read(path.with_name(str(below))), table)
 
 
 def _laid_over(table: Table, changes: Table) -> dict[str, Any]:

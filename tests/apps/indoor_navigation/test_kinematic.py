@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import configs
 from agents.platform import Kinds
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component
@@ -32,7 +31,7 @@ def site() -> Iterator[Site]:
     """The kinematic pair, as the wiring has it."""
     loop = VirtualTimeLoop()
     site = Site(loop)
-    for part in load_wiring(WIRING, configs.read(KINEMATIC)).of_process("hardware"):
+    for part in load_wiring(KINEMATIC).of_process("hardware"):
         component = Kinds().make(part.kind, part.agent(ROBOT), part.properties)
         assert isinstance(component, Component)
         site.start(component)

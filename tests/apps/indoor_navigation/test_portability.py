@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import pytest
 
-import configs
 from agents.platform import Kinds
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, send_key
@@ -24,7 +23,7 @@ class Run(Site):
 
     def __init__(self, loop: VirtualTimeLoop) -> None:
         super().__init__(loop)
-        for part in load_wiring(WIRING, configs.read(KINEMATIC)).parts:
+        for part in load_wiring(KINEMATIC).parts:
             if part.local in REACTIVE + HARDWARE:
                 component = Kinds().make(part.kind, part.agent(ROBOT), part.properties)
                 assert isinstance(component, Component)

@@ -91,6 +91,19 @@ def test_a_number_is_changed_for_one_run(file_of: Callable[[str], Path]) -> None
     assert wiring.parts[1].properties["numbers"] == {"speed": 0.2}
 
 
+def test_a_file_may_say_only_what_differs_from_another(file_of: Callable[[str], Path]) -> None:
+    other = file_of(FILE).with_name("slow.toml")
+    other.write_text('over = "wiring.toml"\ncomponents.steering.numbers.speed = 0.1\n')
+    wiring = load_wiring(other, {"components": {"base": {"process": "robot"}}})
+    assert wiring.parts[1].properties["numbers"] == {"speed": 0.1}
+    assert wiring.processes == ("robot", "reactive")
+
+
+def test_a_file_that_another_says_it_lies_over_must_be_there(file_of: Callable[[str], Path]) -> None:
+    with pytest.raises(ConfigError, match=r"nowhere\.toml cannot be read"):
+        load_wiring(file_of('over = "nowhere.toml"'))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
