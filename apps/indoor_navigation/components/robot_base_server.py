@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
-from agents.platform import Cyclic, RequestNotDone, Restart, on
-from agents.services.lease_client import find_arbiter, leased
+from agents.platform import Cyclic, Restart, on
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
+from apps.indoor_navigation.components.wheel_lease import WheelLease
 from apps.indoor_navigation.data import MotionCmd, Odometry, SonarRead
 from bus import BusUnavailable, Refused, keys
 from bus.messages import Odometry as OdometryMessage
@@ -60,13 +60,12 @@ class RobotBaseServer(Component):
         self._is_there = asyncio.Event()
         self._heard_at = self._commanded_at = self._moved_at = float("-inf")
         self._drives = False  # the last that the wheels were told was to move
-        self._token = ""
-        self._why_no_lease = ""
+        self._lease = WheelLease(self, f"base@{self.robot}", self.numbers.priority, lambda: not self._is_idle)
         self._wheels = self.bus.publisher(keys.CMD_VEL.key(self.robot), keys.CMD_VEL.type_name)
         self._open.append(self._wheels)
         self.add(Cyclic(self._know_robot), Restart())
         self.every(WATCH, self._watch)
-        self.every(LOOK_AGAIN, self._hold_lease)
+        self.every(LOOK_AGAIN, self._lease.hold)
 
     async def take_down(self) -> None:
         """Leave nothing rolling."""
@@ -108,7 +107,7 @@ class RobotBaseServer(Component):
         elif self._is_idle:
             return
         self._drives = bool(command.linear or command.angular)
-        self._wheels.put(twist(command.linear, command.angular), self._token.encode())
+        self._wheels.put(twist(command.linear, command.angular), self._lease.token.encode())
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:
@@ -165,29 +164,7 @@ class RobotBaseServer(Component):
 
     def _halt(self) -> None:
         self._drives = False
-        self.bus.send(keys.CMD_VEL.key(self.robot), twist(0.0, 0.0), self._token.encode())
-
-    async def _hold_lease(self) -> None:
-        """Where an arbiter lives, have the wheels alone as long as they move."""
-        if self._is_idle or (arbiter := await find_arbiter(self, LOOK_AGAIN)) is None:
-            return
-        try:
-            async with leased(self, f"base@{self.robot}", priority=self.numbers.priority, arbiter=arbiter) as lease:
-                self._token, self._why_no_lease = lease.token, ""
-                while lease.is_held and not self._is_idle:
-                    await asyncio.sleep(WATCH)
-                if self._drives:
-                    self._say_no_lease(f"the lease on the wheels has ended: {lease.news or 'it has expired'}")
-        except RequestNotDone as err:
-            self._say_no_lease(f"the wheels were not given: {err}")
-        finally:
-            self._token = ""
-
-    def _say_no_lease(self, why: str) -> None:
-        """Once, though it is tried again and again."""
-        if why != self._why_no_lease:
-            self._why_no_lease = why
-            self.home.report(self.name, why, None)
+        self.bus.send(keys.CMD_VEL.key(self.robot), twist(0.0, 0.0), self._lease.token.encode())
 
     @property
     def _is_idle(self) -> bool:
