@@ -16,6 +16,8 @@ def find_corridor_ends(beams: Beams, segments: Segments, numbers: DoorNumbers) -
     """The ends of the corridor in which the scanner is."""
     # Counter-clockwise, the wall on the right is seen going away, and the one on the left coming back.
     long = np.flatnonzero(segments.lengths >= numbers.corridor_wall)
+    if len(long) < 2:
+        return []
     starts, ends = segments.starts[:, long], segments.ends[:, long]
     along = (ends - starts) / segments.lengths[long]
     parallel = -(along.T @ along) >= PARALLEL

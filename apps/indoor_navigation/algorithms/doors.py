@@ -22,12 +22,12 @@ from geometry import Pose2D, wrap_angle
 
 SEED = 0.22  # m of the shortest segment of which a line is made
 MOST_LINES = 14
-IN_LINE = 0.06  # m that a segment may be off another's line,
+IN_LINE = 0.045  # m that a segment may be off another's line,
 IN_LINE_RISE = 0.01  # m² more with each m between them, and each 1/m of the other: short ones have no sure direction
 ON_WALL = 0.07  # m that a beam's end may be off its wall's line
 REVEAL = 0.35  # m: a wall may be as thick
 IN_FRONT = 0.25  # m before the line: what is nearer to it, as a leaf at its hinge, shows where the jamb is
-HIDDEN = 0.12  # m beside a jamb that something may hide
+HIDDEN = 0.18  # m beside a jamb that something may hide
 SHADOW = 1.5  # m of wall that a leaf may hide beside an opening
 GRAZING = 0.12  # cosine: lines seen more from the side are not looked at
 IN_THE_OPEN = 0.1  # m behind a line, where nothing bounds its end
@@ -113,8 +113,7 @@ def _find_lines(beams: Beams, segments: Segments) -> Lines | None:
     seeds = seeds[segments.lengths[seeds] >= SEED]
     if not len(seeds):
         return None
-    normals, distances, _ = fit(segments.moments[:, seeds])
-    is_part = _in_line(normals, distances, segments, seeds)
+    is_part = _in_line(segments.normals[:, seeds], segments.distances[seeds], segments, seeds)
     normals, distances, _ = fit(segments.moments @ is_part.T)
     is_part = _in_line(normals, distances, segments, None)
     is_own = _first_of_each(is_part[:, seeds].tolist())
@@ -206,7 +205,9 @@ def _support(lines: Lines, line: int, first: int, last: int, width: float, numbe
     is_open, is_mouth = End.OPEN in (right_end, left_end), width > numbers.usual
     other = left_end if right_end is End.OPEN else right_end
     needed = {End.CORNER: numbers.open_wall, End.HIDDEN: numbers.hidden_wall, End.OPEN: numbers.free_wall}[other]
-    if right + left < numbers.wall or (is_open and (is_mouth or max(right, left) < needed)):
+    if right + left < max(numbers.wall, numbers.wall_share * width) or (
+        is_open and (is_mouth or max(right, left) < needed)
+    ):
         return 0.0
     return right + left if min(right, left) >= (numbers.mouth_wall if is_mouth else numbers.least_wall) else 0.0
 

@@ -12,7 +12,8 @@ class DoorNumbers:
     the mouth of a corridor. clear: free beyond it, at least.
     beams: that go through and so far, at least. share: of the beams that come to the opening, that must. echoes: of
     those that go through, that must meet something in the end: where there is no echo at all, it may as well be black.
-    wall: in view, both sides together, at least. least_wall, mouth_wall: on either side, of a door and of a mouth.
+    wall: in view, both sides together, at least; wall_share: likewise, as part of the opening's width. least_wall,
+    mouth_wall: on either side, of a door and of a mouth.
     open_wall, hidden_wall, free_wall: on one side at least, of a wall that ends in the open, where its other end is at
     a corner, hidden, and in the open, too. corridor_wall: of either wall of a corridor that ends, as part of its width.
     """
@@ -26,6 +27,7 @@ class DoorNumbers:
     share: float = 0.5
     echoes: float = 0.2
     wall: float = 0.95
+    wall_share: float = 0.8
     least_wall: float = 0.05
     mouth_wall: float = 0.6
     open_wall: float = 0.85

@@ -60,8 +60,9 @@ class Beams:
 class Segments:
     """Straight segments, in the order of their beams; m segments.
 
-    first, last: their beams. starts, ends: their ends on their own lines, shape (2, m). lengths. moments: n, sums of x,
-    y, x², y² and xy of their points, shape (6, m). of_beam: each beam's segment, m where it has none.
+    first, last: their beams. starts, ends: their ends on their own lines, shape (2, m). normals, distances: of their
+    lines, as `fit` tells them. moments: n, sums of x, y, x², y² and xy of their points, shape (6, m). of_beam: each
+    beam's segment, m where it has none.
     """
 
     first: Ints
@@ -69,6 +70,8 @@ class Segments:
     starts: Floats
     ends: Floats
     lengths: Floats
+    normals: Floats
+    distances: Floats
     moments: Floats
     of_beam: Ints
 
@@ -87,7 +90,7 @@ def find_segments(beams: Beams) -> Segments | None:
     ranges = beams.ranges[beam]
     points = beams.rays[:, beam] * ranges
     starts = _part(points, _part_at_steps(points, ranges))
-    counts = np.diff(starts, append=len(beam))
+    counts = np.concatenate((starts[1:], [len(beam)])) - starts
     moments = np.add.reduceat(_squares(points), starts, axis=1)
     normals, distances, spread = fit(moments)
     is_good = (counts >= FEWEST) & (spread < SPREAD)
@@ -103,7 +106,7 @@ def find_segments(beams: Beams) -> Segments | None:
     offsets = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
     of_beam[beam[np.repeat(starts, counts) + offsets]] = owner
     lengths = np.sqrt(((to - from_) ** 2).sum(axis=0))
-    return Segments(beam[starts], beam[lasts], from_, to, lengths, moments[:, is_good], of_beam)
+    return Segments(beam[starts], beam[lasts], from_, to, lengths, normals, distances, moments[:, is_good], of_beam)
 
 
 def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
@@ -117,7 +120,7 @@ def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
     mean_x, mean_y = x / n, y / n
     var_x, var_y, var_xy = xx / n - mean_x * mean_x, yy / n - mean_y * mean_y, xy / n - mean_x * mean_y
     along = 0.5 * np.arctan2(2.0 * var_xy, var_x - var_y)
-    normals = np.stack((-np.sin(along), np.cos(along)))
+    normals = np.array((-np.sin(along), np.cos(along)))
     distances = normals[0] * mean_x + normals[1] * mean_y
     sign = np.where(distances < 0.0, -1.0, 1.0)
     least = 0.5 * (var_x + var_y - np.hypot(var_x - var_y, 2.0 * var_xy))
@@ -126,7 +129,7 @@ def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
 
 def _squares(points: Floats) -> Floats:
     x, y = points
-    return np.stack((np.ones_like(x), x, y, x * x, y * y, x * y))
+    return np.array((np.ones_like(x), x, y, x * x, y * y, x * y))
 
 
 def _onto(points: Floats, normals: Floats, distances: Floats) -> Floats:
@@ -145,7 +148,7 @@ def _part(points: Floats, starts: Ints) -> Ints:
     """Part further, until all points are near the line between the ends of their parts."""
     x, y = points
     for _ in range(ROUNDS):
-        ends = np.append(starts[1:], len(x)) - 1
+        ends = np.concatenate((starts[1:], [len(x)])) - 1
         part = np.repeat(np.arange(len(starts)), ends - starts + 1)
         along_x, along_y = x[ends] - x[starts], y[ends] - y[starts]
         scale = 1.0 / np.maximum(np.hypot(along_x, along_y), 1e-9)
