@@ -1,0 +1,234 @@
+"""What the robot has seen: for each cell of the floor, how much speaks for an obstacle.
+
+A hit speaks louder than a ray that passes, but a few rays that pass end what hits have begun, so that a person who has
+walked on is forgotten at once, and a room may change.
+"""
+
+from dataclasses import dataclass
+from math import ceil, floor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from apps.indoor_navigation.data import Floats, ObstRead, Place
+
+Evidence = NDArray[np.int8]
+Flags = NDArray[np.bool_]
+Cells = NDArray[np.intp]
+
+HIT, PASSED = 2, -1  # what a reading adds to a cell
+OCCUPIED = 2  # an obstacle from here on
+SURELY_FREE = -3  # a cell that has been so is no wall, whatever stands there later
+MOST, LEAST = 8, -4
+MARGIN = 5.0  # m that the area grows beyond what made it grow
+SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
+
+
+@dataclass(frozen=True, slots=True)
+class GridNumbers:
+    """resolution: edge of a cell, m. reach: m beyond which no ray is believed. largest: edge of the area at most, m."""
+
+    resolution: float = 0.1
+    reach: float = 8.0
+    largest: float = 200.0
+
+
+class Area(NamedTuple):
+    """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom."""
+
+    x: float
+    y: float
+    resolution: float
+    evidence: Evidence
+    was_free: Flags
+
+    @property
+    def occupied(self) -> Flags:
+        """Where an obstacle is."""
+        return self.evidence >= OCCUPIED
+
+    @property
+    def unknown(self) -> Flags:
+        """Where nothing is known."""
+        return (self.evidence > PASSED) & (self.evidence < OCCUPIED)
+
+    def cell(self, x: float, y: float) -> tuple[int, int]:
+        """Row and column of a place, be it in the area or not."""
+        return floor((y - self.y) / self.resolution), floor((x - self.x) / self.resolution)
+
+    def place(self, row: int, column: int) -> Place:
+        """The middle of a cell."""
+        return self.x + (column + 0.5) * self.resolution, self.y + (row + 0.5) * self.resolution
+
+    def window(self, rows: slice, columns: slice) -> "Area":
+        """A part of it, which shares its memory."""
+        x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
+        return Area(x, y, self.resolution, self.evidence[rows, columns], self.was_free[rows, columns])
+
+    def around(self, *places: Place, margin: float) -> "Area":
+        """The part that holds these places with a margin, m, as far as the area goes."""
+        cells = np.array([self.cell(*place) for place in places])
+        wide = ceil(margin / self.resolution)
+        low = np.maximum(cells.min(axis=0) - wide, 0)
+        high = np.minimum(cells.max(axis=0) + wide + 1, self.evidence.shape)
+        return self.window(slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1])))
+
+    def known(self) -> "Area":
+        """The smallest part that holds all that is known."""
+        known = self.evidence != 0
+        rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+        if not len(rows):
+            return self.window(slice(0, 0), slice(0, 0))
+        return self.window(slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1))
+
+
+class Grid:
+    """What has been seen so far. `area` is replaced as a whole when it grows, so that others may read it meanwhile."""
+
+    def __init__(self, numbers: GridNumbers | None = None) -> None:
+        self._numbers = numbers or GridNumbers()
+        self._steps = np.arange(0.0, self._numbers.reach, self._numbers.resolution)
+        self.forget()
+
+    def forget(self) -> None:
+        """Know nothing any more."""
+        nothing = np.zeros((0, 0))
+        self.area = Area(0.0, 0.0, self._numbers.resolution, nothing.astype(np.int8), nothing.astype(np.bool_))
+
+    def include(self, place: Place, margin: float = 0.0) -> bool:
+        """Let the area hold a place with a margin, m. False where it would become too large, and stays as it is."""
+        area, resolution = self.area, self._numbers.resolution
+        low = np.array(area.cell(place[0] - margin, place[1] - margin))
+        high = np.array(area.cell(place[0] + margin, place[1] + margin)) + 1
+        shape = np.array(area.evidence.shape)
+        if (low >= 0).all() and (high <= shape).all():
+            return True
+        wide = ceil(MARGIN / resolution)
+        if not area.evidence.size:
+            before, after = wide - low, high + wide
+        else:
+            before = np.where(low < 0, wide - low, 0)
+            after = np.where(high > shape, high - shape + wide, 0)
+        if (shape + before + after).max() * resolution > self._numbers.largest:
+            return False
+        pad = list(zip(before.tolist(), after.tolist(), strict=True))
+        self.area = Area(
+            area.x - int(before[1]) * resolution,
+            area.y - int(before[0]) * resolution,
+            resolution,
+            np.pad(area.evidence, pad),
+            np.pad(area.was_free, pad),
+        )
+        return True
+
+    def see(self, reading: ObstRead) -> None:
+        """Note where rays have passed and where they have hit something."""
+        if not self.include(reading.pose[:2], self._numbers.reach):
+            return
+        rays = _Rays.of(reading, self._numbers.reach)
+        area = self.area
+        passed = self._passed(rays)
+        hits = self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits])
+        kept = self._flat(*_seams(rays.end_x[rays.hits], rays.end_y[rays.hits]))
+        votes = np.zeros(area.evidence.size, np.int8)
+        votes[passed] = PASSED
+        votes[kept] = 0
+        votes[hits] = HIT
+        changed = np.flatnonzero(votes)
+        evidence = area.evidence.reshape(-1)
+        evidence[changed] = np.clip(evidence[changed] + votes[changed], LEAST, MOST)
+        area.was_free.reshape(-1)[changed] |= evidence[changed] <= SURELY_FREE
+
+    def take_for_walls(self, x: float, y: float, radius: float) -> None:
+        """What stands here does not yield: it counts as what was never free."""
+        part = self.area.around((x, y), margin=radius)
+        part.was_free[part.occupied] = False
+
+    def _passed(self, rays: "_Rays") -> Cells:
+        """The cells through which rays have passed. One that hits passes to a cell before its end."""
+        lengths = rays.lengths - np.where(rays.hits, self._numbers.resolution, 0.0)
+        going = self._steps[None, :] < lengths[:, None]
+        x = (rays.origin_x[:, None] + rays.cosines[:, None] * self._steps[None, :])[going]
+        y = (rays.origin_y[:, None] + rays.sines[:, None] * self._steps[None, :])[going]
+        return self._flat(x, y)
+
+    def _flat(self, x: Floats, y: Floats) -> Cells:
+        """Indices of the cells at these places, those outside left out."""
+        area = self.area
+        height, width = area.evidence.shape
+        columns = np.floor((x - area.x) / area.resolution).astype(np.intp)
+        rows = np.floor((y - area.y) / area.resolution).astype(np.intp)
+        inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        cells: Cells = (rows * width + columns)[inside]
+        return cells
+
+
+class _Rays(NamedTuple):
+    origin_x: Floats
+    origin_y: Floats
+    end_x: Floats
+    end_y: Floats
+    cosines: Floats
+    sines: Floats
+    lengths: Floats
+    hits: Flags
+
+    @classmethod
+    def of(cls, reading: ObstRead, reach: float) -> "_Rays":
+        """The rays of a reading that are numbers, none longer than the reach."""
+        dx, dy = reading.end_x - reading.origin_x, reading.end_y - reading.origin_y
+        lengths = np.hypot(dx, dy)
+        sound = np.isfinite(lengths) & (lengths > 0.0)
+        dx, dy, lengths = dx[sound], dy[sound], lengths[sound]
+        return cls(
+            reading.origin_x[sound],
+            reading.origin_y[sound],
+            reading.end_x[sound],
+            reading.end_y[sound],
+            dx / lengths,
+            dy / lengths,
+            np.minimum(lengths, reach),
+            (reading.hits[sound] > 0.0) & (lengths <= reach),
+        )
+
+
+def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Places between neighbouring hits of one surface.
+
+    Where a wall is seen at a grazing angle, rays pass within its cells before they hit it a few cells farther on; there
+    they say nothing.
+    """
+    if len(x) < 2:
+        return x, y
+    near = np.hypot(np.diff(x), np.diff(y)) < SEAM
+    parts = np.linspace(0.0, 1.0, 7)[1:-1, None]
+    from_x, to_x, from_y, to_y = x[:-1][near], x[1:][near], y[:-1][near], y[1:][near]
+    return (from_x + parts * (to_x - from_x)).ravel(), (from_y + parts * (to_y - from_y)).ravel()
+
+
+def drawn(area: Area) -> dict[str, Any]:
+    """For a picture: the known part, run-length coded row by row from the lowest y.
+
+    `runs` are pairs of a value and a length; the values are 0 unknown, 1 free, 2 obstacle.
+    """
+    known = area.known()
+    values = np.where(known.occupied, 2, np.where(known.unknown, 0, 1)).astype(np.int8)
+    flat = values.ravel()
+    starts = np.flatnonzero(np.diff(flat, prepend=-1)) if flat.size else np.zeros(0, np.intp)
+    lengths = np.diff(starts, append=flat.size)
+    return {
+        "x": known.x,
+        "y": known.y,
+        "resolution": known.resolution,
+        "rows": values.shape[0],
+        "columns": values.shape[1],
+        "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
+    }
+
+
+def undrawn(picture: dict[str, Any]) -> NDArray[np.int8]:
+    """The values of the cells of a picture, in rows of rising y."""
+    runs = np.array(picture["runs"], np.int64).reshape(-1, 2)
+    flat = np.repeat(runs[:, 0], runs[:, 1]).astype(np.int8)
+    return flat.reshape(picture["rows"], picture["columns"])

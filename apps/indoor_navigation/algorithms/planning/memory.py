@@ -1,0 +1,170 @@
+"""What the robot knows: where it is and was, what it has seen, its doors, and where it came no farther lately."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import hypot
+from typing import Any
+
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapNumbers
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers, drawn
+from apps.indoor_navigation.algorithms.planning.terrain import CostNumbers, Hints, Strip, Terrain, terrain
+from apps.indoor_navigation.data import DLEData, ObstRead, Place
+from geometry import wrap_angle
+
+Pose = tuple[float, float, float]
+
+BEYOND = 2.0  # m of unknown floor around all that is known through which a way may lead
+STEP = 0.1  # m between two points of the trail
+BLIND = 2.0  # s; a robot of which nothing is heard for longer does not go on
+
+# What a robot can have done between two readings; more is a jump of its odometry.
+PLACE, SPEED = 0.3, 1.5  # m, m/s
+TURN, TURNING = 0.5, 2.5  # rad, rad/s
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryNumbers:
+    """near: m around the robot within which the way is watched at each step."""
+
+    near: float = 5.0
+    grid: GridNumbers = field(default_factory=GridNumbers)
+    cost: CostNumbers = field(default_factory=CostNumbers)
+    doors: MapNumbers = field(default_factory=MapNumbers)
+
+
+class Memory:
+    """All in odom. half_width: of the robot, m. pose: None until something was seen. travelled: m of this mission.
+
+    has_jumped: its odometry was set anew at least once.
+    """
+
+    def __init__(self, numbers: MemoryNumbers, half_width: float) -> None:
+        self.numbers = numbers
+        self.half_width = half_width
+        self.grid = Grid(numbers.grid)
+        self.doors = DoorsMap(numbers.doors)
+        self.pose: Pose | None = None
+        self.travelled = 0.0
+        self.has_jumped = False
+        self.trail: list[Place] = []
+        self._stamp = 0.0
+        self._avoided: list[tuple[Strip, float]] = []
+        self._ways: tuple[Strip, ...] = ()  # gone before this mission
+        self._node: int | None = None  # the door that was passed last
+        self._since_node = 0  # the part of the trail since then
+
+    @property
+    def place(self) -> Place:
+        """Where the robot is."""
+        assert self.pose is not None  # nobody asks before something was seen
+        return self.pose[:2]
+
+    def see(self, reading: ObstRead) -> bool:
+        """Note a reading. True where the robot's pose was set anew, and all that was known of places is void."""
+        jumped = self.pose is not None and _is_jump(self.pose, reading.pose, reading.stamp - self._stamp)
+        if jumped:
+            self.has_jumped = True
+            self.forget()
+        self._go(reading.pose)
+        self._stamp = reading.stamp
+        self.grid.see(reading)
+        return jumped
+
+    def see_doors(self, data: DLEData) -> None:
+        """Note doors."""
+        self.doors.see(data)
+
+    def forget(self) -> None:
+        """All places are void."""
+        self.grid.forget()
+        self.doors.forget()
+        self.pose, self._avoided = None, []
+        self.begin_trail()
+
+    def begin_trail(self) -> None:
+        """A mission begins here."""
+        self.trail = [self.pose[:2]] if self.pose is not None else []
+        self._node, self._since_node = None, 0
+        self._ways = self.doors.gone_before()
+        self.travelled = 0.0
+
+    def end_trail(self) -> None:
+        """A mission has ended here as it should: remember how the robot came here."""
+        self.doors.gone(self._node, None, self.trail[self._since_node :])
+
+    def avoid(self, place: Place, radius: float, until: float) -> None:
+        """The robot has come no farther here; ways elsewhere are better for a while."""
+        self._avoided.append((Strip(place, place, radius), until))
+
+    def survey(self, goal: Place, now: float, *, hopes: float | None = None) -> Terrain | None:
+        """All that is known, and some of the unknown around it; None where the goal is too far away to plan."""
+        if not self.grid.include(goal, BEYOND):
+            return None
+        known = self.grid.area.known()
+        height, width = known.evidence.shape
+        corners = known.place(0, 0), known.place(height - 1, width - 1)
+        for corner in corners:
+            self.grid.include(corner, BEYOND)
+        area = self.grid.area.around(*corners, self.place, goal, margin=BEYOND)
+        return terrain(area, self.half_width, self.numbers.cost, hints=self._hints(now), robot=self.place, hopes=hopes)
+
+    def survey_near(self, *, hopes: float | None = None) -> Terrain:
+        """What is near the robot, without hints."""
+        area = self.grid.area.around(self.place, margin=self.numbers.near)
+        return terrain(area, self.half_width, self.numbers.cost, robot=self.place, hopes=hopes)
+
+    def picture(self) -> dict[str, Any]:
+        """What is known, as JSON."""
+        return {"grid": drawn(self.grid.area), "trail": [list(place) for place in self.trail], **self._doors_drawn()}
+
+    def _doors_drawn(self) -> Mapping[str, Any]:
+        told = self.doors.to_json()
+        believed = {number for number, _ in self.doors.believed}
+        return {
+            "doors": [
+                {
+                    "x": door.x,
+                    "y": door.y,
+                    "width": door.width,
+                    "normal": door.normal,
+                    "confidence": door.confidence,
+                    "sightings": door.sightings,
+                    "passed": door.passed,
+                    "is_believed": number in believed,
+                }
+                for number, door in enumerate(self.doors.doors)
+            ],
+            "ways": told["ways"],
+        }
+
+    def _hints(self, now: float) -> Hints:
+        self._avoided = [(strip, until) for strip, until in self._avoided if until > now]
+        return Hints(self._ways, self.doors.walls(), tuple(strip for strip, _ in self._avoided))
+
+    def _go(self, pose: Pose) -> None:
+        """The robot has come here."""
+        self.pose = pose
+        before = self.trail[-1] if self.trail else None
+        if before is None:
+            self.trail.append(pose[:2])
+            return
+        step = hypot(pose[0] - before[0], pose[1] - before[1])
+        if step < STEP:
+            return
+        self.travelled += step
+        self.trail.append(pose[:2])
+        crossing = self.doors.crossed(before, pose[:2])
+        if crossing is not None:
+            self._pass(crossing[0])
+
+    def _pass(self, door: int) -> None:
+        self.doors.passed(door)
+        self.doors.gone(self._node, door, self.trail[self._since_node :])
+        self._node, self._since_node = door, len(self.trail) - 1
+
+
+def _is_jump(before: Pose, after: Pose, elapsed: float) -> bool:
+    seconds = min(abs(elapsed), BLIND)
+    went = hypot(after[0] - before[0], after[1] - before[1])
+    turned = abs(wrap_angle(after[2] - before[2]))
+    return went > PLACE + SPEED * seconds or turned > TURN + TURNING * seconds

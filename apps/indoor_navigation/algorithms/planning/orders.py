@@ -1,0 +1,65 @@
+"""What missions are gone about with, and what comes out: orders, and notes for people."""
+
+from dataclasses import dataclass, field
+from math import isfinite
+
+from apps.indoor_navigation.algorithms.planning.guide import GuideNumbers
+from apps.indoor_navigation.algorithms.planning.progress import ProgressNumbers
+from apps.indoor_navigation.data import GoalPoint
+
+
+@dataclass(frozen=True, slots=True)
+class MissionNumbers:
+    """How missions are gone about.
+
+    speed, door_speed: m/s at most, and through doors. turn_from, turn_until: rad off the next sub-target, from which
+    the robot turns on its place, and until which. heading: rad off the heading that is wanted at the end. silence: s
+    without a reading after which the robot rests. look: s between two looks for a better way. detour: m of a detour
+    that is not worth waiting. patience: s that the robot waits for something in its way to go. hope: s likewise where
+    there is no other way. sure: s after which no way is no way.
+    """
+
+    speed: float = 0.5
+    door_speed: float = 0.4
+    turn_from: float = 1.4
+    turn_until: float = 0.25
+    heading: float = 0.1
+    silence: float = 1.0
+    look: float = 2.0
+    detour: float = 1.5
+    patience: float = 4.0
+    hope: float = 20.0
+    sure: float = 8.0
+    progress: ProgressNumbers = field(default_factory=ProgressNumbers)
+    guide: GuideNumbers = field(default_factory=GuideNumbers)
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What the reactive components are to do; as WorldCoord, without stamp and number."""
+
+    aim: str
+    x: float = 0.0
+    y: float = 0.0
+    heading: float = 0.0
+    speed: float = 0.0
+    is_last: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something that a person may want to know."""
+
+    mission: str
+    level: str
+    what: str
+
+
+REST = Order("rest")
+
+
+def is_sound(goal: GoalPoint) -> bool:
+    """Whether all its numbers are numbers."""
+    numbers = [goal.x, goal.y, goal.tolerance, 0.0 if goal.heading is None else goal.heading]
+    sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
+    return all(sound) and goal.tolerance > 0.0

@@ -1,0 +1,83 @@
+"""Whether the robot comes on."""
+
+from dataclasses import dataclass
+from math import hypot, inf
+
+from apps.indoor_navigation.data import ObstRead, Place
+from geometry import wrap_angle
+
+Pose = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressNumbers:
+    """When the robot is stuck, and what follows.
+
+    stuck: s within which it goes `step` m or turns `turn` rad, or is stuck. dead_end: s of a dead end after which it
+    is. around: likewise if it moves within so many m for `long` s, whatever it does there. avoid: m around the place
+    before it that is avoided then, for `avoid_for` s. strikes: how often it may be stuck before it gives up; after
+    `fresh` m they count no more.
+    """
+
+    stuck: float = 5.0
+    step: float = 0.2
+    turn: float = 0.4
+    dead_end: float = 2.0
+    around: float = 0.75
+    long: float = 30.0
+    avoid: float = 0.6
+    avoid_for: float = 20.0
+    strikes: int = 6
+    fresh: float = 2.0
+
+
+class Progress:
+    """Since when the robot is about where it is. All times are s of one clock."""
+
+    def __init__(self, numbers: ProgressNumbers) -> None:
+        self._numbers = numbers
+        self.begin()
+
+    def begin(self) -> None:
+        """A mission begins, or the robot's pose was set anew."""
+        self._neighbourhood: Place | None = None
+        self._strikes, self._struck_at = 0, -inf
+        self._around_for, self._checked_at = 0.0, inf
+        self.go_on()
+
+    def go_on(self) -> None:
+        """Something else is done from now on; the robot is given its time for that."""
+        self._anchor: Pose | None = None
+        self._anchored_at, self._dead_end_since = inf, inf
+        self._checked_at = inf
+
+    def see(self, reading: ObstRead, now: float) -> None:
+        """Note a dead end."""
+        self._dead_end_since = min(self._dead_end_since, now) if reading.is_dead_end else inf
+
+    def is_stuck(self, pose: Pose, now: float) -> bool:
+        """Whether it has come no farther for too long. Asked while it is to move, and only then."""
+        numbers, anchor = self._numbers, self._anchor
+        if anchor is None or _apart(pose, anchor) > numbers.step or abs(wrap_angle(pose[2] - anchor[2])) > numbers.turn:
+            self._anchor, self._anchored_at = pose, now
+        if self._neighbourhood is None or _apart(pose, self._neighbourhood) > numbers.around:
+            self._neighbourhood, self._around_for = pose[:2], 0.0
+        self._around_for += max(now - self._checked_at, 0.0)
+        self._checked_at = now
+        return (
+            now - self._anchored_at > numbers.stuck
+            or now - self._dead_end_since > numbers.dead_end
+            or self._around_for > numbers.long
+        )
+
+    def strike(self, travelled: float) -> int:
+        """It is stuck once more; returns how often it was about here. travelled: m since the mission began."""
+        self._strikes = self._strikes + 1 if travelled - self._struck_at < self._numbers.fresh else 1
+        self._struck_at = travelled
+        self._neighbourhood = None
+        self.go_on()
+        return self._strikes
+
+
+def _apart(one: Pose, other: Pose | Place) -> float:
+    return hypot(one[0] - other[0], one[1] - other[1])

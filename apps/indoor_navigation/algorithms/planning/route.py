@@ -1,0 +1,124 @@
+"""A way as the robot is told it: one sub-target after the other, before and behind each door among them."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, hypot, sin
+
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
+from apps.indoor_navigation.algorithms.planning.search import Way, length
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
+from apps.indoor_navigation.data import Place
+
+DEARER = 1.05  # a short cut to the sub-target after the next may be
+
+
+@dataclass(frozen=True, slots=True)
+class SubTarget:
+    """Where to go next. door: the number of the one that lies before it, or None. is_last: here the way ends."""
+
+    x: float
+    y: float
+    door: int | None = None
+    is_last: bool = False
+
+    @property
+    def place(self) -> Place:
+        """In odom."""
+        return self.x, self.y
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """What is left of a way. ends_short: it ends before something that it is hoped will go; the rest of the way."""
+
+    targets: tuple[SubTarget, ...]
+    ends_short: Way = ()
+
+    def points(self, robot: Place) -> Way:
+        """From where the robot is to the end."""
+        return (robot, *(target.place for target in self.targets))
+
+    def length(self, robot: Place) -> float:
+        """Of what is left, m."""
+        return length(self.points(robot))
+
+    def advanced(self, terrain: Terrain, robot: Place, near: float) -> "Route":
+        """Without the sub-targets that the robot need not go to any more.
+
+        The next one is left out when the robot is near it, m, or when to go straight on to the one after it is as good;
+        in any case that must be possible. That behind a door stays until the robot is near it.
+        """
+        targets = self.targets
+        while len(targets) > 1 and _is_needless(terrain, robot, targets, near):
+            targets = targets[1:]
+        return Route(targets, self.ends_short)
+
+    def shortened(self, distance: float, robot: Place) -> "Route":
+        """One that ends so many m from the robot; the rest is what it ends short of."""
+        points = self.points(robot)
+        kept: list[SubTarget] = []
+        for target, (start, end) in zip(self.targets, pairwise(points), strict=True):
+            piece = length((start, end))
+            if distance < piece:
+                part = max(distance, 0.0) / piece
+                x, y = start[0] + part * (end[0] - start[0]), start[1] + part * (end[1] - start[1])
+                rest = points[1 + len(kept) :]
+                return Route((*kept, SubTarget(x, y, is_last=True)), ((x, y), *rest))
+            kept.append(target)
+            distance -= piece
+        return self
+
+
+def routed(way: Way, doors: DoorsMap, terrain: Terrain, before: float) -> Route:
+    """The sub-targets along a way: its corners, and instead of those near a door places so many m before and behind it.
+
+    A door is gone through as the way leads where there is no room for that.
+    """
+    targets = [SubTarget(*place) for place in way[1:]] or [SubTarget(*way[0])]
+    for start, end in pairwise(way):
+        crossing = doors.crossed(start, end)
+        if crossing is not None:
+            targets = _through(*crossing, doors, terrain, before, way[0], targets)
+    last = targets[-1]
+    return Route((*targets[:-1], SubTarget(last.x, last.y, last.door, is_last=True)))
+
+
+def _through(
+    number: int,
+    direction: float,
+    doors: DoorsMap,
+    terrain: Terrain,
+    before: float,
+    robot: Place,
+    targets: list[SubTarget],
+) -> list[SubTarget]:
+    """The same with places before and behind a door; robot and last sub-target stay, however near they are."""
+    door = doors.doors[number]
+    near, far = SubTarget(*door.beside(0.0, -direction * before)), door.beside(0.0, direction * before)
+    first = [target for target in targets[:-1] if door.ahead(target.place) * direction <= 0.0]
+    then = [target for target in targets[:-1] if door.ahead(target.place) * direction > 0.0]
+    gone = [target for target in first if _apart(target.place, door.centre) > before]
+    left = [target for target in then if _apart(target.place, door.centre) > before]
+    into = [near] if _apart((gone[-1].place if gone else robot), door.centre) > before else []
+    out_of = [SubTarget(*far, door=number)] if _apart(targets[-1].place, door.centre) > before else []
+    through = [*gone, *into, *out_of, *left, targets[-1]]
+    return through if terrain.cost_of(robot, *(target.place for target in through)) < BARRED else targets
+
+
+def _apart(one: Place, other: Place) -> float:
+    return hypot(other[0] - one[0], other[1] - one[1])
+
+
+def _is_needless(terrain: Terrain, robot: Place, targets: tuple[SubTarget, ...], near: float) -> bool:
+    first, second = targets[:2]
+    straight = terrain.cost_of(robot, second.place)
+    if straight >= BARRED:
+        return False
+    if hypot(first.x - robot[0], first.y - robot[1]) < near:
+        return True
+    return first.door is None and straight <= DEARER * terrain.cost_of(robot, first.place, second.place)
+
+
+def ahead_of(pose: tuple[float, float, float], distance: float) -> Place:
+    """A place so many m before the robot."""
+    return pose[0] + distance * cos(pose[2]), pose[1] + distance * sin(pose[2])

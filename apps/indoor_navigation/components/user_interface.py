@@ -1,0 +1,166 @@
+"""What a person talks to: takes missions, says how they go, and sees to it that none is lost."""
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncIterator
+from dataclasses import asdict, dataclass
+from math import isfinite
+from typing import Any
+
+from agents.platform import agree, request, subscription
+from apps.indoor_navigation.component import Component, Role, is_told
+from apps.indoor_navigation.data import GoalPoint, LogMessage
+from bus import BusUnavailable, Refused
+
+ENDED = ("done", "failed", "cancelled", "replaced")
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceNumbers:
+    """look: s between two looks how a mission goes. log: how many messages are kept."""
+
+    look: float = 0.5
+    log: int = 200
+
+
+class UserInterface(Component):
+    """Answers requests of people's programs: `go`, `wait`, `state`, `picture`, `cancel`; subscription: `log`."""
+
+    role = Role.DELIBERATIVE
+    services = ("missions",)
+    tells = (GoalPoint,)
+    numbers_type = InterfaceNumbers
+
+    async def setup(self) -> None:
+        """Know of no mission yet."""
+        self._log: deque[tuple[int, LogMessage]] = deque(maxlen=self.numbers.log)
+        self._logged = 0
+        self._is_news = asyncio.Condition()
+        self._goal: GoalPoint | None = None
+        self._missions = 0
+        self._ended: dict[str, dict[str, Any]] = {}
+        self._is_planner_missed = False
+        self.every(self.numbers.look, self._look)
+
+    @request("go")
+    async def go(self, x: float, y: float, heading: Any = None, tolerance: float = 0.25) -> dict[str, Any]:
+        """Send the robot to a place, m in odom, and answer the mission's name at once; the one before is replaced.
+
+        heading: at the end, rad, if one is wanted. tolerance: m.
+        """
+        wanted = {"x": x, "y": y, "heading": heading, "tolerance": tolerance}
+        for name, value in wanted.items():
+            is_number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+            if not is_number and not (name == "heading" and value is None):
+                raise Refused(f"{name} must be a number, not {value!r}")
+        if tolerance <= 0.0:
+            raise Refused(f"tolerance must be above 0 m, not {tolerance:g}")
+        if self._goal is not None:
+            self._end(self._goal.mission, "replaced", "another mission was begun")
+        self._missions += 1
+        self._goal = GoalPoint(f"m{int(self.home.wall_time())}-{self._missions}", x, y, heading, tolerance)
+        self.tell(self._goal)
+        return {"mission": self._goal.mission}
+
+    @request("cancel")
+    async def cancel(self) -> dict[str, Any]:
+        """End the mission that is under way, whoever began it; the robot stops."""
+        mission = self._goal.mission if self._goal is not None else ""
+        self.tell(GoalPoint(mission, None, None))
+        if self._goal is not None:
+            self._end(mission, "cancelled", "cancelled")
+        return {"mission": mission}
+
+    @request("state")
+    async def state_of_mission(self) -> dict[str, Any]:
+        """Where the mission stands: mission, state, why, since (s ago), goal, sub_target, travelled (m), pose."""
+        return await self._asked("state")
+
+    @request("picture")
+    async def picture(self) -> dict[str, Any]:
+        """All that there is to draw of the mission."""
+        return await self._asked("picture")
+
+    @request("wait", agrees_itself=True)
+    async def wait_for_end(self, mission: str) -> dict[str, Any]:
+        """Wait until a mission has ended, and answer how: its state is done, failed, cancelled or replaced."""
+        if mission not in self._ended and (self._goal is None or self._goal.mission != mission):
+            return await self._wait_for_others(mission)
+        agree()
+        while mission not in self._ended:
+            await asyncio.sleep(self.numbers.look)
+        return self._ended[mission]
+
+    @subscription("log")
+    async def log(self) -> AsyncIterator[dict[str, Any]]:
+        """What the components have to tell: what is kept, and then what comes."""
+        told = 0
+        while True:
+            for number, message in list(self._log):
+                if number > told:
+                    told = number
+                    yield asdict(message)
+            async with self._is_news:
+                if self._logged == told:
+                    await self._is_news.wait()
+
+    @is_told(LogMessage)
+    async def keep(self, message: LogMessage) -> None:
+        """A component has something to tell."""
+        await self._note(message)
+
+    async def _look(self) -> None:
+        """See how the mission goes; if planning has forgotten it, since it was begun anew, tell it again."""
+        if self._goal is None:
+            return
+        goal = self._goal
+        try:
+            told = await self.ask("state")
+        except BusUnavailable:
+            raise
+        except (TimeoutError, Refused) as err:
+            if not self._is_planner_missed:
+                self._is_planner_missed = True
+                await self._say("warning", f"path planning does not answer: {err}; the mission goes on when it is back")
+            return
+        self._is_planner_missed = False
+        if self._goal is not goal:
+            return
+        if told.get("mission") in ("", *self._ended):
+            await self._say("warning", "path planning has forgotten the mission, and is told again")
+            self.tell(goal)
+        elif told.get("mission") != goal.mission:
+            self._end(goal.mission, "replaced", f"somebody else has begun {told.get('mission')}")
+        elif told.get("state") in ENDED:
+            self._goal, self._ended[goal.mission] = None, told
+
+    async def _asked(self, what: str) -> dict[str, Any]:
+        try:
+            return await self.ask(what)
+        except TimeoutError as err:
+            raise Refused(f"path planning of {self.robot} does not answer; see whether it runs") from err
+
+    async def _wait_for_others(self, mission: str) -> dict[str, Any]:
+        """A mission of which this does not know: it was begun before this was."""
+        told = await self._asked("state")
+        if told.get("mission") != mission:
+            raise Refused(f"there is no mission {mission!r}; the last one is {told.get('mission')!r}")
+        agree()
+        while told.get("mission") == mission and told.get("state") not in ENDED:
+            await asyncio.sleep(self.numbers.look)
+            told = await self._asked("state")
+        return told if told.get("mission") == mission else {"mission": mission, "state": "replaced", "why": ""}
+
+    def _end(self, mission: str, state: str, why: str) -> None:
+        self._ended[mission] = {"mission": mission, "state": state, "why": why}
+        self._goal = None
+
+    async def _say(self, level: str, what: str) -> None:
+        mission = self._goal.mission if self._goal is not None else ""
+        await self._note(LogMessage(self.home.wall_time(), self.name.local, mission, level, what))
+
+    async def _note(self, message: LogMessage) -> None:
+        async with self._is_news:
+            self._logged += 1
+            self._log.append((self._logged, message))
+            self._is_news.notify_all()

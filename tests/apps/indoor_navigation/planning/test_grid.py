@@ -1,0 +1,124 @@
+"""What rays leave behind in the grid."""
+
+from math import inf, nan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers, drawn, undrawn
+from apps.indoor_navigation.data import ObstRead
+
+Ray = tuple[float, float, bool]  # end, and whether it hits
+
+SOMEWHERE = st.floats(-7.0, 7.0)
+
+
+def reading(*rays: Ray, pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> ObstRead:
+    ends = np.array([(x, y) for x, y, _ in rays], np.float64).reshape(-1, 2)
+    origins = np.ones(len(rays)) * pose[0], np.ones(len(rays)) * pose[1]
+    hits = np.array([float(hit) for _, _, hit in rays])
+    return ObstRead(0.0, pose, None, 0.0, *origins, ends[:, 0], ends[:, 1], hits, False)
+
+
+def occupied(grid: Grid, x: float, y: float) -> bool:
+    return bool(grid.area.occupied[grid.area.cell(x, y)])
+
+
+def unknown(grid: Grid, x: float, y: float) -> bool:
+    return bool(grid.area.unknown[grid.area.cell(x, y)])
+
+
+def test_a_hit_is_an_obstacle_and_all_before_it_is_free() -> None:
+    grid = Grid()
+    grid.see(reading((3.05, 0.05, True)))
+    assert occupied(grid, 3.05, 0.05)
+    assert not unknown(grid, 1.05, 0.05)
+    assert not occupied(grid, 1.05, 0.05)
+    assert unknown(grid, 3.25, 0.05)
+    assert unknown(grid, 1.05, 0.5)
+
+
+def test_a_ray_that_only_ends_says_nothing_of_its_end() -> None:
+    grid = Grid()
+    grid.see(reading((3.05, 0.05, False)))
+    assert not occupied(grid, 3.05, 0.05)
+
+
+def test_somebody_who_has_walked_on_is_forgotten_within_a_second_of_readings() -> None:
+    grid = Grid()
+    for _ in range(50):
+        grid.see(reading((3.05, 0.05, True)))
+    for _ in range(10):
+        grid.see(reading((5.05, 0.05, True)))
+    assert not occupied(grid, 3.05, 0.05)
+
+
+def test_what_was_free_and_is_not_is_no_wall_until_it_does_not_yield() -> None:
+    grid = Grid()
+    for _ in range(5):
+        grid.see(reading((5.05, 0.05, True)))
+    for _ in range(5):
+        grid.see(reading((3.05, 0.05, True)))
+    there = grid.area.cell(3.05, 0.05)
+    assert occupied(grid, 3.05, 0.05)
+    assert grid.area.was_free[there]
+    assert not grid.area.was_free[grid.area.cell(5.05, 0.05)]
+    grid.take_for_walls(3.0, 0.0, 0.5)
+    assert not grid.area.was_free[there]
+
+
+def test_a_wall_seen_at_a_grazing_angle_stays() -> None:
+    grid = Grid()
+    near = [(x, 0.52, True) for x in np.arange(-4.0, 4.0, 0.05)]
+    far = [(x, 0.52 + 0.0 * x, True) for x in np.arange(2.0, 7.9, 0.45)]
+    for _ in range(10):
+        grid.see(reading(*near))
+    for _ in range(50):
+        grid.see(reading(*far))
+    assert all(occupied(grid, x, 0.52) for x in np.arange(-3.9, 3.9, 0.05))
+
+
+def test_the_area_grows_with_the_robot_and_keeps_what_was_seen() -> None:
+    grid = Grid()
+    grid.see(reading((3.05, 0.05, True)))
+    grid.see(reading((40.0, 33.0, True), pose=(40.0, 30.0, 0.0)))
+    assert occupied(grid, 3.05, 0.05)
+    assert occupied(grid, 40.0, 33.0)
+
+
+def test_an_area_that_would_be_too_large_stays_as_it_is() -> None:
+    grid = Grid(GridNumbers(largest=40.0))
+    assert grid.include((0.0, 0.0), 5.0)
+    before = grid.area
+    assert not grid.include((100.0, 0.0))
+    assert grid.area is before
+
+
+def test_rays_that_are_no_numbers_and_rays_without_length_are_left_out() -> None:
+    grid = Grid()
+    grid.see(reading((nan, 1.0, True), (inf, 0.0, True), (0.0, 0.0, True), (2.05, 0.05, True)))
+    assert occupied(grid, 2.05, 0.05)
+    assert int(grid.area.occupied.sum()) == 1
+
+
+@given(st.lists(st.tuples(SOMEWHERE, SOMEWHERE, st.booleans()), max_size=20))
+def test_no_hit_is_ever_cleared_by_the_same_reading(rays: list[Ray]) -> None:
+    grid = Grid()
+    grid.see(reading(*rays))
+    for x, y, hits in rays:
+        if hits and 0.0 < np.hypot(x, y) <= 8.0:
+            assert occupied(grid, x, y)
+
+
+@given(st.lists(st.tuples(SOMEWHERE, SOMEWHERE, st.booleans()), max_size=20))
+def test_a_picture_of_the_grid_holds_all_that_is_known(rays: list[Ray]) -> None:
+    grid = Grid()
+    grid.see(reading(*rays))
+    picture = drawn(grid.area)
+    values, known = undrawn(picture), grid.area.known()
+    assert (values == 2).sum() == grid.area.occupied.sum()
+    assert (values == 1).sum() == (grid.area.evidence < 0).sum()
+    assert picture["x"] == pytest.approx(known.x)
+    assert values.shape == known.evidence.shape

@@ -1,0 +1,302 @@
+"""Missions in a closed loop: a robot that goes where it is told, in a house that it does not know."""
+
+from collections.abc import Callable
+from math import hypot, inf, nan
+
+import pytest
+
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
+from apps.indoor_navigation.algorithms.planning.mission import Navigator
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers
+from apps.indoor_navigation.data import GoalPoint, Place
+from tests.apps.indoor_navigation.planning.house import HALF_WIDTH, House, Walker, house, shortest, still
+
+UP_LEFT = (1.0, 8.0, 0.0)
+GROWS = 1.3  # a way in an unknown house may be so much longer than the shortest
+TOUCH = 0.2  # m
+
+
+def walker(plan: House | None = None, pose: tuple[float, float, float] = UP_LEFT) -> Walker:
+    return Walker(plan or house(), Navigator(MissionNumbers(), HALF_WIDTH), pose)
+
+
+def why(walker: Walker) -> str:
+    return walker.navigator.why
+
+
+def notes(walker: Walker) -> str:
+    return "\n".join(note.what for note in walker.navigator.notes)
+
+
+@pytest.mark.parametrize(
+    ("start", "goal"),
+    [
+        (UP_LEFT, (3.0, 6.4)),  # in the same room
+        (UP_LEFT, (7.0, 4.7)),  # into the corridor
+        (UP_LEFT, (10.0, 8.0)),  # another room
+        (UP_LEFT, (2.0, 2.0)),
+        ((1.0, 2.0, 3.0), (10.0, 8.0)),
+        ((10.0, 2.0, 0.0), (1.0, 8.0)),
+    ],
+)
+def test_the_goal_is_reached_by_a_way_hardly_longer_than_the_shortest(
+    start: tuple[float, float, float], goal: Place
+) -> None:
+    robot = walker(pose=start)
+    robot.go(*goal)
+    assert robot.run_to_end() == "done"
+    assert hypot(robot.x - goal[0], robot.y - goal[1]) <= 0.25
+    assert robot.length <= GROWS * shortest(house(), start[:2], goal)
+    assert robot.nearest > TOUCH
+    assert robot.navigator.step(robot.time) == REST
+
+
+def test_a_heading_that_is_wanted_is_taken_at_the_end() -> None:
+    robot = walker()
+    robot.go(3.0, 6.4, heading=3.0)
+    assert robot.run_to_end() == "done"
+    assert robot.heading == pytest.approx(3.0, abs=0.15)
+
+
+def test_through_a_door_the_robot_goes_straight() -> None:
+    robot = walker()
+    robot.go(7.0, 4.7)
+    assert robot.run_to_end() == "done"
+    assert "passing a door" in robot.states
+    doors = robot.navigator.memory.doors
+    assert any(door.passed for _, door in doors.believed)
+
+
+def test_round_something_that_nobody_knew_of() -> None:
+    plan = house().box(6.5, 4.6, 0.5, 0.5)
+    robot = walker(plan)
+    robot.go(10.0, 8.0)
+    assert robot.run_to_end() == "done"
+    assert robot.nearest > TOUCH
+
+
+def test_round_somebody_who_stands_in_the_corridor() -> None:
+    plan = house()
+    plan.people.append(still((7.5, 4.4)))
+    robot = walker(plan)
+    robot.go(10.0, 8.0)
+    assert robot.run_to_end() == "done"
+    assert robot.nearest > TOUCH
+
+
+def test_for_somebody_who_stands_in_the_only_door_the_robot_waits() -> None:
+    plan = house()
+    plan.shut = {0}
+    plan.people.append(still((4.0, 8.4)))
+    robot = walker(plan)
+
+    def leave(robot: Walker) -> None:
+        if robot.time > 6.0:
+            plan.people.clear()
+
+    robot.meanwhile = leave
+    robot.go(6.0, 7.5)
+    assert robot.run_to_end() == "done"
+    assert "waiting" in robot.states
+    assert robot.nearest > TOUCH
+
+
+def test_a_door_that_closes_leads_to_another_way() -> None:
+    plan = house()
+    robot = walker(plan)
+
+    def close(robot: Walker) -> None:
+        if robot.x > 2.5:
+            plan.shut.add(5)
+
+    robot.meanwhile = close
+    robot.go(10.0, 8.0)
+    assert robot.run_to_end() == "done"
+    assert plan.shut == {5}
+    assert robot.length <= 1.3 * shortest(plan, UP_LEFT[:2], (10.0, 8.0))
+
+
+def only_door_shuts(opens_at: float) -> Walker:
+    """The only door of the room up right shuts when the robot has come near, after it was seen open."""
+    plan = house()
+    robot = walker(plan, (9.0, 2.5, 1.5))
+
+    def shut(robot: Walker) -> None:
+        if robot.time > opens_at:
+            plan.shut.discard(2)
+        elif robot.y > 4.2:
+            plan.shut.add(2)
+
+    robot.meanwhile = shut
+    robot.go(9.5, 8.0)
+    return robot
+
+
+def test_where_there_is_no_other_way_the_robot_waits_longer_for_a_door_to_open() -> None:
+    robot = only_door_shuts(opens_at=25.0)
+    assert robot.run_to_end() == "done"
+    assert "waiting" in robot.states
+    assert robot.time > 25.0
+
+
+def test_where_the_only_door_stays_shut_it_is_said_and_the_robot_stands() -> None:
+    robot = only_door_shuts(opens_at=inf)
+    assert robot.run_to_end() == "failed"
+    assert "no way leads to (9.50, 8.00): all that can be reached was seen" in why(robot)
+    assert "the only way is barred" in notes(robot)
+    assert robot.navigator.step(robot.time) == REST
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        ((8.0, 7.0), "in a wall"),
+        ((14.0, 7.0), "no way leads to"),  # outside the house
+        ((500.0, 7.0), "too far away"),
+        ((nan, 7.0), "is no goal"),
+    ],
+)
+def test_a_goal_that_cannot_be_reached_is_said_with_the_reason(goal: Place, reason: str) -> None:
+    robot = walker()
+    robot.go(*goal)
+    assert robot.run_to_end() == "failed"
+    assert reason in why(robot)
+    assert robot.navigator.notes[-1].level == "error"
+    assert robot.navigator.step(robot.time) == REST
+    assert robot.nearest > TOUCH
+
+
+def test_when_the_pose_jumps_all_is_forgotten_and_planned_anew() -> None:
+    robot = walker()
+
+    def jump(robot: Walker) -> None:
+        if robot.time > 8.0:
+            robot.offset = (3.0, -0.5)
+
+    robot.meanwhile = jump
+    robot.go(13.0, 7.5)
+    assert robot.run_to_end() == "done"
+    assert hypot(robot.x - 10.0, robot.y - 8.0) < 0.3
+    assert "the robot's pose was set anew, and all that was seen is forgotten" in notes(robot)
+
+
+def test_a_robot_that_sees_nothing_rests_and_goes_on_when_it_sees_again() -> None:
+    robot = walker()
+
+    def blind(robot: Walker) -> None:
+        robot.is_blind = 8.0 < robot.time < 15.0
+
+    robot.meanwhile = blind
+    robot.go(10.0, 8.0)
+    robot.run(9.5)
+    assert robot.order == REST
+    assert robot.navigator.state == "waiting"
+    assert robot.run_to_end() == "done"
+
+
+def test_a_mission_begun_before_anything_is_seen_waits_for_it() -> None:
+    robot = walker()
+    robot.is_blind = True
+    robot.go(3.0, 6.4)
+    robot.run(2.0)
+    assert robot.navigator.state == "waiting"
+    robot.is_blind = False
+    assert robot.run_to_end() == "done"
+
+
+def test_a_robot_that_is_held_goes_on_when_it_is_let_go() -> None:
+    robot = walker()
+
+    def hold(robot: Walker) -> None:
+        robot.is_held = 8.0 < robot.time < 20.0
+
+    robot.meanwhile = hold
+    robot.go(10.0, 8.0)
+    assert robot.run_to_end() == "done"
+
+
+def test_a_robot_that_is_held_for_ever_gives_up() -> None:
+    robot = walker()
+    robot.is_held = True
+    robot.go(10.0, 8.0)
+    assert robot.run_to_end() == "failed"
+    assert "comes no farther at (1.00, 8.00)" in why(robot)
+
+
+def test_a_new_mission_replaces_the_old_one_and_that_is_said() -> None:
+    robot = walker()
+    robot.go(10.0, 8.0)
+    robot.run(3.0)
+    robot.go(3.0, 6.4, mission="m2")
+    assert robot.run_to_end() == "done"
+    assert robot.navigator.told()["mission"] == "m2"
+    assert "given up, because m2 replaces it" in notes(robot)
+    assert hypot(robot.x - 3.0, robot.y - 6.4) <= 0.25
+
+
+def test_a_mission_that_is_cancelled_leaves_the_robot_standing() -> None:
+    robot = walker()
+    robot.go(10.0, 8.0)
+    robot.run(3.0)
+    robot.navigator.begin(GoalPoint("m1", None, None), robot.time)
+    robot.run(0.2)
+    assert robot.navigator.state == "cancelled"
+    assert robot.order == REST
+
+
+def test_cancelling_nothing_does_nothing() -> None:
+    robot = walker()
+    robot.navigator.begin(GoalPoint("m1", None, None), robot.time)
+    assert robot.navigator.state == "idle"
+
+
+def trap() -> House:
+    """A corridor, and above it a room with its only door at the right end; neither end is in sight."""
+    plan = House([]).box(-6.0, 0.0, 26.0, 9.4)
+    plan.with_door((-6.0, 5.4), (20.0, 5.4), 25.0)
+    plan.with_door((-6.0, 4.0), (20.0, 4.0), 15.0)
+    return plan
+
+
+def test_doors_and_ways_remembered_make_the_second_mission_shorter() -> None:
+    first = walker(trap(), (9.0, 2.0, 1.5))
+    first.go(6.0, 8.0)
+    assert first.run_to_end() == "done"
+    kept = first.navigator.memory.doors.to_json()
+    assert kept["doors"]
+    second = walker(trap(), (9.0, 2.0, 1.5))
+    second.navigator.memory.doors.remember(kept)
+    second.go(6.0, 8.0)
+    assert second.run_to_end() == "done"
+    assert second.length < first.length - 1.0
+
+
+def test_a_picture_has_all_that_is_drawn() -> None:
+    robot = walker()
+    robot.go(10.0, 8.0)
+    robot.run(15.0)
+    picture = robot.navigator.picture()
+    assert len(picture["route"]) >= 2
+    assert picture["sub_target"] == picture["route"][1]
+    assert picture["grid"]["rows"] > 40
+    assert picture["doors"][0]["confidence"] == pytest.approx(0.9)
+    assert len(picture["trail"]) > 20
+    assert picture["travelled"] == pytest.approx(robot.length, rel=0.1)
+
+
+def test_the_same_seed_gives_the_same_trail() -> None:
+    def trail(change: Callable[[Walker], None] = lambda robot: None) -> list[Place]:
+        robot = walker()
+        change(robot)
+        robot.go(7.0, 4.7)
+        robot.run_to_end()
+        return robot.trail
+
+    assert trail() == trail()
+
+
+def test_a_map_of_doors_that_is_forgotten_is_empty() -> None:
+    doors = DoorsMap()
+    doors.remember({"doors": [{"x": 1.0, "y": 1.0, "width": 1.0, "normal": 0.0, "confidence": 1.0}], "ways": []})
+    doors.forget()
+    assert doors.to_json() == {"doors": [], "ways": []}

@@ -1,0 +1,226 @@
+"""Ways over a terrain: never through what is known, and no longer than they must be."""
+
+import heapq
+from itertools import pairwise
+from math import hypot, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from apps.indoor_navigation.algorithms.planning.grid import Area
+from apps.indoor_navigation.algorithms.planning.search import NO_WAY, Way, costs_to, find_way, length
+from apps.indoor_navigation.algorithms.planning.terrain import (
+    BARRED,
+    CostNumbers,
+    Hints,
+    Strip,
+    Terrain,
+    clearance_squared,
+    terrain,
+)
+from apps.indoor_navigation.data import Floats, Place
+
+FLAT = CostNumbers(comfort=0.1, tight=0.0, unknown=1.0)
+HALF_WIDTH = 0.2
+SIZE = 24
+
+BLOCKS = st.lists(st.tuples(st.integers(0, SIZE - 4), st.integers(0, SIZE - 4), st.integers(1, 8), st.integers(1, 8)))
+CELLS = st.tuples(st.integers(1, SIZE - 2), st.integers(1, SIZE - 2))
+
+
+def area(*blocks: tuple[int, int, int, int], size: int = SIZE, seen: bool = True) -> Area:
+    """All free but for blocks: row, column, height, width."""
+    evidence = np.full((size, size), -4 if seen else 0, np.int8)
+    for row, column, height, width in blocks:
+        evidence[row : row + height, column : column + width] = 8
+    return Area(0.0, 0.0, 0.1, evidence, np.zeros((size, size), np.bool_))
+
+
+def brute_force(ground: Terrain, goal: tuple[int, int]) -> Floats:
+    """Costs to a cell, in cells, by Dijkstra's algorithm."""
+    cost, (height, width) = ground.cost, ground.cost.shape
+    total = np.full(cost.shape, BARRED)
+    total[goal] = 0.0
+    queue = [(0.0, goal)]
+    while queue:
+        so_far, (row, column) = heapq.heappop(queue)
+        if so_far > total[row, column]:
+            continue
+        for down in (-1, 0, 1):
+            for right in (-1, 0, 1):
+                at = row + down, column + right
+                if not (0 <= at[0] < height and 0 <= at[1] < width) or cost[at] >= BARRED:
+                    continue
+                if down and right and max(cost[row, at[1]], cost[at[0], column]) >= BARRED:
+                    continue
+                further = so_far + hypot(down, right) * (cost[row, column] + cost[at]) / 2.0
+                if further < total[at] - 1e-9:
+                    total[at] = further
+                    heapq.heappush(queue, (further, at))
+    return total
+
+
+def straight_lines(ground: Terrain, start: Place, goal: Place, corners: list[Place]) -> float:
+    """The shortest way over corners that see each other, m: any-angle, by brute force."""
+    places = [start, goal, *corners]
+    best = {0: 0.0}
+    queue = [(0.0, 0)]
+    while queue:
+        so_far, at = heapq.heappop(queue)
+        if at == 1:
+            return so_far
+        for other in range(len(places)):
+            further = so_far + length((places[at], places[other]))
+            if further < best.get(other, BARRED) and ground.cost_of(places[at], places[other]) < BARRED:
+                best[other] = further
+                heapq.heappush(queue, (further, other))
+    return BARRED
+
+
+def distance_to(occupied: NDArray[np.bool_], way: Way) -> float:
+    """From a way to the nearest obstacle's middle, m."""
+    rows, columns = np.nonzero(occupied)
+    found = [BARRED]
+    for (ax, ay), (bx, by) in pairwise(way):
+        parts = np.linspace(0.0, 1.0, 50)
+        x, y = ax + parts * (bx - ax), ay + parts * (by - ay)
+        apart = np.hypot(x[:, None] - (columns + 0.5) * 0.1, y[:, None] - (rows + 0.5) * 0.1)
+        found.append(float(apart.min(initial=BARRED)))
+    return min(found)
+
+
+@given(BLOCKS)
+def test_clearance_is_the_distance_to_the_nearest_obstacle(blocks: list[tuple[int, int, int, int]]) -> None:
+    occupied = area(*blocks).occupied
+    squared = clearance_squared(occupied, 0.5, 0.1)
+    rows, columns = np.nonzero(occupied)
+    for row in range(0, SIZE, 3):
+        for column in range(0, SIZE, 3):
+            nearest = int(((rows - row) ** 2 + (columns - column) ** 2).min(initial=10_000))
+            assert squared[row, column] == nearest or min(squared[row, column], nearest) > 25
+
+
+@settings(max_examples=60)
+@given(BLOCKS, CELLS)
+def test_costs_are_those_of_brute_force(blocks: list[tuple[int, int, int, int]], goal: tuple[int, int]) -> None:
+    ground = terrain(area(*blocks), HALF_WIDTH, CostNumbers())
+    costs = costs_to(ground, ground.area.place(*goal), 0.0)
+    if ground.cost[goal] >= BARRED:
+        assert (costs >= NO_WAY).all()
+        return
+    expected = brute_force(ground, goal)
+    assert ((costs >= NO_WAY) == (expected >= NO_WAY))[ground.cost < BARRED].all()
+    reached = expected < NO_WAY
+    assert costs[reached] == pytest.approx(expected[reached], abs=1e-3)
+
+
+@settings(max_examples=60)
+@given(BLOCKS, CELLS, CELLS)
+def test_a_way_never_leads_through_what_is_known(
+    blocks: list[tuple[int, int, int, int]], start: tuple[int, int], goal: tuple[int, int]
+) -> None:
+    ground = terrain(area(*blocks), HALF_WIDTH, CostNumbers())
+    way = find_way(ground, ground.area.place(*start), ground.area.place(*goal), 0.0)
+    if way is None:
+        return
+    assert ground.first_barred(way) is None
+    assert distance_to(ground.area.occupied, way) > HALF_WIDTH - 0.1
+    assert way[0] == ground.area.place(*start)
+    assert way[-1] == ground.area.place(*goal)
+
+
+@given(CELLS, CELLS)
+def test_in_the_open_a_way_is_straight(start: tuple[int, int], goal: tuple[int, int]) -> None:
+    ground = terrain(area(), HALF_WIDTH, FLAT)
+    a, b = ground.area.place(*start), ground.area.place(*goal)
+    way = find_way(ground, a, b, 0.0)
+    assert way is not None
+    assert length(way) == pytest.approx(hypot(b[0] - a[0], b[1] - a[1]))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(4, 18), st.integers(2, 16), CELLS, CELLS)
+def test_round_an_obstacle_a_way_is_as_short_as_brute_force_finds_within_3_percent(
+    row: int, width: int, start: tuple[int, int], goal: tuple[int, int]
+) -> None:
+    ground = terrain(area((row, 4, 1, width)), 0.1, FLAT)
+    if ground.cost[start] >= BARRED or ground.cost[goal] >= BARRED:
+        return
+    corners = [
+        ground.area.place(*cell)
+        for cell in np.argwhere(ground.cost < BARRED).tolist()
+        if (ground.cost[max(cell[0] - 1, 0) : cell[0] + 2, max(cell[1] - 1, 0) : cell[1] + 2] >= BARRED).any()
+    ]
+    a, b = ground.area.place(*start), ground.area.place(*goal)
+    way = find_way(ground, a, b, 0.0)
+    assert way is not None
+    assert length(way) <= 1.03 * straight_lines(ground, a, b, corners) + 0.03
+
+
+def test_there_is_no_way_through_a_wall() -> None:
+    ground = terrain(area((12, 0, 1, SIZE)), HALF_WIDTH, CostNumbers())
+    assert find_way(ground, (1.2, 0.3), (1.2, 2.1), 0.25) is None
+
+
+def test_no_way_cuts_a_corner_between_two_obstacles_that_touch() -> None:
+    ground = terrain(area((0, 12, 12, 1), (12, 11, 12, 1)), 0.0, FLAT)
+    assert find_way(ground, (0.3, 1.2), (2.1, 1.2), 0.0) is None
+
+
+def test_a_way_ends_beside_a_goal_that_is_barred_within_the_tolerance() -> None:
+    ground = terrain(area((12, 0, 1, SIZE)), HALF_WIDTH, CostNumbers())
+    way = find_way(ground, (1.2, 0.3), (1.2, 1.15), 0.25)
+    assert way is not None
+    assert hypot(way[-1][0] - 1.2, way[-1][1] - 1.15) <= 0.25
+    assert find_way(ground, (1.2, 0.3), (1.2, 1.15), 0.05) is None
+
+
+def test_a_robot_that_seems_to_be_in_a_wall_finds_out() -> None:
+    ground = terrain(area((0, 0, 3, SIZE)), HALF_WIDTH, CostNumbers(), robot=(1.2, 0.35))
+    way = find_way(ground, (1.2, 0.35), (1.2, 1.8), 0.1)
+    assert way is not None
+    assert way[0] == (1.2, 0.35)
+
+
+def test_a_way_keeps_to_the_middle_of_a_corridor() -> None:
+    ground = terrain(area((0, 0, 2, SIZE), (12, 0, 2, SIZE)), HALF_WIDTH, CostNumbers())
+    way = find_way(ground, (0.2, 0.7), (2.2, 0.7), 0.0)
+    assert way is not None
+    assert all(abs(y - 0.7) < 0.16 for _, y in way)
+
+
+def test_beside_a_door_a_wall_is_expected_and_the_way_leads_through_the_door() -> None:
+    unseen = area(size=60, seen=False)
+    wall = Hints(walls=(Strip((3.0, 0.0), (3.0, 3.9), 0.15), Strip((3.0, 4.9), (3.0, 6.0), 0.15)))
+    ground = terrain(unseen, HALF_WIDTH, CostNumbers(), hints=wall)
+    way = find_way(ground, (1.0, 3.0), (5.0, 3.0), 0.0)
+    assert way is not None
+    crossing = [a[1] + (3.0 - a[0]) / (b[0] - a[0]) * (b[1] - a[1]) for a, b in pairwise(way) if a[0] < 3.0 <= b[0]]
+    assert crossing == [pytest.approx(4.3, abs=0.5)]
+
+
+def test_a_way_that_was_gone_is_preferred_to_the_unknown() -> None:
+    unseen = area(size=60, seen=False)
+    gone = Hints(ways=(Strip((1.0, 3.0), (3.0, 3.6), 0.15), Strip((3.0, 3.6), (5.0, 3.0), 0.15)))
+    way = find_way(terrain(unseen, HALF_WIDTH, CostNumbers(), hints=gone), (1.0, 3.0), (5.0, 3.0), 0.0)
+    assert way is not None
+    assert max(y for _, y in way) > 3.35
+
+
+def test_what_was_free_once_may_go_for_who_hopes() -> None:
+    walled = area((12, 0, 1, SIZE))
+    walled.was_free[12, 8:16] = True
+    way = find_way(terrain(walled, HALF_WIDTH, CostNumbers(), hopes=10.0), (0.3, 0.3), (0.3, 2.1), 0.1)
+    assert way is not None
+    assert any(0.7 < x < 1.7 for x, _ in way)
+
+
+def test_costs_grow_with_distance_alone_on_flat_floor() -> None:
+    ground = terrain(area(), HALF_WIDTH, FLAT)
+    costs = costs_to(ground, ground.area.place(5, 5), 0.0)
+    assert costs[5, 15] == pytest.approx(10.0)
+    assert costs[15, 15] == pytest.approx(10.0 * sqrt(2.0))
+    assert costs[15, 5] == pytest.approx(10.0)
