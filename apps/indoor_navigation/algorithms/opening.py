@@ -23,9 +23,9 @@ class DoorNumbers:
     usual: float = 1.6
     slack: float = 0.03
     clear: float = 1.0
-    beams: int = 6
+    beams: int = 8
     share: float = 0.5
-    echoes: float = 0.2
+    echoes: float = 0.3
     wall: float = 0.95
     wall_share: float = 0.8
     least_wall: float = 0.05
