@@ -1,7 +1,7 @@
 """Commands the mission: one sub-target after the other to those who move the robot, and what is worth it to people."""
 
 import asyncio
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +48,7 @@ class PathPlanning(Component):
         self._navigator = Navigator(self.numbers.mission, self.numbers.half_width)
         self._number = round(self.home.wall_time() * MILLISECONDS)  # higher than any before, though nothing is kept
         self._order, self._told_at = REST, float("-inf")
-        self._was_active = False
+        self._is_under_way = False
         self._complained: set[str] = set()
         self._file = Path(self.numbers.doors_file) if self.numbers.doors_file else None
         if self._file is not None:
@@ -69,6 +69,7 @@ class PathPlanning(Component):
     async def take_up(self, goal: GoalPoint) -> None:
         """A person wants something."""
         self._navigator.begin(goal, self._now)
+        self._is_under_way |= self._navigator.is_active
         await self._step()
 
     @hears(ObstRead)
@@ -96,17 +97,15 @@ class PathPlanning(Component):
     async def _step(self) -> None:
         """Decide what is to be done now, and tell it."""
         if self._navigator.is_active:
-            slower = await self._is_fuser_busy()
+            is_slow = await self._is_fuser_busy()
             order = self._navigator.step(self._now)
-            self._give(
-                Order(order.aim, order.x, order.y, order.heading, order.speed / 2.0, order.is_last) if slower else order
-            )
-        else:
+            self._give(replace(order, speed=order.speed / 2.0) if is_slow else order)
+        if not self._navigator.is_active:
             self._give(REST)
+            if self._is_under_way:
+                self._keep_doors()
+        self._is_under_way = self._navigator.is_active
         self._tell_notes()
-        if self._was_active and not self._navigator.is_active:
-            self._keep_doors()
-        self._was_active = self._navigator.is_active
 
     def _give(self, order: Order) -> None:
         """Tell an order when it is new, and again while a mission is under way."""
