@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 import configs
-from apps.indoor_navigation.component import push_key
-from apps.indoor_navigation.data import MotionCmd
+from apps.indoor_navigation.component import push_key, send_key
+from apps.indoor_navigation.data import GoalPoint, MotionCmd
 from apps.indoor_navigation.wiring import Part, load_wiring
 from benchmarks.agents import peer
 from benchmarks.figures import Figure, percentile
@@ -40,6 +40,7 @@ ROBOT, MODEL = "bench", "p2dx"
 PERIOD_S, SECONDS, SETTLE_S = 0.1, 60.0, 5.0
 BEAMS = 361
 WALL_M = 3.0
+GOAL_M = (2.0, 1.0)
 REACH_MS = 20.0
 
 
@@ -58,6 +59,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
             stack.enter_context(peer("component", *_arguments(part)))
         bus.subscribe(push_key(ROBOT, "motion_fuser", MotionCmd), hear, urgent=True)
         _play(robot, SETTLE_S)
+        bus.send(send_key(ROBOT, "path_planning", GoalPoint), GoalPoint("bench", *GOAL_M).to_json())  # all are at work
         sent = _play(robot, SECONDS)
     name = f"scan or sonar message to fused command, {len(wiring.parts)} processes"
     late = {sensor: [_latency(at, fused) for at in times] for sensor, times in sent.items()}
