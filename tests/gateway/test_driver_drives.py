@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tests.gateway.conftest import Bench, MakeBench
 
 
-ASKED = 8.0
+ASKED = 10.0
 """Seconds after which a robot has been asked for everything that it may have."""
 
 
