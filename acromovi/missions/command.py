@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from acromovi.missions.matrix import Result, play, play_all
+from acromovi.missions.matrix import Instead, Result, play, play_all
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
 from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job, all_jobs
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     return 0 if result.is_good else 1
 
 
-def play_many(jobs: Sequence[Job], processes: int | None = None) -> list[Result]:
+def play_many(jobs: Sequence[Job], instead: Instead | None = None) -> list[Result]:
     """Play on all cores, and say how it goes."""
     began, good = time.monotonic(), []
 
@@ -81,7 +81,7 @@ def play_many(jobs: Sequence[Job], processes: int | None = None) -> list[Result]
         so_far = f"{len(good)}/{len(jobs)} {time.monotonic() - began:.0f} s, {good.count(False)} failed"
         print(f"{mark} {name:<48} {so_far}", flush=True)
 
-    return play_all(jobs, told, processes)
+    return play_all(jobs, told, instead=instead)
 
 
 def _tell(result: Result) -> None:

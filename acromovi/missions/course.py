@@ -7,7 +7,7 @@ from typing import Any, Self, TypeVar
 from acromovi.lockstep import Lockstep
 from agents.platform import AgentName, Container, Kinds, Report
 from agents.platform.virtual_time import VirtualTimeLoop
-from apps.indoor_navigation.component import query_key, send_key
+from apps.indoor_navigation.component import Component, query_key, send_key
 from apps.indoor_navigation.data import GoalPoint, LogMessage
 from apps.indoor_navigation.wiring import Wiring, load_wiring
 from bus import BusError, Sample, keys
@@ -62,6 +62,7 @@ class Course:
         seed: int = 0,
         perfect: bool = False,
         wiring: Wiring | None = None,
+        instead: Mapping[str, type[Component]] | None = None,
     ) -> None:
         """Put the robot on its place, connect it, and start all components.
 
@@ -72,6 +73,7 @@ class Course:
             seed: Of every chance.
             perfect: No error of odometry, no noise of sensors.
             wiring: Of the components; by default the application's own.
+            instead: Classes that take the place of components, by their names.
         Raises:
             WorldError, ConfigError, FitError: As `Lockstep`.
         """
@@ -90,6 +92,7 @@ class Course:
         self._bus.subscribe(send_key(ROBOT, "user_interface", LogMessage), self._hear)
         self._home = Container(self.lockstep.bus(), ROBOT, self._note, lambda: self.lockstep.time)
         self._wiring = wiring or load_wiring()
+        self._instead = instead or {}
         self.run(1.0)
         for part in self._wiring.parts:
             self.start_component(part.local)
@@ -127,7 +130,8 @@ class Course:
             StopIteration: There is no such component.
         """
         part = next(part for part in self._wiring.parts if part.local == local)
-        self._do(self._home.start(Kinds().find(part.kind)(part.agent(ROBOT), part.properties)))
+        kind = self._instead.get(local) or Kinds().find(part.kind)
+        self._do(self._home.start(kind(part.agent(ROBOT), part.properties)))
 
     def stop_component(self, local: str) -> None:
         """End a component."""

@@ -3,7 +3,7 @@
 import multiprocessing
 import os
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from acromovi.missions.course import Course, Played
 from acromovi.missions.judge import CRUISING, Verdict, judge
 from acromovi.missions.tasks import ROBOTS, Job, Task, prepare
+from apps.indoor_navigation.component import Component
 from geometry import Pose2D
 
 PATIENCE = 60.0  # s, beyond
@@ -42,11 +43,15 @@ class Result:
         return self.verdict is not None and self.verdict.reached and not self.verdict.touched
 
 
-def play(job: Job) -> Result:
+Instead = Mapping[str, type[Component]]
+"""Classes that take the place of components, by their names."""
+
+
+def play(job: Job, instead: Instead | None = None) -> Result:
     """Play one mission; whatever is raised makes it a failed one."""
     try:
         task = prepare(job)
-        played = perform(task)
+        played = perform(task, instead)
         return Result(
             job,
             task,
@@ -60,17 +65,21 @@ def play(job: Job) -> Result:
         return Result(job, error=traceback.format_exc())
 
 
-def perform(task: Task) -> Played:
+def perform(task: Task, instead: Instead | None = None) -> Played:
     """Let the robot do a task."""
     job = task.job
     limit = PATIENCE + SLOWNESS * task.way.length / CRUISING
     perfect = job.condition.is_perfect
-    with Course(task.world, job.robot, fit=ROBOTS[job.robot], seed=job.seed, perfect=perfect) as course:
+    fit = ROBOTS[job.robot]
+    with Course(task.world, job.robot, fit=fit, seed=job.seed, perfect=perfect, instead=instead) as course:
         return course.go(task.goal, limit=limit)
 
 
 def play_all(
-    jobs: Sequence[Job], on_result: Callable[[Result], None] = lambda result: None, processes: int | None = None
+    jobs: Sequence[Job],
+    on_result: Callable[[Result], None] = lambda result: None,
+    processes: int | None = None,
+    instead: Instead | None = None,
 ) -> list[Result]:
     """Play missions on all cores.
 
@@ -78,13 +87,14 @@ def play_all(
         jobs: What is played.
         on_result: Told of each as it ends.
         processes: How many play at once; by default one for each core.
+        instead: Classes that take the place of components, by their names.
     Returns:
         In the order of the jobs.
     """
     results = {}
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(processes or os.cpu_count(), spawn, _be_one_core) as pool:
-        under_way = {pool.submit(play, job): job for job in jobs}
+        under_way = {pool.submit(play, job, instead): job for job in jobs}
         for result in _ended(under_way):
             results[result.job] = result
             on_result(result)

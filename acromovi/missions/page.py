@@ -49,6 +49,13 @@ def median(results: Iterable[Result], measure: Measure) -> float:
     return statistics.median(values) if values else float("inf")
 
 
+def in_common(results: Iterable[Result], others: Iterable[Result]) -> tuple[list[Result], list[Result]]:
+    """Of two ways to play, the missions that both have reached."""
+    ours, theirs = ({r.job: r for r in played if r.verdict and r.verdict.reached} for played in (results, others))
+    jobs = [job for job in ours if job in theirs]
+    return [ours[job] for job in jobs], [theirs[job] for job in jobs]
+
+
 def page(results: Sequence[Result], others: Sequence[Result] = (), pictures: Iterable[str] = ()) -> str:
     """Markdown.
 
@@ -75,11 +82,10 @@ def _asked(results: Sequence[Result], others: Sequence[Result]) -> str:
             "≤ 1.35",
         ),
     ]
-    reached = {other.job for other in others if other.verdict is not None and other.verdict.reached}
-    both = [result for result in results if result.job in reached]
+    ours, theirs = in_common(results, others) if others else (list(results), [])
     for name in list(MEASURES)[3:]:
-        theirs = f"less than {median(others, MEASURES[name]):.3f} (free-space-block)" if others else "-"
-        rows.append((f"{name}, median", f"{median(both if others else results, MEASURES[name]):.3f}", theirs))
+        said = f"less than {median(theirs, MEASURES[name]):.3f} (free-space-block)" if others else "-"
+        rows.append((f"{name}, median", f"{median(ours, MEASURES[name]):.3f}", said))
     return _table(("what", "seen", "asked for"), rows)
 
 
