@@ -11,6 +11,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline, runs_into
+from apps.indoor_navigation.algorithms.smoothing import Smooth, SmoothNumbers
 from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
 from geometry import wrap_angle
 
@@ -22,7 +23,12 @@ STEPS = np.array([0.15, 0.15, 0.2, 0.2, 0.25, 0.3, 0.3, 0.35, 0.35, 0.4, 0.4, 0.
 PACE = 0.5  # m/s
 FAR = PACE * float(STEPS.sum())  # m, of the longest way
 ENOUGH = 1.0  # m; a way that is free so far may end
+LINEAR = SmoothNumbers(rate=0.28, rate_change=0.7, haste=2.0, ahead=0.2)
+ANGULAR = SmoothNumbers(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
 PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
+PASSED = 0.12  # m
+STRAY = 0.1  # m that a rad away from the target's direction costs, whatever comes of it
+GENTLY = 0.9  # 1/s; the last bit of the way, so that it does not stop with a jerk
 BEYOND = 1.0  # m that it goes on beyond it without another order
 
 
@@ -39,14 +45,14 @@ class AttractionNumbers:
 
     gain: float = 1.4
     angular: float = 0.9
-    margin: float = 0.05
+    margin: float = 0.055
     comfort: float = 0.45
     cramped: float = 0.18
     ease: float = 0.3
     slowest: float = 0.12
-    deceleration: float = 0.22
+    deceleration: float = 0.26
     reaction: float = 0.25
-    there: float = 0.04
+    there: float = 0.05
     tightness: float = 1.5
     unsteadiness: float = 0.6
     block: float = 3.0
@@ -66,6 +72,7 @@ class Attraction:
     def __init__(self, numbers: AttractionNumbers, outline: Outline) -> None:
         self._numbers = numbers
         self._outline = outline
+        self._linear, self._angular = Smooth(LINEAR), Smooth(ANGULAR)
         self._order = -1
         self._chosen: float | None = None  # direction in odom, rad
         self._course: float | None = None  # in odom, on which it passes the target
@@ -81,9 +88,18 @@ class Attraction:
         if target.order != self._order:
             self._order, self._course = target.order, None
         distance, direction = self._to_target(odometry, target)
-        if distance <= self._numbers.there:
-            return Speeds()
-        return self._towards(odometry, target, distance, direction, places)
+        speeds = Speeds()
+        if not self._is_there(odometry, target, distance, direction):
+            speeds = self._towards(odometry, target, distance, direction, places)
+        return Speeds(
+            self._linear.step(odometry.stamp, speeds.linear, odometry.linear),
+            self._angular.step(odometry.stamp, speeds.angular, odometry.angular),
+        )
+
+    def _is_there(self, odometry: Odometry, target: WorldCoord, distance: float, direction: float) -> bool:
+        """Whether it has reached its target, or has just passed it by so little that it had better not turn back."""
+        is_behind = abs(wrap_angle(direction - odometry.heading)) > pi / 2.0
+        return distance <= self._numbers.there or (target.is_last and is_behind and distance < PASSED)
 
     def _to_target(self, odometry: Odometry, target: WorldCoord) -> tuple[float, float]:
         """How far it is and in which direction, in odom; for one that is to be passed, of a place behind it."""
@@ -107,7 +123,7 @@ class Attraction:
         places: tuple[Floats, Floats],
     ) -> Speeds:
         bearing = wrap_angle(direction - odometry.heading)
-        ways = _Ways(self._numbers, self._outline, bearing, distance, places)
+        ways = _Ways(self._numbers, self._outline, bearing, distance, self._outline.outside(places))
         before = None if self._chosen is None else wrap_angle(self._chosen - direction)
         chosen = ways.best(before)
         self._chosen = direction + float(DIRECTIONS[chosen])
@@ -117,7 +133,7 @@ class Attraction:
     def _speeds(self, error: float, target: WorldCoord, distance: float, fastest: float) -> Speeds:
         numbers = self._numbers
         if target.is_last:
-            fastest = min(fastest, safe_speed(distance, numbers.deceleration, numbers.reaction))
+            fastest = min(fastest, safe_speed(distance, numbers.deceleration, numbers.reaction), GENTLY * distance)
         # Beside a target that is almost reached its direction means little.
         gain = numbers.gain * min(1.0, distance / 0.3)
         angular = max(-numbers.angular, min(numbers.angular, gain * error))
@@ -166,7 +182,7 @@ class _Ways:
         numbers = self._numbers
         tight = np.clip(1.0 - self._near / numbers.comfort, 0.0, 1.0) ** 2
         tight = (tight + np.clip(1.0 - self._near / numbers.cramped, 0.0, 1.0)) * (1.0 - 0.7 * self._gone / FAR)
-        cost = self._left + numbers.tightness * tight.max(axis=1)
+        cost = self._left + numbers.tightness * tight.max(axis=1) + STRAY * np.abs(DIRECTIONS)
         cost = cost + np.where(self._is_open, 0.0, numbers.block * np.clip(1.0 - self._free / ENOUGH, 0.0, 1.0))
         if before is not None:
             cost = cost + numbers.unsteadiness * (1.0 - np.cos(DIRECTIONS - before))

@@ -18,7 +18,7 @@ TURN_AWAY = 0.1  # rad/s, likewise
 SLIGHT = 0.06  # rad that it always may be able to turn
 STEADY = 0.05  # m/s below which a robot stands
 PERSON = 0.2  # m that a body may reach beyond the leg that the laser sees
-TOUCHING = 0.025  # m
+TOUCHING = 0.035  # m
 HAND = 0.1  # m
 BEHIND = -0.3  # m; walkers farther behind the axle than that are theirs to mind
 
@@ -33,7 +33,7 @@ class AvoidanceNumbers:
     blind: m/s at most without a laser.
     """
 
-    margin: float = 0.035
+    margin: float = 0.045
     deceleration: float = 0.28
     angular_deceleration: float = 1.5
     reaction: float = 0.35
@@ -76,6 +76,7 @@ def avoid(
         angular: Likewise, rad/s.
         has_laser: Sonar alone misses what throws its sound away, and is not trusted with full speed.
     """
+    places = outline.outside(places)
     limit = min(
         inf if has_laser else numbers.blind,
         safe_speed(_way_ahead(numbers, outline, places, linear, angular), numbers.deceleration, numbers.reaction),

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from apps.indoor_navigation.data import Floats
 
 Truths = NDArray[np.bool_]
+DEEP = 0.02  # m
+Lengths = NDArray[np.float64] | NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,7 @@ class Outline:
         """Radius of the circle that it needs to turn on the spot."""
         return hypot(max(self.front, self.rear), self.width / 2.0)
 
-    def distance(self, x: Floats, y: Floats) -> Floats:
+    def distance(self, x: Lengths, y: Lengths) -> Floats:
         """Of points in the robot's frame from the outline, m; below zero inside, by how deep they are in it."""
         middle, half_length = (self.front - self.rear) / 2.0, (self.front + self.rear) / 2.0
         ahead, aside = np.abs(x - middle) - half_length, np.abs(y) - self.width / 2.0
@@ -49,9 +51,16 @@ class Outline:
         Returns:
             Of the shape of the poses, and n more.
         """
-        c, s = np.cos(poses[2])[..., None], np.sin(poses[2])[..., None]
-        along, across = x - poses[0][..., None], y - poses[1][..., None]
+        # In single precision, which is exact to a micrometre here and takes half the time.
+        robot_x, robot_y, heading = (np.asarray(each, np.float32)[..., None] for each in poses)
+        c, s = np.cos(heading), np.sin(heading)
+        along, across = np.asarray(x, np.float32) - robot_x, np.asarray(y, np.float32) - robot_y
         return self.distance(c * along + s * across, c * across - s * along)
+
+    def outside(self, places: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+        """Without those that would be well within the robot: they are a sensor's errors, since the robot is there."""
+        is_outside = self.distance(*places) > -DEEP
+        return places[0][is_outside], places[1][is_outside]
 
     def runs_into(self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats, margin: float) -> Truths:
         """At which of some poses something is nearer than the margin, and nearer than it is now.

@@ -8,6 +8,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Truths
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
+from apps.indoor_navigation.algorithms.slender import about_slender
 from apps.indoor_navigation.data import Floats
 
 NEAR = 2.5  # m from the robot; what is farther away is of no concern yet
@@ -16,11 +17,6 @@ BESIDE = 1.2  # m from the robot, likewise
 IN_VIEW = 0.03  # m between a ray and a place of which it knows better
 MOST = 120  # places that are remembered
 
-# Something slender that stands alone may be a leg, and there is more of a person above it.
-SLENDER = 0.25  # m
-ALONE = 0.25  # m to what is seen on both sides of it
-BODY = 0.22  # m about it
-RING = np.linspace(-np.pi, np.pi, 8, endpoint=False)
 
 
 class Surroundings:
@@ -53,7 +49,7 @@ class Surroundings:
     def places(self, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
         """x and y in the frame of a robot that is at a pose in odom, no farther than `NEAR`."""
         hits = self._last.hits
-        ring_x, ring_y = _about_slender(self._last)
+        ring_x, ring_y = about_slender(self._last.where(_is_of_eye(self._last)))
         x = np.concatenate((self._last.end_x[hits], self._x, ring_x))
         y = np.concatenate((self._last.end_y[hits], self._y, ring_y))
         x, y = in_robot(pose, x, y)
@@ -79,23 +75,3 @@ def _are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
     is_ahead = from_x * unit_x + from_y * unit_y > 0.0
     across = np.abs(from_y * unit_x - from_x * unit_y)
     return np.asarray((is_ahead & (across < IN_VIEW)).any(axis=1))
-
-
-def _about_slender(rays: Rays) -> tuple[Floats, Floats]:
-    """Places about each slender thing that stands alone, where the rest of a person would be."""
-    rays = rays.where(_is_of_eye(rays))
-    if len(rays.end_x) < 3:
-        return np.empty(0), np.empty(0)
-    depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
-    steps = np.abs(np.diff(depth))
-    apart = np.hypot(np.diff(rays.end_x), np.diff(rays.end_y)) > ALONE
-    starts = np.concatenate(([0], np.flatnonzero(apart | (steps > ALONE)) + 1))
-    ends = np.concatenate((starts[1:], [len(depth)])) - 1
-    inner = (starts > 0) & (ends < len(depth) - 1)
-    starts, ends = starts[inner], ends[inner]
-    is_nearer = (depth[starts - 1] > depth[starts] + ALONE) & (depth[ends + 1] > depth[ends] + ALONE)
-    is_slender = np.hypot(rays.end_x[ends] - rays.end_x[starts], rays.end_y[ends] - rays.end_y[starts]) < SLENDER
-    chosen = is_nearer & is_slender & rays.hits[starts]
-    x = (rays.end_x[starts[chosen]] + rays.end_x[ends[chosen]]) / 2.0
-    y = (rays.end_y[starts[chosen]] + rays.end_y[ends[chosen]]) / 2.0
-    return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()

@@ -1,7 +1,7 @@
 """A robot that goes where the reactive components steer it, among segments and people, with no physics but its own.
 
-It has a unicycle's motion with the accelerations of a Pioneer's firmware, a laser and sonar that see by ray casting, and
-the project's own fuser. What is made of a reading comes 0.1 s later, as on a real robot.
+It has a unicycle's motion with the accelerations of a Pioneer's firmware, a laser and sonar that see by ray casting,
+and the project's own fuser. What is made of a reading comes 0.1 s later, as on a real robot.
 """
 
 from collections import deque
@@ -60,9 +60,9 @@ class Walker:
 
     def walk(self, robot: Outline, pose: tuple[float, float, float]) -> None:
         """Go on for a step."""
-        ahead = 0.5 / (hypot(*self.speed) or 1.0)
+        ahead = np.linspace(0.1, 0.6, 6) / (hypot(*self.speed) or 1.0)
         x, y = self.place[0] + ahead * self.speed[0], self.place[1] + ahead * self.speed[1]
-        apart = float(robot.distance(*in_robot(pose, np.array([x]), np.array([y])))[0])
+        apart = float(robot.distance(*in_robot(pose, x, y)).min())
         if not self.gives_way or apart > 0.3:
             self.place = self.place[0] + STEP * self.speed[0], self.place[1] + STEP * self.speed[1]
             self.walked += STEP * hypot(*self.speed)
@@ -214,6 +214,7 @@ class ClosedLoop:
             in_robot(pose, *self._moving),
             odometry.linear,
             odometry.angular,
+            has_laser=self._laser,
         )
         self.last_push = push
         for command in (

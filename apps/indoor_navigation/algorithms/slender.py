@@ -1,0 +1,50 @@
+"""Something slender that stands alone may be a leg, and there is more of a person above it than the laser sees."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from apps.indoor_navigation.algorithms.outline import Truths
+from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.data import Floats
+
+SLENDER = 0.25  # m
+ALONE = 0.25  # m to what is seen behind it on both sides
+BODY = 0.22  # m about it
+IN_LINE = 0.1  # m beside the line of a wall
+RING = np.linspace(-np.pi, np.pi, 8, endpoint=False)
+
+Numbers = NDArray[np.intp]
+
+
+def about_slender(rays: Rays) -> tuple[Floats, Floats]:
+    """x and y in odom of places about each, where the rest of a person would be.
+
+    Args:
+        rays: Of one scanner, in the order of their angles.
+    """
+    depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
+    gaps = np.flatnonzero(np.abs(np.diff(depth)) > ALONE)
+    starts, ends = gaps[:-1] + 1, gaps[1:]
+    inner = (starts >= 2) & (ends < len(depth) - 2)
+    starts, ends = starts[inner], ends[inner]
+    chosen = (
+        rays.hits[starts]
+        & (np.hypot(rays.end_x[ends] - rays.end_x[starts], rays.end_y[ends] - rays.end_y[starts]) < SLENDER)
+        & (depth[starts - 1] > depth[starts])
+        & (depth[ends + 1] > depth[ends])
+        & ~_is_end_of_wall(rays, starts, -1)
+        & ~_is_end_of_wall(rays, ends, 1)
+    )
+    x = (rays.end_x[starts[chosen]] + rays.end_x[ends[chosen]]) / 2.0
+    y = (rays.end_y[starts[chosen]] + rays.end_y[ends[chosen]]) / 2.0
+    return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+
+
+def _is_end_of_wall(rays: Rays, places: Numbers, side: int) -> Truths:
+    """Which of some rays end in line with the two next to them: a wall seen at a slant has gaps between its places."""
+    first, second = places + side, places + 2 * side
+    along_x, along_y = rays.end_x[second] - rays.end_x[first], rays.end_y[second] - rays.end_y[first]
+    length = np.maximum(np.hypot(along_x, along_y), 1e-6)
+    from_x, from_y = rays.end_x[places] - rays.end_x[first], rays.end_y[places] - rays.end_y[first]
+    beside = np.abs(from_x * along_y - from_y * along_x) / length
+    return np.asarray((beside < IN_LINE) & rays.hits[first] & rays.hits[second])

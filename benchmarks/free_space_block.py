@@ -1,0 +1,85 @@
+"""The method that the paper criticises, small, to compare with: turn to the free block nearest the target, each time.
+
+The space about the robot is divided into blocks. Where the target's own block is not free, the robot turns to the free
+one that is nearest to it, and goes on there, until the next reading says otherwise. Nothing is remembered, nothing
+weighed, and no speed but one is known.
+"""
+
+from dataclasses import dataclass
+from math import atan2, hypot, pi
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.attraction import Speeds
+from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.components.goto import Goto, Steering
+from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
+from geometry import wrap_angle
+
+BLOCKS = 24  # of 15 degrees, about as many as a ring of sonar discs has
+
+
+@dataclass(frozen=True, slots=True)
+class BlockNumbers:
+    """When a block is free, and how the robot turns to it.
+
+    free: m beyond the outline for which a block must be empty. angular: rad/s at which it turns. turned: rad that are
+    near enough. there: m.
+    """
+
+    free: float = 0.6
+    angular: float = 0.6
+    turned: float = 0.13
+    there: float = 0.1
+
+
+class FreeSpaceBlock:
+    """Steers by the blocks of one reading; takes the place of `Attraction`."""
+
+    def __init__(self, outline: Outline, numbers: BlockNumbers | None = None) -> None:
+        self._outline = outline
+        self._numbers = numbers or BlockNumbers()
+
+    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+        """Say how to go on; see `Attraction.steer`."""
+        numbers = self._numbers
+        x, y = target.x - odometry.x, target.y - odometry.y
+        distance = hypot(x, y)
+        if distance <= numbers.there:
+            return Speeds()
+        bearing = wrap_angle(atan2(y, x) - odometry.heading)
+        direction = self._nearest_free(bearing, distance, places)
+        if direction is None:
+            return Speeds(0.0, numbers.angular)
+        if abs(direction) > numbers.turned:
+            linear = 0.0 if abs(direction) > pi / 4.0 else target.speed / 2.0
+            return Speeds(linear, numbers.angular if direction > 0.0 else -numbers.angular)
+        slow = min(1.0, distance / 0.5) if target.is_last else 1.0
+        return Speeds(target.speed * slow, 0.0)
+
+    def _nearest_free(self, bearing: float, distance: float, places: tuple[Floats, Floats]) -> float | None:
+        """The middle of the free block nearest the target's direction, rad; the direction itself in its own block."""
+        width = 2.0 * pi / BLOCKS
+        middles = -pi + width * (np.arange(BLOCKS) + 0.5)
+        is_free = np.array([self._is_free(middle, distance, places) for middle in middles])
+        if not is_free.any():
+            return None
+        off = np.abs((middles - bearing + pi) % (2.0 * pi) - pi)
+        nearest = int(np.where(is_free, off, np.inf).argmin())
+        return bearing if off[nearest] <= width / 2.0 else float(middles[nearest])
+
+    def _is_free(self, middle: float, distance: float, places: tuple[Floats, Floats]) -> bool:
+        """Whether nothing is in the lane as wide as the robot that leads through a block."""
+        x, y = places
+        along, across = np.cos(middle) * x + np.sin(middle) * y, np.cos(middle) * y - np.sin(middle) * x
+        lane = self._outline.width / 2.0 + 0.05
+        reach = self._outline.front + min(self._numbers.free, distance)
+        return not ((along > 0.0) & (along < reach) & (np.abs(across) < lane)).any()
+
+
+class BlockGoto(Goto):
+    """Goto by that method: `BlockGoto("goto@happy", properties)` in place of the wiring's own."""
+
+    def steering(self, outline: Outline) -> Steering:
+        """By blocks."""
+        return FreeSpaceBlock(outline)

@@ -1,0 +1,189 @@
+"""Avoidance, orientation and what the sensors are believed: one reading at a time."""
+
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers
+from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
+from apps.indoor_navigation.algorithms.braking import safe_speed
+from apps.indoor_navigation.algorithms.orientation import OrientationNumbers, turn
+from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays, unexplained
+from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
+from apps.indoor_navigation.algorithms.slender import BODY, about_slender
+from apps.indoor_navigation.algorithms.surroundings import Surroundings
+from apps.indoor_navigation.algorithms.walkers import moved
+from apps.indoor_navigation.data import Floats, LaserRead, Odometry, SonarRead, WorldCoord
+from geometry import wrap_angle
+
+ROBOT = Outline(0.21, 0.3, 0.42)
+NUMBERS = AvoidanceNumbers()
+NOWHERE: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
+PLACES = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=20)
+
+
+def at(*places: tuple[float, float]) -> tuple[Floats, Floats]:
+    return np.array([x for x, _ in places]), np.array([y for _, y in places])
+
+
+def scan(ranges: Floats, stamp: float = 0.0, pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> LaserRead:
+    return LaserRead(stamp, pose, (0.0, 0.0, 0.0), -pi / 2.0, pi / 360.0, 8.0, ranges)
+
+
+def sonar(*ranges: float, stamp: float = 0.0) -> SonarRead:
+    """Discs that all look ahead."""
+    zeros = np.zeros(len(ranges))
+    return SonarRead(stamp, (0.0, 0.0, 0.0), zeros, zeros, zeros, np.array(ranges))
+
+
+def test_what_touches_the_front_forbids_to_go_on() -> None:
+    assert avoid(NUMBERS, ROBOT, at((0.21, 0.0)), NOWHERE, 0.0, 0.0).limit == 0.0
+
+
+def test_what_is_beside_or_behind_forbids_nothing() -> None:
+    assert avoid(NUMBERS, ROBOT, at((0.0, 0.4), (-0.5, 0.0)), NOWHERE, 0.3, 0.0).limit is None
+
+
+def test_the_course_is_what_counts() -> None:
+    ahead_on_the_left = at((0.75, 0.45))
+    straight = avoid(NUMBERS, ROBOT, ahead_on_the_left, NOWHERE, 0.4, 0.0)
+    curve = avoid(NUMBERS, ROBOT, ahead_on_the_left, NOWHERE, 0.4, 0.5)
+    assert straight.limit is None
+    assert curve.limit is not None
+
+
+def test_it_pushes_away_from_what_is_near() -> None:
+    push = avoid(NUMBERS, ROBOT, at((0.4, 0.35)), NOWHERE, 0.3, 0.0)
+    assert push.angular < 0.0
+    assert push.weight > 0.0
+
+
+def test_between_two_things_as_near_it_wants_nothing() -> None:
+    assert avoid(NUMBERS, ROBOT, at((0.3, 0.4), (0.3, -0.4)), NOWHERE, 0.3, 0.0).weight == 0.0
+
+
+@given(PLACES, st.floats(0.0, 0.5), st.floats(-1.0, 1.0))
+def test_the_mirror_image_is_avoided_as_in_a_mirror(
+    places: list[tuple[float, float]], linear: float, angular: float
+) -> None:
+    x, y = at(*places)
+    push = avoid(NUMBERS, ROBOT, (x, y), NOWHERE, linear, angular)
+    mirrored = avoid(NUMBERS, ROBOT, (x, -y), NOWHERE, linear, -angular)
+    assert (mirrored.linear, mirrored.weight, mirrored.limit) == pytest.approx((push.linear, push.weight, push.limit))
+    assert mirrored.angular == pytest.approx(-push.angular)
+
+
+@given(st.floats(0.1, 3.0), st.floats(0.0, 1.5))
+def test_a_safe_speed_can_be_braked_in_time(way: float, approach: float) -> None:
+    speed = safe_speed(way, 0.3, 0.2, approach)
+    time = 0.2 + speed / 0.3
+    went = speed * 0.2 + speed * speed / 0.6 + approach * time
+    assert speed == 0.0 or went == pytest.approx(way, rel=1e-3)
+
+
+def test_for_somebody_who_walks_it_is_slower_than_for_what_stands() -> None:
+    person = at((1.5, 0.6))
+    assert avoid(NUMBERS, ROBOT, person, NOWHERE, 0.4, 0.0).limit is None
+    limit = avoid(NUMBERS, ROBOT, person, person, 0.4, 0.0).limit
+    assert limit is not None
+    assert limit < 0.2
+
+
+def test_only_what_is_where_the_last_scan_saw_through_has_moved() -> None:
+    room, with_leg = np.full(361, 3.0), np.full(361, 3.0)
+    with_leg[170:180] = 1.5
+    x, _ = moved(scan(with_leg, 0.2), scan(room, 0.0))
+    assert len(x) == 10
+    assert x == pytest.approx(np.full(10, 1.5), abs=0.1)
+    assert len(moved(scan(with_leg, 0.4), scan(with_leg, 0.2))[0]) == 0
+    assert len(moved(scan(room, 0.4), scan(with_leg, 0.2))[0]) == 0
+
+
+def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
+    ranges = np.full(361, 4.0)
+    ranges[176:186] = 1.5
+    x, y = about_slender(laser_rays(scan(ranges), 120))
+    assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY), abs=0.05)
+    assert len(about_slender(laser_rays(scan(np.full(361, 4.0)), 120))[0]) == 0
+
+
+def test_a_disc_that_hears_what_the_laser_sees_beside_its_axis_says_nothing_new() -> None:
+    ranges = np.full(361, 6.0)
+    ranges[200:230] = 1.5  # 10 to 25 degrees to the left
+    laser = laser_rays(scan(ranges), 120)
+    assert len(unexplained(sonar_rays(sonar(1.5)), laser).end_x) == 0
+    assert len(unexplained(sonar_rays(sonar(0.7)), laser).end_x) == 1  # too low for the laser
+
+
+def test_a_sensor_that_says_the_same_while_the_robot_moves_is_left_out() -> None:
+    senses = Senses(SensesNumbers())
+    ranges = np.linspace(1.0, 3.0, 361)
+    for step in range(10):
+        senses.take(scan(ranges, 0.1 * step, (0.05 * step, 0.0, 0.0)))
+        senses.take(replace(sonar(1.0 - 0.01 * step, 2.0, 3.0, stamp=0.1 * step), pose=(0.05 * step, 0.0, 0.0)))
+    assert senses.laser is None
+    assert senses.faults == ("the laser says the same wherever the robot is",)
+    assert len(senses.rays().end_x) == 3
+
+
+def test_a_silent_sensor_is_left_out_and_missed() -> None:
+    senses = Senses(SensesNumbers(max_age=0.5))
+    senses.take(scan(np.full(361, 2.0)))
+    for step in range(8):
+        senses.take(sonar(2.0 + 0.01 * step, inf, inf, stamp=0.1 * step))
+    assert senses.faults == ("the laser is silent",)
+    assert len(senses.rays().end_x) == 3
+
+
+def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() -> None:
+    surroundings = Surroundings()
+    ranges = np.full(361, 5.0)
+    ranges[:40] = 0.5  # to the right
+    surroundings.see(0.0, laser_rays(scan(ranges), 120))
+    surroundings.see(0.1, laser_rays(scan(np.full(361, 5.0), 0.1, (0.4, 0.0, 0.0)), 120))
+    x, y = surroundings.places((0.4, 0.0, 0.0))
+    assert len(x) > 3
+    assert y.max() < -0.3
+    surroundings.see(0.2, laser_rays(scan(np.full(361, 5.0), 0.2, (-0.5, 0.0, 0.0)), 120))
+    assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
+
+
+@given(st.floats(-3.0, 3.0))
+def test_attraction_in_free_space_is_straight_at_the_target(heading: float) -> None:
+    steering = Attraction(AttractionNumbers(), ROBOT)
+    target = WorldCoord(0.0, 1, "go", 3.0, 0.0, 0.0, 0.5)
+    for step in range(3):
+        speeds = steering.steer(Odometry(0.1 * step, 0.0, 0.0, heading, 0.0, 0.0), target, NOWHERE)
+    if abs(heading) > 0.01:
+        assert speeds.angular * -heading > 0.0
+    assert speeds.linear > 0.0 or abs(heading) > 1.5
+    assert speeds.linear == 0.0 or abs(heading) < 1.65
+
+
+@given(st.floats(-pi, pi), st.floats(-pi, pi))
+def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) -> None:
+    heading, angular, told = start, 0.0, [0.0, 0.0]
+    beyond = 0.0
+    first = wrap_angle(wanted - start)
+    for step in range(150):
+        if step % 2 == 0:
+            told = [
+                turn(OrientationNumbers(), Odometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular), wanted),
+                told[0],
+            ]
+        angular += float(np.clip(told[1] - angular, -0.0875, 0.0875))
+        heading += angular * 0.05
+        left = first - (heading - start)
+        beyond = max(beyond, -left if first > 0.0 else left)
+    assert abs(wrap_angle(wanted - heading)) < 0.05
+    assert beyond < 0.03 or abs(first) > 3.1
+
+
+def test_nothing_is_seen_where_nothing_is() -> None:
+    assert len(Rays.none().followed_by(Rays.none()).end_x) == 0
+    assert len(Surroundings().places((0.0, 0.0, 0.0))[0]) == 0
