@@ -28,7 +28,7 @@ ANGULAR = SmoothNumbers(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
 PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
 PASSED = 0.12  # m
 STRAY = 0.1  # m that a rad away from the target's direction costs, whatever comes of it
-GENTLY = 0.9  # 1/s; the last bit of the way, so that it does not stop with a jerk
+GENTLY = 1.6  # 1/s; the last bit of the way, so that it does not stop with a jerk
 BEYOND = 1.0  # m that it goes on beyond it without another order
 
 

@@ -18,7 +18,6 @@ IN_VIEW = 0.03  # m between a ray and a place of which it knows better
 MOST = 120  # places that are remembered
 
 
-
 class Surroundings:
     """Places in odom where obstacles are."""
 
