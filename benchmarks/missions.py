@@ -7,23 +7,37 @@ from pathlib import Path
 
 from acromovi.missions.command import play_many
 from acromovi.missions.matrix import Result
-from acromovi.missions.page import MEASURES, in_busy_worlds, in_still_worlds, median, page, share_reached, with_touches
+from acromovi.missions.page import (
+    MEASURES,
+    in_busy_worlds,
+    in_common,
+    in_still_worlds,
+    median,
+    page,
+    share_reached,
+    with_touches,
+)
 from acromovi.missions.picture import draw_grid, draw_mission, draw_sheet
 from acromovi.missions.tasks import all_jobs
 from benchmarks.figures import Figure
+from benchmarks.free_space_block import BlockGoto
 
 MINUTES = 15.0
 MOST_PICTURES = 12  # of failures
+BESIDE = 4  # seeds for which the free-space-block method is played too
+SMOOTHNESS = ("turned, rad/m", "turns per m", "jerk, m/s3")
 
 
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Play all of them, and judge them by the truth."""
     began = time.monotonic()
     results = play_many(all_jobs())
+    print("-- the same with the free-space-block method", flush=True)
+    others = play_many(all_jobs(range(BESIDE)), {"goto": BlockGoto})
     minutes = (time.monotonic() - began) / 60
     options.out.mkdir(parents=True, exist_ok=True)
     pictures = _draw(results, options.out)
-    (options.out / "missions.md").write_text(page(results, pictures=pictures), encoding="utf-8")
+    (options.out / "missions.md").write_text(page(results, others, pictures), encoding="utf-8")
     still, busy = in_still_worlds(results), in_busy_worlds(results)
     return [
         _figure("missions not reached in static worlds", 100 * (1 - share_reached(still)), 1.0, "%", len(still)),
@@ -37,8 +51,18 @@ def measure(options: argparse.Namespace) -> list[Figure]:
             "",
             len(results),
         ),
+        *(
+            _figure(f"{name}: beside the free-space-block method's", *beside(results, others, name), "", len(others))
+            for name in SMOOTHNESS
+        ),
         _figure("time for all missions", minutes, MINUTES, "min", len(results)),
     ]
+
+
+def beside(results: Sequence[Result], others: Sequence[Result], name: str) -> tuple[float, float]:
+    """The median of a measure where both have come there, as a part of the other method's; and what to reach."""
+    ours, theirs = in_common(results, others)
+    return median(ours, MEASURES[name]) / median(theirs, MEASURES[name]), 1.0
 
 
 def _figure(name: str, value: float, reach: float, unit: str, samples: int) -> Figure:
