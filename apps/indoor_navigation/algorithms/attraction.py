@@ -27,6 +27,7 @@ LINEAR = SmoothNumbers(rate=0.28, rate_change=0.7, haste=2.0, ahead=0.2)
 ANGULAR = SmoothNumbers(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
 PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
 PASSED = 0.12  # m
+ASTRAY = 0.3  # m
 STRAY = 0.1  # m that a rad away from the target's direction costs, whatever comes of it
 GENTLY = 1.6  # 1/s; the last bit of the way, so that it does not stop with a jerk
 BEYOND = 1.0  # m that it goes on beyond it without another order
@@ -127,6 +128,8 @@ class Attraction:
         before = None if self._chosen is None else wrap_angle(self._chosen - direction)
         chosen = ways.best(before)
         self._chosen = direction + float(DIRECTIONS[chosen])
+        if ways.leads_away(chosen):
+            return Speeds()
         error = wrap_angle(bearing + float(DIRECTIONS[chosen]))
         return self._speeds(error, target, distance, ways.fastest(chosen, target.speed))
 
@@ -161,6 +164,7 @@ class _Ways:
         places: tuple[Floats, Floats],
     ) -> None:
         self._numbers = numbers
+        self._distance = distance
         x, y, heading, gone = _rolled_out(numbers, bearing, distance)
         left = np.hypot(distance * cos(bearing) - x, distance * sin(bearing) - y)
         distances = outline.distances((x, y, heading), *places)
@@ -187,6 +191,10 @@ class _Ways:
         if before is not None:
             cost = cost + numbers.unsteadiness * (1.0 - np.cos(DIRECTIONS - before))
         return int(cost.argmin())
+
+    def leads_away(self, number: int) -> bool:
+        """Whether one would be farther from the target than now: then another way is to be thought of, and not here."""
+        return bool(self._left[number] > self._distance + ASTRAY)
 
     def fastest(self, number: int, cruising: float) -> float:
         """How fast the robot may be now, m/s, to be slow where the way is narrow, and to stand where it ends."""

@@ -16,6 +16,7 @@ TIGHTEST = 3.0  # 1/m; tighter, it turns on the spot
 CREEP = 0.08  # m/s, away from what it would touch by turning
 TURN_AWAY = 0.1  # rad/s, likewise
 SLIGHT = 0.06  # rad that it always may be able to turn
+AT_REST = 0.015  # m/s and rad/s
 STEADY = 0.05  # m/s below which a robot stands
 PERSON = 0.2  # m that a body may reach beyond the leg that the laser sees
 TOUCHING = 0.035  # m
@@ -83,7 +84,7 @@ def avoid(
         safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, numbers.walker),
     )
     told = limit if isfinite(limit) else None
-    guard = _guard(numbers, outline, places, angular, limit)
+    guard = _guard(numbers, outline, places, linear, angular, limit)
     if guard is not None:
         return Push(*guard, numbers.guard_weight, told)
     if linear < -STEADY and not _may_creep(outline, *places, -HAND):
@@ -116,12 +117,20 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
 
 
 def _guard(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], angular: float, limit: float
+    numbers: AvoidanceNumbers,
+    outline: Outline,
+    places: tuple[Floats, Floats],
+    linear: float,
+    angular: float,
+    limit: float,
 ) -> tuple[float, float] | None:
-    """Speeds for a robot that would touch something by turning; None where it may turn.
+    """Speeds for a robot that moves where it would touch something by turning; None where it may turn.
 
-    It turns a little to the other side and creeps on, or back where it cannot go on, until it may turn again.
+    One that drives turns a little to the other side and creeps on. One that turns on the spot creeps to where it has
+    room for that.
     """
+    if abs(linear) < AT_REST and abs(angular) < AT_REST:
+        return None
     x, y = places
     is_near = x * x + y * y < (outline.sweep + numbers.margin) ** 2
     x, y = x[is_near], y[is_near]
@@ -130,10 +139,17 @@ def _guard(
     may_right = _may_turn(outline, x, y, -SLIGHT - (turn if angular < 0.0 else 0.0))
     if may_left and may_right:
         return None
-    aside = TURN_AWAY * (float(may_left) - float(may_right))
-    if limit > 0.0:
-        return min(CREEP, limit), aside
-    return (-CREEP if _may_creep(outline, x, y, -HAND) else 0.0), aside
+    if linear > STEADY and limit > 0.0:
+        return min(CREEP, limit), TURN_AWAY * (float(may_left) - float(may_right))
+    return _to_more_room(outline, x, y, limit), 0.0
+
+
+def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:
+    """The speed at which to creep on or back, m/s: to where obstacles are farther from the axle."""
+    on, back = (np.hypot(x - way, y).min() for way in (HAND, -HAND))
+    if on >= back and limit > 0.0:
+        return min(CREEP, limit)
+    return -CREEP if _may_creep(outline, x, y, -HAND) else 0.0
 
 
 def _may_turn(outline: Outline, x: Floats, y: Floats, angle: float) -> bool:
