@@ -5,6 +5,7 @@ import asyncio
 import json
 import sys
 from collections.abc import Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from acromovi.navigation.picture import picture_file, take
@@ -38,19 +39,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("x", metavar="X", type=float, help="m")
-    parser.add_argument("y", metavar="Y", type=float, help="m")
+    parser.add_argument("x", metavar="X", type=finite, help="m")
+    parser.add_argument("y", metavar="Y", type=finite, help="m")
     parser.add_argument(
-        "--heading", type=float, metavar="RAD", help="where it is to look at the end (default: anywhere)"
+        "--heading", type=finite, metavar="RAD", help="where it is to look at the end (default: anywhere)"
     )
     parser.add_argument(
-        "--tolerance", type=float, metavar="M", help="how near is there (default: the navigation's own)"
+        "--tolerance", type=finite, metavar="M", help="how near is there (default: the navigation's own)"
     )
     parser.add_argument("--wait", action="store_true", help="wait until the mission has ended")
     parser.add_argument("--timeout", type=seconds, default=LONG, metavar="S", help="wait no longer (%(default)g)")
     parser.add_argument("--picture", type=picture_file, metavar="FILE", help="with --wait: draw it at the end")
     parser.add_argument("--json", action="store_true", help="print one JSON object, and no log")
     add_bus(parser)
+
+
+def finite(text: str) -> float:
+    """A number, and no infinite one."""
+    value = float(text)
+    if not isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text} is not a finite number")
+    return value
 
 
 def run(arguments: argparse.Namespace) -> int:
