@@ -27,10 +27,15 @@ SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
 
 @dataclass(frozen=True, slots=True)
 class GridNumbers:
-    """resolution: edge of a cell, m. reach: m beyond which no ray is believed. largest: edge of the area at most, m."""
+    """What is believed, and how finely it is kept, in m.
+
+    resolution: edge of a cell. reach: beyond which no ray is believed. lone_reach: likewise, of a ray that shares its
+    origin with no other: so sonar sees, which is surer of distances than of directions. largest: edge of the area.
+    """
 
     resolution: float = 0.1
     reach: float = 8.0
+    lone_reach: float = 1.0
     largest: float = 200.0
 
 
@@ -126,7 +131,7 @@ class Grid:
         """Note where rays have passed and where they have hit something."""
         if not self.include(reading.pose[:2], self._numbers.reach):
             return
-        rays = _Rays.of(reading, self._numbers.reach)
+        rays = _Rays.of(reading, self._numbers)
         area = self.area
         passed = self._passed(rays)
         hits = self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits])
@@ -144,6 +149,11 @@ class Grid:
         """What stands here does not yield: it counts as what was never free."""
         part = self.area.around((x, y), margin=radius)
         part.was_free[part.occupied] = False
+
+    def doubt(self, x: float, y: float, radius: float) -> None:
+        """Know nothing of what is here any more."""
+        part = self.area.around((x, y), margin=radius)
+        part.evidence[:] = 0
 
     def _passed(self, rays: "_Rays") -> Cells:
         """The cells through which rays have passed. One that hits passes to a cell before its end."""
@@ -175,11 +185,12 @@ class _Rays(NamedTuple):
     hits: Flags
 
     @classmethod
-    def of(cls, reading: ObstRead, reach: float) -> "_Rays":
-        """The rays of a reading that are numbers, none longer than the reach."""
+    def of(cls, reading: ObstRead, numbers: GridNumbers) -> "_Rays":
+        """The rays of a reading that are numbers, none longer than it is believed."""
         dx, dy = reading.end_x - reading.origin_x, reading.end_y - reading.origin_y
         lengths = np.hypot(dx, dy)
         sound = np.isfinite(lengths) & (lengths > 0.0)
+        reach = np.where(_is_lone(reading), numbers.lone_reach, numbers.reach)[sound]
         dx, dy, lengths = dx[sound], dy[sound], lengths[sound]
         return cls(
             reading.origin_x[sound],
@@ -191,6 +202,13 @@ class _Rays(NamedTuple):
             np.minimum(lengths, reach),
             (reading.hits[sound] > 0.0) & (lengths <= reach),
         )
+
+
+def _is_lone(reading: ObstRead) -> Flags:
+    """Which rays share their origin with neither of their neighbours."""
+    is_other = (np.diff(reading.origin_x) != 0.0) | (np.diff(reading.origin_y) != 0.0)
+    lone: Flags = np.concatenate([[True], is_other]) & np.concatenate([is_other, [True]])
+    return lone
 
 
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -12,6 +12,7 @@ from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import GoalPoint, Place
 from geometry import wrap_angle
 
+SURE_FROM = 2.0  # m from the goal, within which it is believed that it is barred
 AT_DOOR = 3.0  # times the distance of the sub-targets from a door, to the one behind it
 
 
@@ -120,6 +121,13 @@ class Guide:
         assert self._near is not None  # it has been advanced
         ahead = self._near.first_barred(self.points)
         return Barrier(ahead, self._survey(now, 0.0).cost_of(*self.points)) if ahead is not None else None
+
+    def doubt_goal(self, now: float) -> bool:
+        """Forget what is at the goal, if that bars it and was seen from afar only. Whether that was so."""
+        if not self._survey(now).is_barred(*self.goal) or self.distance(self.goal) < SURE_FROM:
+            return False
+        self._memory.grid.doubt(*self.goal, SURE_FROM / 2.0)
+        return True
 
     def why_no_way(self, now: float) -> str:
         """In words."""

@@ -55,6 +55,7 @@ class Navigator:
         self._seen_at = self._looked_at = -inf
         self._no_way_since = inf
         self._is_there = False  # and only has to turn yet
+        self._doubts = True  # that the goal is barred
         self._handlers: dict[State, Callable[[float], Order | None]] = {
             State.REPLANNING: self._replan,
             State.WAITING: self._wait,
@@ -90,6 +91,7 @@ class Navigator:
             self._note("warning", f"given up, because {goal.mission} replaces it")
         self._goal, self._guide = goal, Guide(self.numbers.guide, self.memory, goal)
         self._is_there, self._no_way_since, self._looked_at = False, inf, -inf
+        self._doubts = True
         self._progress.begin()
         self.memory.begin_trail()
         self._machine.happens(Event.TOLD, now, "told where to go")
@@ -158,7 +160,10 @@ class Navigator:
             self._no_way_since = inf
             self._machine.happens(Event.WAY_FOUND, now, why)
         elif now - self._no_way_since >= self.numbers.sure:
-            self._give_up(now, self._guide.why_no_way(now))
+            if self._doubts and self._guide.doubt_goal(now):
+                self._doubts = False  # somebody may have stood there; it is looked at once more, from nearer
+            else:
+                self._give_up(now, self._guide.why_no_way(now))
         else:
             self._no_way_since = min(self._no_way_since, now)
             until = self._no_way_since + self.numbers.sure
@@ -204,7 +209,7 @@ class Navigator:
         guide.advance()
         if self._has_arrived(now) or self._comes_no_farther(now) or self._is_barred(now):
             return None
-        if now >= self._looked_at + self.numbers.look:
+        if self.state is not State.PASSING and now >= self._looked_at + self.numbers.look:
             self._looked_at = now
             guide.look_for_better(now)
         self._mind_door(now)

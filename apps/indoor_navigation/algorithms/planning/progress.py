@@ -13,10 +13,10 @@ Pose = tuple[float, float, float]
 class ProgressNumbers:
     """When the robot is stuck, and what follows.
 
-    stuck: s within which it goes `step` m or turns `turn` rad, or is stuck. dead_end: s of a dead end after which it
-    is. around: likewise if it moves within so many m for `long` s, whatever it does there. avoid: m around the place
-    before it that is avoided then, for `avoid_for` s. strikes: how often it may be stuck before it gives up; after
-    `fresh` m they count no more.
+    stuck: s within which it goes `step` m or turns `turn` rad, or is stuck. dead_end: s likewise in a dead end. around:
+    likewise if it moves within so many m for `long` s, whatever it does there. avoid: m around the place before it that
+    is avoided then, for `avoid_for` s. strikes: how often it may be stuck before it gives up; after `fresh` m they
+    count no more.
     """
 
     stuck: float = 5.0
@@ -66,7 +66,7 @@ class Progress:
         self._checked_at = now
         return (
             now - self._anchored_at > numbers.stuck
-            or now - self._dead_end_since > numbers.dead_end
+            or now - max(self._anchored_at, self._dead_end_since) > numbers.dead_end
             or self._around_for > numbers.long
         )
 

@@ -21,17 +21,18 @@ SAMPLES = 2.0  # to each cell along a line
 class CostNumbers:
     """Costs are of a metre; 1 on known free floor.
 
-    margin: m that must be left beside the robot, as far as cells can tell: an obstacle may be half a cell farther away
-    than its cell's middle, and this is no reason to bar a door. comfort: m beside that where nearness to an obstacle
-    costs something. tight: cost added at the margin itself. unknown: cost where nothing is known. off_ways: likewise,
-    once ways are remembered, which are known to lead somewhere. wall: in the unknown beside a door, since doors are in
-    walls. hope: where an obstacle is that was not always there, in a search that hopes it will go. detour: added where
-    the robot has come no farther lately.
+    margin: m that must be left beside the robot. comfort: m beside that where nearness to an obstacle costs something.
+    tight: cost added at the margin itself. squeeze: cost added nearer than the margin, as far as cells are too coarse
+    to tell whether the robot fits; only where it surely does not, it is barred. unknown: cost where nothing is known.
+    off_ways: likewise, once ways are remembered, which are known to lead somewhere. wall: in the unknown beside a door,
+    since doors are in walls. hope: where an obstacle is that was not always there, in a search that hopes it will go.
+    detour: added where the robot has come no farther lately.
     """
 
     margin: float = 0.0
     comfort: float = 0.35
     tight: float = 4.0
+    squeeze: float = 10.0
     unknown: float = 1.3
     off_ways: float = 2.0
     wall: float = 15.0
@@ -132,7 +133,7 @@ def terrain(
     """
     occupied = area.occupied
     standing = occupied if hopes is None else occupied & ~area.was_free
-    narrow = half_width + numbers.margin - area.resolution / 2.0
+    narrow = half_width + numbers.margin
     cost = np.where(area.unknown, numbers.off_ways if hints.ways else numbers.unknown, 1.0)
     for way in hints.ways:
         _lay(cost, area, way, area.unknown, 1.0)
@@ -142,7 +143,8 @@ def terrain(
         _lay(cost, area, avoided, None, numbers.detour)
     cost += _nearness(standing, narrow, numbers, area.resolution)
     if hopes is not None:
-        in_the_way = clearance_squared(occupied, narrow, area.resolution) <= _squared(narrow, area.resolution)
+        barred = _squared(narrow - area.resolution, area.resolution)
+        in_the_way = clearance_squared(occupied, narrow, area.resolution) <= barred
         cost[in_the_way] += hopes
     if robot is not None:
         _let_out(cost, area, robot, narrow + ONTO)
@@ -175,13 +177,14 @@ def _nearness(standing: Flags, narrow: float, numbers: CostNumbers, resolution: 
     distance = np.sqrt(np.arange(int(squared.max(initial=0)) + 1)) * resolution
     lacking = np.clip((wide - distance) / numbers.comfort, 0.0, 1.0)
     table = numbers.tight * lacking**2
-    table[: _squared(narrow, resolution) + 1] = BARRED
+    table[: _squared(narrow, resolution) + 1] += numbers.squeeze
+    table[: _squared(narrow - resolution, resolution) + 1] = BARRED
     return np.asarray(table[squared])
 
 
 def _squared(distance: float, resolution: float) -> int:
     """Squared cells within a distance, m."""
-    return int((distance / resolution) ** 2 + 1e-9)
+    return int((max(distance, 0.0) / resolution) ** 2 + 1e-9)
 
 
 def _lay(cost: Floats, area: Area, strip: Strip, where: Flags | None, value: float) -> None:

@@ -16,6 +16,8 @@ SOMEWHERE = st.floats(-7.0, 7.0)
 
 
 def reading(*rays: Ray, pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> ObstRead:
+    """Each ray twice, as if a scanner had sent them."""
+    rays = (*rays, *rays)
     ends = np.array([(x, y) for x, y, _ in rays], np.float64).reshape(-1, 2)
     origins = np.ones(len(rays)) * pose[0], np.ones(len(rays)) * pose[1]
     hits = np.array([float(hit) for _, _, hit in rays])
@@ -38,6 +40,17 @@ def test_a_hit_is_an_obstacle_and_all_before_it_is_free() -> None:
     assert not occupied(grid, 1.05, 0.05)
     assert unknown(grid, 3.25, 0.05)
     assert unknown(grid, 1.05, 0.5)
+
+
+def test_sonar_is_believed_near_by_only() -> None:
+    grid = Grid()
+    ends, hits = np.array([3.05, 0.85]), np.ones(2)
+    sonar = ObstRead(
+        0.0, (0.0, 0.0, 0.0), None, 0.0, np.array([0.0, 0.1]), np.array([0.05, 0.55]), ends, ends, hits, False
+    )
+    grid.see(sonar)
+    assert not occupied(grid, 3.05, 3.05)
+    assert occupied(grid, 0.85, 0.85)
 
 
 def test_a_ray_that_only_ends_says_nothing_of_its_end() -> None:

@@ -23,7 +23,7 @@ from apps.indoor_navigation.algorithms.planning.terrain import (
 )
 from apps.indoor_navigation.data import Floats, Place
 
-FLAT = CostNumbers(comfort=0.1, tight=0.0, unknown=1.0)
+FLAT = CostNumbers(comfort=0.1, tight=0.0, squeeze=0.0, unknown=1.0)
 HALF_WIDTH = 0.2
 SIZE = 24
 
