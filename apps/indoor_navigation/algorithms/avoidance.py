@@ -16,11 +16,13 @@ TIGHTEST = 3.0  # 1/m; tighter, it turns on the spot
 CREEP = 0.08  # m/s, away from what it would touch by turning
 TURN_AWAY = 0.1  # rad/s, likewise
 SLIGHT = 0.06  # rad that it always may be able to turn
-AT_REST = 0.015  # m/s and rad/s
+AT_REST = 0.015  # m/s
+TURNING = 0.1  # rad/s above which a robot that stands turns on the spot
 STEADY = 0.05  # m/s below which a robot stands
 PERSON = 0.2  # m that a body may reach beyond the leg that the laser sees
 TOUCHING = 0.035  # m
 HAND = 0.1  # m
+UNSEEN = 0.06  # m that must be free about its rear, where little is seen, for a robot that goes back
 BEHIND = -0.3  # m; walkers farther behind the axle than that are theirs to mind
 
 
@@ -129,7 +131,7 @@ def _guard(
     One that drives turns a little to the other side and creeps on. One that turns on the spot creeps to where it has
     room for that.
     """
-    if abs(linear) < AT_REST and abs(angular) < AT_REST:
+    if -AT_REST < linear < STEADY and abs(angular) < TURNING:
         return None
     x, y = places
     is_near = x * x + y * y < (outline.sweep + numbers.margin) ** 2
@@ -160,6 +162,8 @@ def _may_turn(outline: Outline, x: Floats, y: Floats, angle: float) -> bool:
 
 def _may_creep(outline: Outline, x: Floats, y: Floats, way: float) -> bool:
     """Whether so much is free ahead, m, or behind where it is below zero; as far as one knows."""
+    if way < 0.0 and ((x < 0.0) & (outline.distance(x, y) < UNSEEN)).any():
+        return False
     still = np.zeros(1)
     return not outline.runs_into((still + way, still, still), x, y, TOUCHING).any()
 

@@ -9,7 +9,7 @@ from apps.indoor_navigation.algorithms.outline import Truths
 from apps.indoor_navigation.data import Floats, LaserRead, ObstRead, SonarRead
 
 SONAR_RANGE = 3.0  # m; what a disc hears from farther away may be anywhere in its cone
-HALF_CONE = 0.35  # rad; sound goes astray about the axis as far as this
+HALF_CONE = 0.45  # rad; sound goes astray about the axis as far as this
 AGREES = 0.2  # m by which a disc may hear something nearer than the laser sees it
 
 

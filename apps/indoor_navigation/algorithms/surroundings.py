@@ -7,15 +7,15 @@ must not turn as if it were gone.
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.algorithms.rays import Rays, in_robot
+from apps.indoor_navigation.algorithms.rays import Rays, in_robot, unexplained
 from apps.indoor_navigation.algorithms.slender import about_slender
 from apps.indoor_navigation.data import Floats
 
 NEAR = 2.5  # m from the robot; what is farther away is of no concern yet
-KEPT = 15.0  # s for which something is believed to be where nobody looks
+KEPT = 60.0  # s for which something is believed to be where nobody looks
 BESIDE = 1.2  # m from the robot, likewise
 IN_VIEW = 0.03  # m between a ray and a place of which it knows better
-MOST = 120  # places that are remembered
+MOST = 200  # places that are remembered
 
 
 class Surroundings:
@@ -43,7 +43,15 @@ class Surroundings:
             is_kept = ~_are_in_view(rays, x, y)
         chosen = np.flatnonzero(is_kept)[-MOST:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
-        self._last = rays
+        self._last = self._explained(rays)
+
+    def _explained(self, rays: Rays) -> Rays:
+        """Without the echoes of what is remembered: the frame of a door is beside a disc's axis, not on it."""
+        is_of_eye = _is_of_eye(rays)
+        seen = rays.where(is_of_eye)
+        remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
+        echoes = rays.where(~is_of_eye & rays.hits)
+        return seen.followed_by(unexplained(echoes, seen.followed_by(remembered)))
 
     def places(self, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
         """x and y in the frame of a robot that is at a pose in odom, no farther than `NEAR`."""
