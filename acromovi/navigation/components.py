@@ -62,13 +62,13 @@ def ask(bus: Bus, component: "AgentName", request: str, within: float = PATIENCE
 
 
 def query(bus: Bus, robot: str, component: str, what: str) -> Mapping[str, Any]:
-    """A component's answer to what other components ask it; nothing where it does not answer."""
+    """A component's answer to what other components ask it; nothing where it does not answer, or to us."""
     from apps.indoor_navigation.component import query_key
-    from bus.errors import NoAnswer, Refused, TimedOut
+    from bus.errors import NoAnswer, NotAllowed, Refused, TimedOut
 
     try:
         return bus.query(query_key(robot, component, what), {}, PATIENCE)[0].value
-    except (NoAnswer, Refused, TimedOut):
+    except (NoAnswer, NotAllowed, Refused, TimedOut):
         return {}
 
 

@@ -36,15 +36,11 @@ def snapshot(bus: "Bus", robot: str) -> Snapshot:
     """Take one.
 
     Raises:
-        NobodyNavigates: There is no path planning for this robot.
-        RequestNotDone: Path planning is there and does not answer.
+        NobodyNavigates: There is no navigation for this robot.
+        RequestNotDone: Path planning does not answer.
     """
-    from acromovi.navigation.components import expect, query
-    from agents.platform.errors import RequestNotDone
+    from acromovi.navigation.components import ask, expect, query
 
-    name = expect(bus, robot, "path_planning")
-    planning = query(bus, robot, "path_planning", "picture")
-    if not planning:
-        raise RequestNotDone(f"{name} is there and does not answer; see what it does: acromovi introspect {name}")
+    planning = ask(bus, expect(bus, robot), "picture").value()
     commands = query(bus, robot, "motion_fuser", "commands")
     return Snapshot(robot, planning, commands, query(bus, robot, "robot_base_server", "robot"))
