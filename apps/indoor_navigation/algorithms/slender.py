@@ -10,6 +10,7 @@ from apps.indoor_navigation.data import Floats
 SLENDER = 0.25  # m
 ALONE = 0.25  # m to what is seen behind it on both sides
 BODY = 0.22  # m about it
+EDGE = 10  # rays at either end of the scan, where the face of a wall may be out of view and its end looks like a leg
 IN_LINE = 0.1  # m beside the line of a wall
 RING = np.linspace(-np.pi, np.pi, 8, endpoint=False)
 
@@ -25,7 +26,7 @@ def about_slender(rays: Rays) -> tuple[Floats, Floats]:
     depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
     gaps = np.flatnonzero(np.abs(np.diff(depth)) > ALONE)
     starts, ends = gaps[:-1] + 1, gaps[1:]
-    inner = (starts >= 2) & (ends < len(depth) - 2)
+    inner = (starts >= EDGE) & (ends < len(depth) - EDGE)
     starts, ends = starts[inner], ends[inner]
     chosen = (
         rays.hits[starts]
