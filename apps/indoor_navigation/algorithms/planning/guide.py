@@ -13,6 +13,7 @@ from apps.indoor_navigation.data import GoalPoint, Place
 from geometry import wrap_angle
 
 SURE_FROM = 2.0  # m from the goal, within which it is believed that it is barred
+WELL_WITHIN = 0.6  # of the tolerance, where ways end, since no robot stands exactly where it is sent
 AT_DOOR = 3.0  # times the distance of the sub-targets from a door, to the one behind it
 
 
@@ -196,7 +197,7 @@ class Guide:
         return ground
 
     def _find(self, ground: Terrain) -> Way | None:
-        return find_way(ground, self._memory.place, self.goal, self._goal.tolerance)
+        return find_way(ground, self._memory.place, self.goal, WELL_WITHIN * self._goal.tolerance)
 
     def _take(self, way: Way, ground: Terrain) -> None:
         route = routed(way, self._memory.doors, ground, self._numbers.before_door)

@@ -27,7 +27,7 @@ class MissionNumbers:
     silence: float = 1.0
     look: float = 2.0
     detour: float = 1.5
-    patience: float = 4.0
+    patience: float = 8.0
     hope: float = 20.0
     sure: float = 8.0
     progress: ProgressNumbers = field(default_factory=ProgressNumbers)
