@@ -1,0 +1,54 @@
+from pathlib import Path
+
+import pytest
+
+from acromovi.__main__ import main
+from acromovi.missions.matrix import Result, play, play_all
+from acromovi.missions.page import page
+from acromovi.missions.tasks import Case, Condition, Job
+
+SHORT = Job.of(Case.ROOM, Condition.ERROR, 0)
+NOWHERE = Job.of(Case.ROOM, Condition.STATIC, 0, world="nowhere")
+
+
+def test_mission_that_crashes_has_failed_and_keeps_its_traceback() -> None:
+    result = play(NOWHERE)
+    assert not result.is_good
+    assert "Traceback" in result.error
+    assert "nowhere" in result.error
+
+
+def test_page_tells_of_each_failure_how_to_see_it_again() -> None:
+    text = page([play(NOWHERE)])
+    assert f"`{NOWHERE.command}`" in text
+    assert "crashed: " in text
+
+
+def test_page_of_nothing_but_good_missions_has_no_failures() -> None:
+    assert "None." in page([])
+
+
+def test_same_mission_ends_the_same_in_another_process() -> None:
+    here, (there,) = play(SHORT), play_all([SHORT], processes=1)
+    assert here == there
+    assert repr(here) == repr(there)
+
+
+def test_smoke_missions_are_all_reached(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["missions", "--smoke"]) == 0, capsys.readouterr().out
+
+
+def test_one_mission_is_played_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "mission.svg"
+    assert main(["missions", "--picture", str(picture)]) == 0
+    assert "of the shortest way" in capsys.readouterr().out
+    assert picture.read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_robot_that_is_not_in_the_matrix_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["missions", "--robot", "p2at"]) == 2
+    assert "choose" not in capsys.readouterr().out
+
+
+def test_result_without_verdict_is_not_good() -> None:
+    assert not Result(SHORT).is_good
