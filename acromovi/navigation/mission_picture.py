@@ -151,13 +151,10 @@ def _draw_commands(axes: "Axes", shot: Snapshot) -> None:
     axes.fill(xs, ys, color=ROBOT, alpha=0.15, linewidth=0)
     for name, colour, width, command in _commands(shot):
         points = list(_placed(_motion(command), (0.0, 0.0, pi / 2)))
-        is_old = not command.get("is_young", True)
-        style = ":" if is_old else "-"
-        axes.plot(
-            *zip(*points, strict=True), color=colour, linewidth=width, linestyle=style, label=_said(name, command)
-        )
-        if len(points) > 2:
-            axes.annotate("", points[-1], points[-3], arrowprops=_arrow(colour, width))
+        shaft, style = points[:-3] or points, "-" if command.get("is_young", True) else ":"
+        axes.plot(*zip(*shaft, strict=True), color=colour, linewidth=width, linestyle=style, label=_said(name, command))
+        if len(points) > len(shaft):
+            axes.annotate("", points[-1], shaft[-1], arrowprops=_arrow(colour, width))
     axes.set_xlim(-NEAR, NEAR)
     axes.set_ylim(-NEAR / 2, 1.5 * NEAR)
     axes.set_title(f"what is wanted of the wheels, {AHEAD:g} s ahead", loc="left", fontsize=9)
@@ -176,11 +173,11 @@ def outline(body: Mapping[str, Any]) -> Points:
 
 
 def _commands(shot: Snapshot) -> Iterator[tuple[str, str, float, Mapping[str, Any]]]:
-    """Name, colour, width of the line and the command itself; the fused one last, on top."""
+    """Name, colour, width of the line and the command itself; the fused one last, narrow, on top of what it follows."""
     for number, (name, command) in enumerate(sorted(shot.commands.get("sources", {}).items())):
-        yield name, SOURCES[number % len(SOURCES)], 1.0 + min(2.0, float(command["weight"])), command
+        yield name, SOURCES[number % len(SOURCES)], 3.0 + min(2.0, float(command["weight"])), command
     if fused := shot.commands.get("fused"):
-        yield "fused", ROBOT, 2.6, fused
+        yield "fused", ROBOT, 1.6, fused
 
 
 def _said(name: str, command: Mapping[str, Any]) -> str:
@@ -219,7 +216,14 @@ def _line(axes: "Axes", points: Sequence[Sequence[float]], **style: Any) -> None
 
 
 def _arrow(colour: str, width: float) -> dict[str, Any]:
-    return {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
+    return {
+        "arrowstyle": "-|>",
+        "color": colour,
+        "linewidth": width,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": 6 + 4 * width,
+    }
 
 
 def _wrapped(title: str) -> str:
