@@ -25,7 +25,7 @@ PASSING = 0.05  # m beside the robot on the shortest way
 TURNING = 0.15  # m round a robot that turns where a mission begins or ends
 AT_EASE = (0.2, 0.1, PASSING)  # m beside the robot that obstacles leave it on some way: what the doors leave it, too
 LEAST = {"room": 3.0, "corridor": 3.0, "rooms": 5.0}  # m of way
-TRIES = 2000
+TRIES = 500
 MOST_OBSTACLES = 4
 PEOPLE = 2  # beside the one on the robot's way
 
@@ -153,21 +153,21 @@ class _Chooser:
         self._room = [world.places[name] for name in names if not name.startswith("corridor")]
 
     def ends(self, case: Case) -> tuple[Pose2D, Point, Path]:
-        """Start, goal, and the shortest way between them."""
-        for _ in range(TRIES if self._corridor and len(self._room) > 1 else 0):
-            room = self._chance.choice(self._room)
-            start = self._near(room, 0.8)
-            goal = self._goal(case, room)
-            if not (self._turning.is_free(start) and self._turning.is_free(goal)):
-                continue
-            way = self.way(self._world, start, goal)
-            if way is None or way.length < LEAST[case]:
-                continue
-            if case is Case.ROOMS and not self._passes_corridor(way):
-                continue
-            heading = round(self._chance.uniform(-math.pi, math.pi), 3)
-            return Pose2D(*start, heading), goal, way
+        """Start, goal, and the shortest way between them; in small rooms ways may be short."""
+        for least in (LEAST[case], LEAST[case] / 2) if self._corridor and len(self._room) > 1 else ():
+            for _ in range(TRIES):
+                room = self._chance.choice(self._room)
+                start, goal = self._near(room, 0.8), self._goal(case, room)
+                way = self._way_to(goal, start)
+                if way is None or way.length < least or (case is Case.ROOMS and not self._passes_corridor(way)):
+                    continue
+                return Pose2D(*start, round(self._chance.uniform(-math.pi, math.pi), 3)), goal, way
         raise NoTask(f"world {self._world.name!r} has no room for a mission of case {case}; choose another world")
+
+    def _way_to(self, goal: Point, start: Point) -> Path | None:
+        """The shortest way, if the robot has room to turn at both ends."""
+        has_room = self._turning.is_free(start) and self._turning.is_free(goal)
+        return self.way(self._world, start, goal) if has_room else None
 
     def way(self, world: WorldSpec, start: Point, goal: Point) -> Path | None:
         """The shortest way for the robot, if there is one."""
