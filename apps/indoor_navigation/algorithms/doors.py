@@ -5,11 +5,11 @@ line. Each beam crosses that line somewhere; where the beams between two pieces 
 there is a door. So a leg before the door, or a leaf that stands open, hides a part of it and no more.
 
 Two pieces of furniture with a gap between are in line, too, but they end in the open: beyond their outer ends one sees
-on behind the line, where a wall goes on to the next corner. Hence such a piece counts only where it is long.
+on behind the line, where a wall goes on to the next corner. Or their sides are seen beside the gap, deeper than a wall
+is thick. Hence such a piece counts only where it is long.
 """
 
 from dataclasses import dataclass
-from enum import Enum
 from math import atan2, hypot
 
 import numpy as np
@@ -30,18 +30,15 @@ IN_FRONT = 0.25  # m before the line: what is nearer to it, as a leaf at its hin
 HIDDEN = 0.18  # m beside a jamb that something may hide
 SHADOW = 1.5  # m of wall that a leaf may hide beside an opening
 GRAZING = 0.12  # cosine: lines seen more from the side are not looked at
-IN_THE_OPEN = 0.1  # m behind a line, where nothing bounds its end
-JOINED = 0.25  # m from the end of a wall, where another one begins
+OFF_LINE = 0.1  # m before or behind a line: what is there tells how the line ends
+LOOK = 8  # beams beyond the end of a line that are looked at for that
+SURELY_ON = 0.02  # m that the ends of two beams side by side may be off a line to be of its wall,
+STEP = 0.02  # and m that they are apart along it at least: those on a wall across are not
+MIDST, BLOCKING = 0.15, 2  # m from the jambs, and beams that end on the line there at least: it is no opening
+FACE_STEP, OFF_FACE = 0.2, 0.08  # m that points of a jamb's face may be apart, and off the jamb
+THICKEST, DEEPEST = 0.27, 0.7  # m: between these, a jamb is as deep as a cupboard
 WHOLE = 0.3  # m: points of a wall that are farther apart have no wall between
 MANY = 15  # beams through: more are no better
-
-
-class End(Enum):
-    """How a wall ends: where another one joins it, behind something, or in the open, where one sees on behind it."""
-
-    CORNER = "corner"
-    HIDDEN = "hidden"
-    OPEN = "open"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +76,9 @@ def find_doors(scan: LaserRead, numbers: DoorNumbers) -> tuple[Door, ...]:
 
 
 def _apart(one: Opening, other: Opening) -> bool:
+    """Whether two openings are two; beside a corner of a room, doors are nearer to each other than they are wide."""
     (x, y), (u, v) = one.centre, other.centre
-    return hypot(x - u, y - v) > (one.width + other.width) / 2.0
+    return hypot(x - u, y - v) > max(one.width, other.width) / 2.0
 
 
 def _door(opening: Opening, scanner: Pose2D) -> Door:
@@ -124,10 +122,14 @@ def _find_lines(beams: Beams, segments: Segments) -> Lines | None:
     meets = closing > GRAZING
     owners = np.concatenate((is_part, np.zeros((len(is_part), 1), dtype=bool)), axis=1)
     wall = owners[:, segments.of_beam] & meets & (np.abs(depth) < ON_WALL)
+    along = beams.ranges * sliding
+    in_line = meets & (np.abs(depth) < SURELY_ON)  # as on a stub beside a door, too short to be a segment
+    step = along[:, 1:] - along[:, :-1]
+    pairs = in_line[:, 1:] & in_line[:, :-1] & (step > STEP) & (step < WHOLE)
+    wall[:, 1:] |= pairs
+    wall[:, :-1] |= pairs
     crossing = distances[:, None] * sliding / np.where(meets, closing, GRAZING)
-    return Lines(
-        normals, distances, wall, crossing, beams.ranges * sliding, np.where(meets, depth, -np.inf), beams.is_hit
-    )
+    return Lines(normals, distances, wall, crossing, along, np.where(meets, depth, -np.inf), beams.is_hit)
 
 
 def _first_of_each(has: list[list[bool]]) -> list[int]:
@@ -158,8 +160,8 @@ def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumber
     """The opening between two beams that end on a wall; None where it is no exit."""
     part = slice(first, last + 1)
     crossing, along, depth = lines.crossing[line, part], lines.along[line, part], lines.depth[line, part]
-    right = _jamb(crossing, along, depth)
-    left = _jamb(-crossing[::-1], -along[::-1], depth[::-1])
+    right = _jamb(crossing, along, depth, lines.is_hit[part])
+    left = _jamb(-crossing[::-1], -along[::-1], depth[::-1], lines.is_hit[part][::-1])
     if right is None or left is None:
         return None
     left = -left
@@ -170,6 +172,9 @@ def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumber
     through, echoes = int(is_through.sum()), int((is_through & lines.is_hit[part]).sum())
     share = through / max(1, int((within & (depth > -IN_FRONT)).sum()))
     if through < numbers.beams or share < numbers.share or echoes < numbers.echoes * through:
+        return None
+    in_midst = (np.abs(depth) < ON_WALL) & (along > right + MIDST) & (along < left - MIDST)
+    if int(in_midst.sum()) >= BLOCKING:  # as the hinge of a leaf, which hides the wall beside
         return None
     support = _support(lines, line, first, last, left - right, numbers)
     if not support:
@@ -182,9 +187,10 @@ def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumber
     return Opening((lx, ly), (rx, ry), (float(normal[0]), float(normal[1])), confidence)
 
 
-def _jamb(crossing: Floats, along: Floats, depth: Floats) -> float | None:
+def _jamb(crossing: Floats, along: Floats, depth: Floats, is_hit: Bools) -> float | None:
     """Where the opening begins after the beam at index 0, which ends on the wall; None where that is hidden."""
-    behind = int(np.argmax(depth > ON_WALL))
+    is_behind = depth > ON_WALL
+    behind = int(np.argmax(is_behind[:-1] & (is_behind[1:] | is_hit[:-1])))
     if behind > 1 and depth[behind - 1] < -IN_FRONT:
         if crossing[behind] - along[0] > HIDDEN:
             return None
@@ -201,23 +207,45 @@ def _support(lines: Lines, line: int, first: int, last: int, width: float, numbe
     steps = np.where(steps < WHOLE, steps, 0.0)
     split = int(np.searchsorted(wall, first))
     right, left = float(steps[:split].sum()), float(steps[split + 1 :].sum())
-    right_end, left_end = _end(along, depth, lines.is_hit, wall[0], -1), _end(along, depth, lines.is_hit, wall[-1], 1)
-    is_open, is_mouth = End.OPEN in (right_end, left_end), width > numbers.usual
-    other = left_end if right_end is End.OPEN else right_end
-    needed = {End.CORNER: numbers.open_wall, End.HIDDEN: numbers.hidden_wall, End.OPEN: numbers.free_wall}[other]
-    if right + left < max(numbers.wall, numbers.wall_share * width) or (
-        is_open and (is_mouth or max(right, left) < needed)
-    ):
+    longest, is_mouth = max(right, left), width > numbers.usual
+    if right + left < max(numbers.wall, numbers.wall_share * width):
         return 0.0
-    return right + left if min(right, left) >= (numbers.mouth_wall if is_mouth else numbers.least_wall) else 0.0
+    if min(right, left) < (numbers.mouth_wall if is_mouth else numbers.least_wall):
+        return 0.0
+    open_ends = _is_open(depth, lines.is_hit, wall[0], -1) + _is_open(depth, lines.is_hit, wall[-1], 1)
+    if open_ends and (is_mouth or longest < (numbers.open_wall if open_ends == 1 else numbers.free_wall)):
+        return 0.0
+    if longest < numbers.deep_wall:
+        along, depth, is_hit = along[first : last + 1], depth[first : last + 1], lines.is_hit[first : last + 1]
+        if _is_deep(along, depth, is_hit) or _is_deep(along[::-1], depth[::-1], is_hit[::-1]):
+            return 0.0
+    return right + left
 
 
-def _end(along: Floats, depth: Floats, is_hit: Bools, beam: int, outwards: int) -> End:
-    """What is beyond the last beam on a wall."""
-    beyond = [number for number in (beam + outwards, beam + 2 * outwards) if 0 <= number < len(depth)]
-    if len(beyond) < 2:
-        return End.HIDDEN
-    if all(is_hit[number] and depth[number] > IN_THE_OPEN for number in beyond):
-        return End.OPEN
-    is_joined = any(hypot(along[number] - along[beam], depth[number] - depth[beam]) < JOINED for number in beyond)
-    return End.CORNER if is_joined else End.HIDDEN
+def _is_deep(along: Floats, depth: Floats, is_hit: Bools) -> bool:
+    """Whether the jamb after the beam at index 0 goes as far back as a cupboard's side: a wall is not so thick.
+
+    What goes back farther is a leaf, or another wall.
+    """
+    last, back = (float(along[0]), float(depth[0])), 0.0
+    for place, behind, has_echo in zip(along[1:].tolist(), depth[1:].tolist(), is_hit[1:].tolist(), strict=True):
+        if not has_echo or behind < -OFF_LINE:
+            continue
+        if hypot(place - last[0], behind - last[1]) > FACE_STEP:
+            break
+        last = place, behind
+        if behind > DEEPEST:
+            return False
+        if abs(place - along[0]) < OFF_FACE:
+            back = behind
+    return back > THICKEST
+
+
+def _is_open(depth: Floats, is_hit: Bools, beam: int, outwards: int) -> bool:
+    """Whether a wall's line ends in the open: beyond the last beam on it, what is off it lies behind."""
+    for number in range(beam + outwards, beam + LOOK * outwards, outwards):
+        if not 0 < number < len(depth) - 1 or depth[number] < -OFF_LINE:
+            return False
+        if depth[number] > OFF_LINE:
+            return bool(is_hit[number] and is_hit[number + outwards] and depth[number + outwards] > OFF_LINE)
+    return False

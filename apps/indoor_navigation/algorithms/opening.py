@@ -14,8 +14,9 @@ class DoorNumbers:
     those that go through, that must meet something in the end: where there is no echo at all, it may as well be black.
     wall: in view, both sides together, at least; wall_share: likewise, as part of the opening's width. least_wall,
     mouth_wall: on either side, of a door and of a mouth.
-    open_wall, hidden_wall, free_wall: on one side at least, of a wall that ends in the open, where its other end is at
-    a corner, hidden, and in the open, too. corridor_wall: of either wall of a corridor that ends, as part of its width.
+    open_wall, free_wall: on one side at least, of a wall of which one end is in the open, and of which both are.
+    deep_wall: likewise, where a jamb is as deep as a cupboard. corridor_wall: of either wall of a corridor that ends,
+    as part of its width.
     """
 
     narrowest: float = 0.8
@@ -26,13 +27,13 @@ class DoorNumbers:
     beams: int = 8
     share: float = 0.5
     echoes: float = 0.3
-    wall: float = 0.95
-    wall_share: float = 0.8
+    wall: float = 0.8
+    wall_share: float = 0.65
     least_wall: float = 0.05
     mouth_wall: float = 0.6
     open_wall: float = 0.85
-    hidden_wall: float = 1.1
-    free_wall: float = 1.5
+    free_wall: float = 1.3
+    deep_wall: float = 1.2
     corridor_wall: float = 0.75
 
 

@@ -85,6 +85,26 @@ def test_a_gap_between_two_cupboards_is_no_door() -> None:
     assert doors_in(look(plan, 0, (3.0, 1.0, pi / 2))) == ()
 
 
+def test_a_gap_between_a_wall_and_a_cupboard_is_no_door() -> None:
+    plan = box(box(closed_room(6.0, 7.0), 0.0, 1.0, 4.0, 4.15), 2.0, 3.0, 4.0, 4.4)
+    assert doors_in(look(plan, 0, (1.2, 2.0, pi / 2))) == ()
+
+
+def test_two_doors_beside_a_corner_are_two() -> None:
+    plan = closed_room(10.0, 8.0)
+    box(box(plan, 0.0, 3.3, 4.0, 4.1), 4.7, 5.0, 4.0, 4.1)
+    box(box(plan, 5.0, 5.1, 0.0, 2.4), 5.0, 5.1, 3.8, 4.1)
+    doors = doors_in(look(plan, 0, (2.5, 1.5, 0.8)))
+    assert sorted((round(door.x), round(door.y)) for door in doors) == [(4, 4), (5, 3)]
+
+
+def test_a_leaf_that_hides_the_wall_beside_a_door_makes_no_wider_door() -> None:
+    plan = room_with_door(1.0)
+    plan.polygons.append(np.array([[3.0, 4.0], [3.35, 3.2], [3.39, 3.22], [3.04, 4.0]]))
+    for door in doors_in(look(plan, 0, (1.2, 1.6, 0.9))):
+        assert door.width == pytest.approx(1.0, abs=0.08)
+
+
 def test_a_black_wall_is_no_door() -> None:
     scan = look(closed_room(6.0, 7.0), 0, (3.0, 2.0, pi / 2)).scan
     ranges = scan.ranges.copy()
