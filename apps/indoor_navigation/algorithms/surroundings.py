@@ -40,7 +40,7 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < BESIDE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~_are_in_view(rays, x, y)
+            is_kept = ~_are_in_view(rays.where(_is_of_eye(rays)), x, y)
         chosen = np.flatnonzero(is_kept)[-MOST:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         self._last = self._explained(rays)
@@ -73,7 +73,7 @@ def _is_of_eye(rays: Rays) -> Truths:
 
 
 def _are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
-    """Which of some places a ray runs to, through, or against something before: what it has seen is what counts."""
+    """Which of some places a ray of the eye runs to, through, or against something before: what that saw counts."""
     along_x, along_y = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
     length = np.hypot(along_x, along_y)
     length[length == 0.0] = np.inf
