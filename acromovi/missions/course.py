@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 ROBOT = "happy"
 PERIOD = 6  # steps between two samples: 20 Hz
-CONNECTING = 3.0  # s of virtual time in which a robot is connected and its sensors have been heard
+CONNECTING = 2.0  # s of virtual time in which a robot is connected and its sensors have been heard
 LOOK = 12  # steps between two looks at how the mission stands: 10 Hz
 SETTLE = 0.5  # s after the end, in which the robot comes to rest
 ENDED = ("done", "failed", "cancelled")
