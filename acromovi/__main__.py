@@ -64,11 +64,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code.
     """
     given = list(sys.argv[1:] if argv is None else argv)
-    arguments = _parser(given).parse_args(given)
+    parser = _parser(given)
+    arguments, strange = parser.parse_known_args(given)
+    if strange:
+        called = f"acromovi {arguments.command}"
+        parser.exit(2, f"{called}: error: unrecognized arguments: {' '.join(strange)}; {called} --help lists all\n")
     module = import_module(COMMANDS[arguments.command][0])
     try:
         with _terminable():
-            return int(module.run(arguments))
+            code = int(module.run(arguments))
+        sys.stdout.flush()  # here, where a reader that has gone is no error
+        return code
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
     except Terminated:
