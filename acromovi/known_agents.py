@@ -11,6 +11,7 @@ from agents.platform.errors import AgentError
 from agents.platform.names import AgentName
 from bus.bus import Bus, Closeable
 
+LIKENESS = 0.6  # 0 to 1, from which on one name may have been meant for another
 QUIET_TIME = 0.3  # s without a new token after which a session has met everybody, on one machine
 
 
@@ -80,10 +81,22 @@ def advice(name: AgentName, seen: list[AgentName]) -> str:
     """What to try in place of an agent that is not there."""
     if not seen:
         return "there are no agents at all: start a team with acromovi up, and see whether both use the same --bus"
-    near = difflib.get_close_matches(str(name), [str(each) for each in seen], 1)
-    if near:
-        return f"did you mean {near[0]}?"
+    near = _nearest(name, seen)
+    if near is not None:
+        return f"did you mean {near}?"
     here = [str(each) for each in seen if each.platform == name.platform]
     if here:
         return f"those of {name.platform} are {', '.join(here)}"
     return "acromovi ps lists those that are there"
+
+
+def _nearest(name: AgentName, seen: list[AgentName]) -> AgentName | None:
+    """The one most like it."""
+    close = [each for each in seen if _likeness(name, each) >= LIKENESS]
+    return max(close, key=lambda each: _likeness(name, each), default=None)
+
+
+def _likeness(one: AgentName, other: AgentName) -> float:
+    """0 to 1, by the word that differs more: a robot in common makes no two names alike."""
+    words = ((one.local, other.local), (one.platform, other.platform))
+    return min(difflib.SequenceMatcher(None, *pair).ratio() for pair in words)

@@ -121,7 +121,8 @@ def test_how_long_to_wait_is_no_argument_of_a_request(capsys: pytest.CaptureFixt
 def test_advice_is_the_nearest_name_or_the_robots_own_agents_or_a_command() -> None:
     seen = [AgentName("base", "happy"), AgentName("sonar", "happy")]
     assert advice(AgentName("bas", "happy"), seen) == "did you mean base@happy?"
-    assert advice(AgentName("xyzzyplugh", "happy"), [AgentName("io", "happy")]) == "those of happy are io@happy"
+    assert advice(AgentName("sonar", "hapy"), seen) == "did you mean sonar@happy?"
+    assert advice(AgentName("follow", "happy"), [AgentName("io", "happy")]) == "those of happy are io@happy"
     assert "acromovi ps" in advice(AgentName("xyzzyplugh", "max"), [AgentName("io", "happy")])
     assert "acromovi up" in advice(AgentName("base", "happy"), [])
 
