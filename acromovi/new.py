@@ -2,6 +2,7 @@
 
 import argparse
 import inspect
+import keyword
 import sys
 from pathlib import Path
 
@@ -26,6 +27,8 @@ def identifier(text: str) -> str:
     name = text.removesuffix(".py")
     if not name.isidentifier():
         raise argparse.ArgumentTypeError(f"{text!r} is no name for an application; use letters, digits and _")
+    if keyword.iskeyword(name) or name in sys.stdlib_module_names:  # each program beside it would import it
+        raise argparse.ArgumentTypeError(f"{text!r} is a word of Python's own; choose another name")
     return name
 
 

@@ -37,3 +37,14 @@ def test_what_cannot_name_an_application_is_told(capsys: pytest.CaptureFixture[s
         main(["new", "my patrol"])
     assert caught.value.code == 2
     assert "'my patrol' is no name for an application" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["class", "queue", "queue.py"])
+def test_words_of_python_name_no_application(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit):
+        main(["new", name])
+    assert f"'{name}' is a word of Python's own; choose another name" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
