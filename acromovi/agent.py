@@ -14,8 +14,8 @@ examples:
       that comes with Acromovi is named alike: agents.components.generic:Generic
   acromovi agent suspend follow@happy
   acromovi agent resume follow@happy
-  acromovi agent move follow@happy happy
-      with what it keeps and the messages that wait for it
+  acromovi agent move follow@happy attic
+      with what it keeps and the messages that wait for it; a class of your own needs the same --apps there
   acromovi agent stop follow@happy
 
 With --json one line is printed: {"name": AGENT, "state": STATE, "container": NAME}

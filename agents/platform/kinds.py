@@ -84,6 +84,7 @@ class Kinds:
         spec = None if in_package else PathFinder.find_spec(name, [str(folder) for folder in self.folders])
         if not in_package and spec is None:
             where = " or in ".join(("the packages agents and apps", *map(str, self.folders)))
+            where += "" if self.folders else ", and no folder was given with --apps"
             raise UnknownKind(f"there is no module {name!r} in {where}{_advice(name, self.modules())}")
         try:
             return importlib.import_module(name) if spec is None else self._application(spec)
