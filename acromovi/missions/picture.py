@@ -59,7 +59,7 @@ def draw_grid(path: Path, results: Sequence[Result]) -> None:
     columns = 6
     rows = max(1, -(-len(results) // columns))
     page = Figure(figsize=(24, 3.4 * rows), layout="constrained")
-    panels = page.subplots(rows, columns, squeeze=False).flat
+    panels = list(page.subplots(rows, columns, squeeze=False).flat)
     for axes in panels:
         axes.set_axis_off()
     for axes, result in zip(panels, results, strict=False):

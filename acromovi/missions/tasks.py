@@ -11,7 +11,7 @@ from random import Random
 import numpy as np
 
 import configs
-from geometry import Point, Pose2D
+from geometry import Point, Pose2D, Segment
 from p2os import RobotModel
 from p2os_emu.world import WorldError, WorldSpec, load_world
 from p2os_emu.world.conditions import LEAST_WALK, with_obstacles, with_people
@@ -125,9 +125,11 @@ def prepare(job: Job) -> Task:
         NoTask: The world has no room for such a mission.
         WorldError, ConfigError: There is no such world or robot.
     """
-    world = replace(load_world(job.world), people=(), moving_doors=(), objects=())
+    whole = load_world(job.world)
+    doors = [Segment(*door.jamb, *door.post) for door in whole.moving_doors]
+    world = replace(whole, people=(), moving_doors=(), objects=())  # all doors stay open
     model = configs.load(RobotModel, "robots", job.robot)
-    chooser = _Chooser(world, model, Random(f"{job.case} {job.world} {job.robot} {job.seed}"))
+    chooser = _Chooser(world, doors, model, Random(f"{job.case} {job.world} {job.robot} {job.seed}"))
     start, goal, way = chooser.ends(job.case)
     world = replace(world, starts=(start,))
     if job.condition.has_obstacles:
@@ -141,8 +143,9 @@ def prepare(job: Job) -> Task:
 class _Chooser:
     """Chance, bound by the world."""
 
-    def __init__(self, world: WorldSpec, model: RobotModel, chance: Random) -> None:
+    def __init__(self, world: WorldSpec, doors: Sequence[Segment], model: RobotModel, chance: Random) -> None:
         self._world = world
+        self._doors = [((door.x1 + door.x2) / 2, (door.y1 + door.y2) / 2) for door in doors]
         self._chance = chance
         self._half = model.width / 2
         self._sweep = math.hypot(max(model.length_front, model.length_rear), self._half)
@@ -180,7 +183,8 @@ class _Chooser:
         bounded = _between(world, *ends)
         for count in range(MOST_OBSTACLES, 0, -1):
             with suppress(WorldError):
-                fuller = with_obstacles(bounded, seed, count, radius=self._half + ease)
+                radius = self._half + ease
+                fuller = with_obstacles(bounded, seed, count, radius=radius, keep_clear=self._doors)
                 return replace(fuller, places=world.places)
         return world
 
