@@ -8,7 +8,8 @@ from apps.indoor_navigation.data import Floats
 
 PARALLEL = 0.985  # cosine of the largest angle between the two walls
 SKEW = 0.15  # how far, as part of the width, one wall may end before the other
-IN_LINE = 0.12  # m that a wall that goes on may be off
+IN_LINE = 0.1  # m that a wall that goes on may be off,
+BEHIND, AGAIN = 0.1, 0.2  # m behind the end of the corridor from which on it is looked for, and m that are seen of it
 JUMP = 0.25  # m by which the view goes past the line of a wall that has ended
 
 
@@ -48,7 +49,7 @@ def _opening(beams: Beams, segments: Segments, right: int, left: int, numbers: D
     if jamb_right is None or jamb_left is None:
         return None
     line = float(along @ (jamb_right + jamb_left)) / 2.0
-    if _goes_on(segments, jamb_right, along, line) or _goes_on(segments, jamb_left, along, line):
+    if _goes_on(beams, jamb_right, along, line) or _goes_on(beams, jamb_left, along, line):
         return None
     between = slice(first + 1, last)
     depths = beams.ranges[between] * (along @ beams.rays[:, between]) - line
@@ -83,14 +84,13 @@ def _end(beams: Beams, near: Floats, far: Floats, beam: int, step: int) -> Float
     return np.asarray((far + ends[0]) / 2.0)
 
 
-def _goes_on(segments: Segments, jamb: Floats, along: Floats, line: float) -> bool:
+def _goes_on(beams: Beams, jamb: Floats, along: Floats, line: float) -> bool:
     """Whether a wall is seen again behind its end, as behind a door in it."""
-    off = [
-        np.abs(along[0] * (at[1] - jamb[1]) - along[1] * (at[0] - jamb[0])) for at in (segments.starts, segments.ends)
-    ]
-    return bool(
-        ((np.maximum(*off) < IN_LINE) & (along @ segments.starts > line) & (along @ segments.ends > line)).any()
-    )
+    points = beams.rays[:, beams.is_hit] * beams.ranges[beams.is_hit]
+    ahead = along @ points
+    off = np.abs(along[0] * (points[1] - jamb[1]) - along[1] * (points[0] - jamb[0]))
+    again = ahead[(off < IN_LINE) & (ahead > line + BEHIND)]
+    return bool(len(again)) and float(np.ptp(again)) > AGAIN
 
 
 def _unit(vector: Floats) -> Floats:

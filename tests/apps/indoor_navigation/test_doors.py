@@ -121,6 +121,15 @@ def test_the_end_of_a_corridor_is_found_from_within() -> None:
     assert wrap_angle(door.normal) == pytest.approx(0.0, abs=0.05)
 
 
+def test_a_corridor_does_not_end_where_two_doors_face_each_other() -> None:
+    plan = closed_room(10.0, 6.0)
+    for low, high in ((0.0, 2.0), (3.9, 6.0)):
+        box(box(plan, 0.0, 5.0, low, high), 6.2, 10.0, low, high)
+    case = look(plan, 0, (2.0, 2.9, 0.0), is_clean=True)
+    scan = replace(case.scan, ranges=case.scan.ranges[::2], angle_increment=2 * case.scan.angle_increment)
+    assert all(abs(door.x - 5.0) > 0.5 for door in find_doors(scan, NUMBERS))
+
+
 @settings(max_examples=40, deadline=None)
 @given(
     st.floats(2.0, 7.0),
