@@ -191,11 +191,15 @@ def load_wrapper(name: str) -> tuple[WrapperFile, Path]:
     """
     path = find("wrappers", name)
     try:
-        return build(WrapperFile, read(path), str(path)), path.resolve()
+        wrapper = build(WrapperFile, read(path), str(path))
     except ConfigError:
         raise
     except ValueError as error:  # of values that no type rules out
         raise ConfigError(f"{path}: {error}") from error
+    library = wrapper.library.file if wrapper.library else ""
+    if "/" in library and not (path.parent / library).exists():
+        raise ConfigError(f"{path}: there is no library {path.parent / library}; a path is relative to this file")
+    return wrapper, path.resolve()
 
 
 def _check_expression(where: str, expression: str) -> None:

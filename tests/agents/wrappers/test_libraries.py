@@ -131,7 +131,8 @@ def test_pictures_of_the_camera_go_through_a_function(file: Path) -> None:
     asyncio.run(scenario())
 
 
-def test_a_library_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_library_that_cannot_be_loaded_is_told(tmp_path: Path) -> None:
+    (tmp_path / "nothing.so").write_text("no library")
     path = tmp_path / "nothing.toml"
     path.write_text('[library]\nfile = "./nothing.so"\n[[functions]]\nname = "f"\n')
 

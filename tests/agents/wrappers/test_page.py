@@ -40,5 +40,6 @@ def test_the_filters_of_the_page_filter(tmp_path: Path, filters: Path) -> None:
 
 
 def test_the_files_of_the_page_are_read_without_complaint(tmp_path: Path) -> None:
+    (tmp_path / "filters.so").touch()
     for name in ("counter.toml", "filters.toml"):
         Wrapped("it@happy", *load_wrapper(str(file_of_the_page(name, tmp_path))))

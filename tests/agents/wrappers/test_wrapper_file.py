@@ -34,6 +34,7 @@ def test_each_wrapper_that_comes_with_the_project_can_be_used(name: str) -> None
         (PROGRAM + '[[results]]\nrequest = "b"\nevery_s = 1.0\n', "there is no request 'b'"),
         (PROGRAM + "[[results]]\nevery_s = 1.0\n", "either a line that comes unasked, or a request"),
         (PROGRAM + '[[functions]]\nname = "f"\n', "belong to a \\[library\\]"),
+        (LIBRARY.replace('"m"', '"./nothing.so"'), "there is no library .*nothing.so"),
         ('[library]\nfile = "m"\n', "has \\[\\[functions\\]\\]"),
         (LIBRARY + '[[pictures]]\nfunction = "g"\n', "there is no request 'g'"),
         ('[program]\naddress = "a:1"\ncodec = "acts"\n[[requests]]\nname = "colours"\n', "it has blobs, quit"),
