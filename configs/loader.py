@@ -44,15 +44,16 @@ def find(kind: str, name: str) -> Path:
     elsewhere = Path(name)
     if elsewhere.is_file():
         return elsewhere
+    called = "bus profiles" if kind == "bus" else kind
     if name and elsewhere.is_dir():
-        raise ConfigError(f"{name} is a folder; give the file or one of the {kind} {_listed(names(kind))}")
+        raise ConfigError(f"{name} is a folder; give the file or one of the {called} {_listed(names(kind))}")
     if elsewhere.name != name or elsewhere.suffix in FILE_SUFFIXES:
         raise ConfigError(
-            f"there is no file {name}; give one that is there, or one of the {kind} {_listed(names(kind))}"
+            f"there is no file {name}; give one that is there, or one of the {called} {_listed(names(kind))}"
         )
     near = difflib.get_close_matches(name.lower(), names(kind), 3, 0.4)
     hint = f"did you mean {_listed(near)}?" if near else f"choose one of {_listed(names(kind))}"
-    raise ConfigError(f"there is no {name!r} among the {kind}; {hint}")
+    raise ConfigError(f"there is no {name!r} among the {called}; {hint}")
 
 
 def read(path: Path) -> dict[str, Any]:

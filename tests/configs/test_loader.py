@@ -84,6 +84,11 @@ def test_an_unknown_name_is_answered_with_the_nearest(name: str, message: str) -
     assert str(caught.value).startswith(message)
 
 
+def test_a_bus_profile_is_called_so() -> None:
+    with pytest.raises(ConfigError, match="there is no 'lcal' among the bus profiles; did you mean local"):
+        configs.find("bus", "lcal")
+
+
 @pytest.mark.parametrize("name", ["lab/p3dx", "p3dx-of-mine.p", "office.map"])
 def test_a_path_without_a_file_is_not_taken_for_a_mistyped_name(name: str) -> None:
     with pytest.raises(
