@@ -24,7 +24,7 @@ class DoorNumbers:
     usual: float = 1.6
     slack: float = 0.03
     clear: float = 1.0
-    beams: int = 8
+    beams: int = 6
     share: float = 0.5
     echoes: float = 0.3
     wall: float = 0.8
