@@ -4,6 +4,9 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
+# Tests wait for processes more than they reckon, so there is room for one more at a time than there are cores.
+WORKERS := $(shell expr $$(nproc) + 1)
+
 # Caches stay in this folder too.
 export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
 export MPLCONFIGDIR  := $(CURDIR)/.cache/matplotlib
@@ -28,7 +31,7 @@ test: $(READY)  ## Format check, lint, strict types and all tests
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/pytest -n auto --dist worksteal
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff format .
