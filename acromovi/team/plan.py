@@ -153,7 +153,7 @@ def gateway(team: Team, robot: TeamRobot, ports: Mapping[str, Any], folder: Path
 
 def container(robot: str, choices: Choices) -> Program:
     """The container of a robot's agents."""
-    words = ["container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json", *_folders(choices)]
+    words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
     return Program(f"the container of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=robot)
 
 

@@ -92,9 +92,8 @@ def test_gateway_of_a_real_robot_is_told_what_the_file_says_and_not_that_it_is_e
 
 
 def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_path: Path) -> None:
-    happy = plan.container("happy", Choices(bus="lan", apps=(tmp_path,)))
+    happy = plan.container("happy", Choices(bus="lan"))
     assert (happy.container, options(happy.command)["--robot"]) == ("happy", "happy")
-    assert options(happy.command)["--apps"] == str(tmp_path)  # so that an application's agents can move there
     services = plan.services(load_team(str(file)), Choices(apps=(tmp_path,)))
     assert (services.container, options(services.command)["--services"]) == ("services", "dwarfs")
     assert options(services.command)["--apps"] == str(tmp_path)
