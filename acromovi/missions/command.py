@@ -17,7 +17,7 @@ examples:
   acromovi missions --smoke                 a few missions of all kinds
   acromovi missions --all --out bench       all three hundred, with a table
 
-exit codes: 0 all reached and nothing touched, 1 not, 2 wrong usage
+Exit codes: 0 all reached and nothing touched, 1 not, 2 wrong usage.
 """
 SMOKE = (
     (Case.ROOM, Condition.STATIC, 0),

@@ -85,7 +85,7 @@ def test_an_application_is_handed_over_survives_its_process_and_the_loaders_and_
 @pytest.mark.parametrize(
     ("place", "why"),
     [
-        ("loader@nobody", "there is no agent loader@nobody; did you mean loader@dwarfs?"),
+        ("loader@dwarf", "there is no agent loader@dwarf; did you mean loader@dwarfs?"),
         ("servics", "there is no container 'servics'; did you mean 'services'?"),
         ("happy", "there is no application 'patrol' there; it takes none but those that Acromovi brings"),
     ],
