@@ -345,8 +345,8 @@ class _ZenohPublisher(Declared, Publisher):
         if self.handle is None:
             return False
         try:
-            # Zenoh's stub says bool; what comes is an object that holds one, and is true whatever it holds.
-            return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]
+            status = self._publisher.matching_status  # an object that holds the answer, and is true whatever it holds
+            return bool(status.matching)  # type: ignore[attr-defined]  # Zenoh's stub says that the status is a bool
         except zenoh.ZError:  # the bus has been closed
             return False
 

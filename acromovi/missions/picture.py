@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from acromovi.missions.matrix import Result
 from acromovi.missions.tasks import Case, Condition
@@ -100,8 +100,8 @@ def _title(result: Result) -> str:
     return f"{result.job.command}  ({result.job.robot}, {result.job.world})\n{said}{touched}\n{figures}"
 
 
-def _line(axes: "Axes", points: Sequence[tuple[float, float]], colour: str, label: str = "", **style: object) -> None:
-    axes.plot([x for x, _ in points], [y for _, y in points], color=colour, label=label or None, **style)  # type: ignore[arg-type]
+def _line(axes: "Axes", points: Sequence[tuple[float, float]], colour: str, label: str = "", **style: Any) -> None:
+    axes.plot([x for x, _ in points], [y for _, y in points], color=colour, label=label or None, **style)
 
 
 def _fill(axes: "Axes", polygon: Polygon, colour: str) -> None:

@@ -121,7 +121,7 @@ class Application(Agent):
                 raise Failed(str(err)) from err
 
         parameters = list(signature.parameters.values())[len(own) :]
-        run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        run.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]  # inspect reads it
         run.__annotations__ = {**get_type_hints(function)}
         return run
 

@@ -31,12 +31,12 @@ class Backstage:
         Raises:
             RobotError: The bus cannot be reached, or allows no program on it.
         """
-        self._own_bus = _opened(bus) if isinstance(bus, str) else None
+        home = _opened(bus) if isinstance(bus, str) else bus
+        self._own_bus = home if isinstance(bus, str) else None
         name = f"app-{uuid.uuid4().hex[:8]}"
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
         self._thread.start()
-        home: Bus = self._own_bus or bus  # type: ignore[assignment]
         self._container = Container(home, name)
         agent = Agent(AgentName(name, home.own_name or PLATFORM))
         self.stage = Stage(agent, self._loop)

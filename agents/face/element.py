@@ -97,7 +97,7 @@ class Element(Generic[R]):
     def _read(self, result: Any) -> R:
         if not isinstance(result, dict):
             raise NotThere(f"{self.agent} says nothing that can be read")
-        return self.reading.of(result, self.agent)  # type: ignore[return-value]
+        return self.reading.of(result, self.agent)  # type: ignore[return-value]  # R is what `reading` says
 
 
 def plain(value: Any) -> Any:

@@ -47,13 +47,13 @@ def enveloped(letters: Sequence[Letter]) -> list[list[str]]:
     return [[letter.label, b64encode(letter.payload).decode()] for letter in letters]
 
 
-def opened(value: object) -> list[Letter]:
+def opened(value: Any) -> list[Letter]:
     """Letters from JSON.
 
     Raises:
         NotMoved: They are none.
     """
     try:
-        return [Letter(str(label), b64decode(payload)) for label, payload in value]  # type: ignore[attr-defined]
+        return [Letter(str(label), b64decode(payload)) for label, payload in value]
     except (TypeError, ValueError) as err:
         raise NotMoved("these are not messages for an agent that moves") from err

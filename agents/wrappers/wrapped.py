@@ -7,6 +7,7 @@ import contextlib
 import inspect
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -78,7 +79,7 @@ class Wrapped(Agent):
         await self._tried.wait()
         for result in self._wrapper.results:
             if result.request:
-                self.every(result.every_s, lambda name=result.request: self._poll(name))  # type: ignore[misc]
+                self.every(result.every_s, partial(self._poll, result.request))
         for picture in self._wrapper.pictures:
             self._watch(picture)
 
@@ -142,7 +143,7 @@ class Wrapped(Agent):
         parameters = [
             inspect.Parameter(key, keyword, default=row.defaults.get(key, inspect.Parameter.empty)) for key in row.takes
         ]
-        serve.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        serve.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # inspect reads it
         serve.__annotations__ = {key: KINDS[kind] for key, kind in row.takes.items()}
         return serve
 

@@ -5,7 +5,7 @@ import pytest
 
 from cameras import CameraNotUsable, picture_size, shrunk
 
-cv2 = pytest.importorskip("cv2")
+cv2 = pytest.importorskip("cv2", reason="pictures are made by an extra")
 
 
 def picture(width: int, height: int) -> bytes:

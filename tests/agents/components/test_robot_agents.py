@@ -332,7 +332,7 @@ def make_of(kind: type[Agent]) -> Callable[[str], Any]:
     class Made:
         properties_of = staticmethod(lambda robot, element: dict(element))
 
-        def __new__(cls, name: AgentName, properties: dict[str, Any]) -> Agent:  # type: ignore[misc]
+        def __new__(cls, name: AgentName, properties: dict[str, Any]) -> Agent:  # type: ignore[misc]  # it is made as its kind
             return kind(name, properties)
 
     return lambda element: Made

@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from agents import RobotError, Team
@@ -98,7 +99,6 @@ def test_components_understand_what_the_face_asks_for(world: World, element: str
 
 def test_a_picture_is_a_file_or_pixels(world: World, team: Team, tmp_path: Path) -> None:
     cv2 = pytest.importorskip("cv2", reason="pictures are taken apart by an extra")
-    np = pytest.importorskip("numpy")
     blue = np.zeros((4, 6, 3), np.uint8)
     blue[:, :, 0] = 255
     _, png = cv2.imencode(".png", blue)

@@ -53,12 +53,19 @@ class GripperPart(Part):
         return self.result
 
 
+class LeasedWorld(World):
+    """A world with a gateway that gives leases."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.gateway = Gateway(self.loop, self.network, "happy")
+
+
 @pytest.fixture
-def world() -> Iterator[World]:
-    world = World()
-    world.gateway = Gateway(world.loop, world.network, "happy")  # type: ignore[attr-defined]
-    living = asyncio.run_coroutine_threadsafe(world.gateway.live(), world.loop)  # type: ignore[attr-defined]
-    world.add(LeasedBase(world.gateway))  # type: ignore[attr-defined]
+def world() -> Iterator[LeasedWorld]:
+    world = LeasedWorld()
+    living = asyncio.run_coroutine_threadsafe(world.gateway.live(), world.loop)
+    world.add(LeasedBase(world.gateway))
     world.add(GripperPart("gripper@happy"))
     yield world
     living.cancel()
@@ -66,9 +73,8 @@ def world() -> Iterator[World]:
 
 
 @pytest.fixture
-def gateway(world: World) -> Gateway:
-    found: Gateway = world.gateway  # type: ignore[attr-defined]
-    return found
+def gateway(world: LeasedWorld) -> Gateway:
+    return world.gateway
 
 
 @pytest.fixture(params=["an arbiter", "the gateway alone"])

@@ -30,5 +30,6 @@ def test_editors_see_what_will_be_loaded() -> None:
 
 
 def test_a_name_that_is_not_there_is_told_as_usual() -> None:
-    with pytest.raises(AttributeError, match="module 'agents' has no attribute 'Robots'"):
-        getattr(agents, "Robots")  # noqa: B009
+    name = "Robots"
+    with pytest.raises(AttributeError, match=f"module 'agents' has no attribute '{name}'"):
+        getattr(agents, name)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
+from agents.face.readings import OtherReading
 from agents.platform import AgentName
 from bus import MemoryBus
 from tests.agents.face.conftest import BasePart, Part, World
@@ -85,7 +86,7 @@ def test_a_name_that_can_name_no_robot_is_a_robot_error(team: Team) -> None:
     with pytest.raises(RobotError, match="cannot name a robot"):
         team.robot("a robot")
     with pytest.raises(RobotError, match="a robot's name is a text, not 7"):
-        team.robot(7)  # type: ignore[arg-type]
+        team.robot(7)  # type: ignore[arg-type]  # the mistake under test
     with pytest.raises(RobotError, match="cannot be a part of an agent's name"):
         team.robot("happy").element("an element")
     with pytest.raises(RobotError, match="names no agent; a name is written like base@happy"):
@@ -94,10 +95,10 @@ def test_a_name_that_can_name_no_robot_is_a_robot_error(team: Team) -> None:
 
 def test_numbers_may_be_those_of_numpy(team: Team) -> None:
     base = team.robot("happy").base
-    assert base.move(np.float32(0.5)).x == 0.5  # type: ignore[arg-type]
-    assert base.move(np.int64(1)).x == 1.5  # type: ignore[arg-type]
+    assert base.move(np.float32(0.5)).x == 0.5  # type: ignore[arg-type]  # no float to mypy, and taken all the same
+    assert base.move(np.int64(1)).x == 1.5  # type: ignore[arg-type]  # likewise
     assert team.ask("base@happy", "move", distance=np.float32(0.5))["x"] == 2.0
-    base.drive(np.float32(0.25))  # type: ignore[arg-type]
+    base.drive(np.float32(0.25))  # type: ignore[arg-type]  # likewise
 
 
 def test_readings_have_types_and_what_is_not_seen_is_far(world: World, team: Team) -> None:
@@ -120,7 +121,9 @@ def test_what_cannot_be_read_is_told(world: World, team: Team) -> None:
 def test_an_element_without_a_class_of_its_own_is_read_all_the_same(world: World, team: Team) -> None:
     world.add(Part("gyro@happy", {"rate": 0.1}))
     gyro = team.robot("happy").element("gyro")
-    assert gyro.read()["rate"] == 0.1  # type: ignore[index]
+    reading = gyro.read()
+    assert isinstance(reading, OtherReading)
+    assert reading["rate"] == 0.1
     assert gyro.ask("read") == {"stamp": 1.0, "rate": 0.1}
 
 

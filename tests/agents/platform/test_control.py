@@ -203,7 +203,7 @@ def test_an_agent_that_is_being_stopped_ends_as_it_is_to_although_its_container_
             await asyncio.sleep(1.0)
             ended.append(True)
 
-        agent.take_down = slow_end  # type: ignore[method-assign]
+        agent.take_down = slow_end  # type: ignore[method-assign]  # an end that takes its time
         key = world.container.called.control_key
         asking = asyncio.ensure_future(query(world.outside, key, {"do": "stop", "name": "w@team"}, 60.0))
         await asyncio.sleep(0.1)

@@ -149,7 +149,7 @@ def test_an_agent_moves_with_state_properties_and_mailbox(world: World) -> None:
     assert world.ask("read").value() == [0, 1, 2]
     assert world.there.agent(WANDERER).properties == {"first": 7}
     world.loop.run_for(2.0)
-    assert world.there.agent(WANDERER).beats >= 2  # type: ignore[attr-defined]
+    assert world.there.agent(WANDERER).beats >= 2  # type: ignore[attr-defined]  # its class is in a file of the test's
     assert world.reports == []
 
 
@@ -472,7 +472,7 @@ def test_who_was_given_up_lives_once_although_it_had_begun_to_live_there(world: 
         return False
 
     world.there._control._orders["settle"] = too_late
-    world.here._control._departures._lives = nobody_knows  # type: ignore[assignment, method-assign]
+    world.here._control._departures._lives = nobody_knows  # type: ignore[assignment, method-assign]  # it is cut off
     with pytest.raises(Refused):
         world.run(world.move())
     world.loop.run_for(0.1)

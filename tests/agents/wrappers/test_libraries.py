@@ -4,6 +4,7 @@ import asyncio
 import base64
 from pathlib import Path
 
+import numpy
 import pytest
 
 from agents.platform import Ending
@@ -106,8 +107,7 @@ def test_a_function_that_crashes_harms_neither_agent_nor_container(file: Path) -
 
 
 def test_pictures_of_the_camera_go_through_a_function(file: Path) -> None:
-    cv2 = pytest.importorskip("cv2")
-    numpy = pytest.importorskip("numpy")
+    cv2 = pytest.importorskip("cv2", reason="pictures are made by an extra")
     grey = numpy.zeros((24, 32), numpy.uint8)
     grey[:, 16:] = 255
     coded = numpy.frombuffer(cv2.imencode(".png", grey)[1].tobytes(), numpy.uint8)

@@ -5,9 +5,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from agents.platform import Container, Report
+from agents.platform import Agent, Container, Report
 from agents.platform.virtual_time import VirtualTimeLoop
-from apps.indoor_navigation.component import Component, push_key, query_key
+from apps.indoor_navigation.component import push_key, query_key
 from apps.indoor_navigation.data import Data
 from bus import Bus, MemoryBus, MemoryNetwork, Sample, keys
 from bus.messages import (
@@ -82,7 +82,7 @@ class Site:
         """Let time pass."""
         self.loop.run_for(seconds)
 
-    def start(self, component: Component) -> None:
+    def start(self, component: Agent) -> None:
         """Let a component live."""
         bus = MemoryBus(self.network)
         container = Container(bus, f"of-{component.name.local}", self._note, lambda: self.time)

@@ -188,9 +188,9 @@ class DoorsMap:
 
     def to_json(self) -> dict[str, Any]:
         """For a file or a picture. Doors that are not believed are left out, and ways are numbered anew."""
-        numbers = {old: new for new, (old, _) in enumerate(self.believed)}
+        numbers: dict[int | None, int] = {old: new for new, (old, _) in enumerate(self.believed)}
         ways = [
-            {"from": numbers.get(way.start, PLACE), "to": numbers.get(way.end, PLACE), "points": way.points}  # type: ignore[arg-type]
+            {"from": numbers.get(way.start, PLACE), "to": numbers.get(way.end, PLACE), "points": way.points}
             for way in self.ways
         ]
         return {"doors": [asdict(door) for _, door in self.believed], "ways": ways}

@@ -55,7 +55,7 @@ class Person:
     def __init__(self, site: Site) -> None:
         self._site = site
         self.agent = Agent(f"person@{ROBOT}")
-        site.start(self.agent)  # type: ignore[arg-type]
+        site.start(self.agent)
 
     def ask(self, action: str, **arguments: Any) -> Outcome:
         return self._site.do(self.agent.request(FACE, action, **arguments))
