@@ -7,6 +7,7 @@ a file of Zenoh's (`.json5`) serves as well.
 import atexit
 import contextlib
 import json
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -41,6 +42,11 @@ from configs.loader import ConfigError
 # Sessions on one machine meet within some ms of opening. A query that finds nobody in a session younger than this is
 # asked again.
 MEETING_TIME = 0.5  # s
+
+# Zenoh's own threads; it reads this when a program opens its first session. Left to itself it wakes three of them for
+# whatever it receives, one after the other. One is enough, since handlers in Python take turns. Sending keeps its own:
+# a handler that is slow must not let others think that this program has died.
+THREADS = "(rx: (worker_threads: 1), acc: (handover: rx), net: (handover: rx))"
 
 
 def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zenoh.Config:
@@ -86,6 +92,7 @@ class ZenohBus(Bus):
         Raises:
             BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
         """
+        os.environ.setdefault("ZENOH_RUNTIME", THREADS)
         try:
             self._session = zenoh.open(config)
         except zenoh.ZError as err:
