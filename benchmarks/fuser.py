@@ -26,7 +26,13 @@ AT_ONCE = 1e6  # m/s²: what is wanted is seen in the very next fused command
 
 
 def measure(options: argparse.Namespace) -> list[Figure]:
-    """Processor time of the fuser, its rate, and the old commands that it used."""
+    """Processor time of the fuser, what it heard, and the old commands that it used; all on one beat, and spread."""
+    spread = 1.0 / (RATE_HZ * SOURCES)
+    return [*_measured("all on one beat", 0.0), *_measured("spread", spread)]
+
+
+def _measured(how: str, apart: float) -> list[Figure]:
+    """With so many s between one source and the next."""
     names = [f"source{number}" for number in range(SOURCES)]
     fusion = {"acceleration": AT_ONCE, "braking": AT_ONCE, "sources": {name: {"max_age": MAX_AGE_S} for name in names}}
     properties = {"hears": [[name, "MotionCmd"] for name in names], "numbers": {"fusion": fusion}}
@@ -37,36 +43,38 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 
     with peer("component", KIND, f"motion_fuser@{ROBOT}", json.dumps(properties)) as pid, ZenohBus.open() as bus:
         bus.subscribe(push_key(ROBOT, "motion_fuser", MotionCmd), hear)
-        sources = [bus.publisher(push_key(ROBOT, name, MotionCmd), JSON) for name in names]
-        _say_all(names, sources, SETTLE_S)
+        sources = {name: bus.publisher(push_key(ROBOT, name, MotionCmd), JSON) for name in names}
+        _say_all(sources, SETTLE_S, apart)
         fused.clear()
         meter = CpuMeter(pid)
-        readings = _say_all(names, sources, SECONDS)
+        readings = _say_all(sources, SECONDS, apart)
         share = meter.percent()
         (load,) = bus.query(query_key(ROBOT, "motion_fuser", "load"))
-    heard = sum(source["rate"] for source in load.value["sources"].values())
+    missed = SOURCES * RATE_HZ - sum(source["rate"] for source in load.value["sources"].values())
     used = sum(_age(one, readings) > MAX_AGE_S for one in fused if one.linear > 0.0)
     moving = sum(one.linear > 0.0 for one in fused)
     return [
-        Figure("fuser", f"processor, fuser with {SOURCES} sources at {RATE_HZ:g} Hz", share, 10.0, "%"),
-        Figure("fuser", "commands that it missed in the last second, of 1000", 1000.0 - heard, 100.0, ""),
-        Figure("fuser", f"commands older than their age limit used, in {len(fused)} fused", used, 0.0, "", moving),
+        Figure("fuser", f"processor, {SOURCES} sources at {RATE_HZ:g} Hz, {how}", share, 10.0, "%"),
+        Figure("fuser", f"commands that it missed in the last second, of 1000, {how}", missed, 100.0, ""),
+        Figure("fuser", f"too old, and used, in {len(fused)} fused, {how}", used, 0.0, "", moving),
     ]
 
 
-def _say_all(names: list[str], sources: list[Publisher], seconds: float) -> list[float]:
+def _say_all(sources: dict[str, Publisher], seconds: float, apart: float) -> list[float]:
     """Speak for all sources, each time that they would have a reading; the stamps of those of the one that moves."""
     readings: list[float] = []
     began = time.monotonic()
     for beat in range(int(seconds * RATE_HZ)):
-        time.sleep(max(0.0, began + beat / RATE_HZ - time.monotonic()))
-        now, turn = time.time(), int(beat / RATE_HZ / TURN_S) % 4
-        if turn in (0, 2):  # alive
-            readings.append(now)
-        for name, source in zip(names, sources, strict=True):
+        turn = int(beat / RATE_HZ / TURN_S) % 4
+        for number, (name, source) in enumerate(sources.items()):
+            time.sleep(max(0.0, began + beat / RATE_HZ + number * apart - time.monotonic()))
+            now = time.time()
             if name != MOVER:
                 source.put(MotionCmd(now, name, 0.0, 0.0, 0.0).to_json())
-            elif turn != 1:  # silent
+                continue
+            if turn in (0, 2):  # alive
+                readings.append(now)
+            if turn != 1:  # silent
                 source.put(MotionCmd(readings[-1], name, 0.5, 0.0, 1.0).to_json())
     return readings
 

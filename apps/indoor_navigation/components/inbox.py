@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+from contextlib import suppress
 
 from agents.platform.talk import hand_over
 from apps.indoor_navigation.algorithms.last_second import LastSecond
@@ -11,12 +12,13 @@ from bus import Sample
 class Inbox:
     """For who hears more often than it works: what is overtaken before it was read costs next to nothing.
 
-    news: set when there is something to read.
+    The event loop is woken only while its reader waits, since that costs more than all the rest.
     """
 
     def __init__(self) -> None:
         """Make one in a running event loop."""
-        self.news = asyncio.Event()
+        self._news = asyncio.Event()
+        self._is_awaited = False
         self._loop = asyncio.get_running_loop()
         self._lock = threading.Lock()
         self._unread: dict[str, tuple[Sample, float]] = {}
@@ -31,15 +33,24 @@ class Inbox:
         now = self._loop.time()
         self._rates[sender].add(now)
         with self._lock:
-            was_empty = not self._unread
             self._unread[sender] = sample, now
-        if was_empty:  # else it has been called already
-            hand_over(self._loop, self.news.set)
+            is_awaited, self._is_awaited = self._is_awaited, False
+        if is_awaited:
+            hand_over(self._loop, self._news.set)
+
+    async def wait_until(self, deadline: float) -> None:
+        """Wait for something to read, until s of the loop's time at the longest."""
+        with self._lock:
+            self._news.clear()
+            self._is_awaited = not self._unread
+        if self._is_awaited:
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(deadline):
+                    await self._news.wait()
 
     def read(self) -> dict[str, tuple[Sample, float]]:
         """What is new: by its sender the message, and when it came, s of the loop's time."""
         with self._lock:
-            self.news.clear()
             unread, self._unread = self._unread, {}
         return unread
 

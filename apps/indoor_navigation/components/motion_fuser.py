@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -89,11 +88,9 @@ class MotionFuser(Component):
 
     async def _fuse_next(self) -> None:
         """Wait until something is new or the time has come, and push."""
-        with suppress(TimeoutError):
-            async with asyncio.timeout_at(self._fused_at + self.numbers.period):
-                await self._inbox.news.wait()
         if (pause := self._due - self._now) > 0.0:
             await asyncio.sleep(pause)
+        await self._inbox.wait_until(self._fused_at + self.numbers.period)
         self._fused_at = began = self._now
         self._due = max(self._due, began - AT_ONCE * self.numbers.soonest) + self.numbers.soonest
         for sample, heard_at in self._inbox.read().values():
