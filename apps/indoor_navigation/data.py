@@ -106,8 +106,9 @@ class LogMessage(Data):
 class WorldCoord(Data):
     """Where the reactive components are to bring the robot.
 
-    order: rising; whoever has a higher one knows that this is old. aim: `go` there, `turn` towards `heading`, or
-    `rest`, when nobody is to move it. speed: at most. is_last: it is to stop there, not to pass.
+    order: rising; whoever has a higher one knows that this is old. aim: `go` there, `back` there with the rear ahead,
+    `turn` towards `heading`, or `rest`, when nobody is to move it. speed: at most. is_last: it is to stop there, not
+    to pass.
     """
 
     stamp: float
@@ -231,7 +232,7 @@ class MotionCmd(Data):
 
     stamp: of the reading from which it follows; the fuser uses it so long as its age limit says. source: who wants it.
     weight: beside what others want; at zero it wants nothing. limit: the fastest forward that it allows, whatever
-    others want.
+    others want. back, left, right: likewise backward, and the fastest turns to either side; all 0 and above.
     """
 
     stamp: float
@@ -240,3 +241,6 @@ class MotionCmd(Data):
     angular: float
     weight: float
     limit: float | None = None
+    back: float | None = None
+    left: float | None = None
+    right: float | None = None

@@ -13,11 +13,12 @@ from apps.indoor_navigation.data import Floats
 WAYS = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.23, 0.29, 0.36, 0.44, 0.53, 0.63, 0.75, 0.9, 1.1, 1.3])
 COURSES = np.array([-0.3, 0.0, 0.3])  # 1/m, beside the one it is on
 TIGHTEST = 3.0  # 1/m; tighter, it turns on the spot
+# Turns on the spot, rad, that are looked at, and curves, 1/m, with the ways along them, m.
+TURNS = np.array([0.02, 0.05, 0.09, 0.14, 0.2, 0.28, 0.38, 0.5, 0.7, 1.0, 1.4])
+CURVES = np.array([0.1, 0.25, 0.5, 1.0, 2.0])
+CURVE = np.array([0.05, 0.1, 0.2, 0.3, 0.45, 0.6])
 CREEP = 0.08  # m/s, away from what it would touch by turning
-TURN_AWAY = 0.1  # rad/s, likewise
-SLIGHT = 0.06  # rad that it always may be able to turn
-AT_REST = 0.015  # m/s
-TURNING = 0.1  # rad/s above which a robot that stands turns on the spot
+STUCK = 0.1  # rad/s; a slower turn is not worth the wait
 STEADY = 0.05  # m/s below which a robot stands
 PERSON = 0.2  # m that a body may reach beyond the leg that the laser sees
 TOUCHING = 0.035  # m
@@ -33,7 +34,7 @@ class AvoidanceNumbers:
     margin: m that always stay free. deceleration, angular_deceleration: of the robot. reaction: s from what a sensor
     sees until the wheels begin to slow down. walker: m/s at which people may come. reach: m within which things push.
     push: rad/s of the strongest push. weight: its, beside goto's 1. guard_weight: when turning would touch something.
-    blind: m/s at most without a laser.
+    blind: m/s at most where no laser looks, which is behind the robot, and everywhere if there is none.
     """
 
     margin: float = 0.045
@@ -56,6 +57,9 @@ class Push:
     angular: float
     weight: float
     limit: float | None
+    back: float | None = None
+    left: float | None = None
+    right: float | None = None
 
 
 def avoid(
@@ -66,6 +70,7 @@ def avoid(
     linear: float,
     angular: float,
     *,
+    turned: float = 0.0,
     has_laser: bool = True,
 ) -> Push:
     """Say how to keep clear.
@@ -77,34 +82,43 @@ def avoid(
         walkers: Of those that move by themselves.
         linear: Present speed, m/s.
         angular: Likewise, rad/s.
+        turned: To which side it has turned lately, 1 or -1; 0 where it has not.
         has_laser: Sonar alone misses what throws its sound away, and is not trusted with full speed.
     """
     places = outline.outside(places)
+    course = float(np.clip(angular / linear, -TIGHTEST, TIGHTEST)) if abs(linear) > STEADY else 0.0
+    on, back = (_way(numbers, outline, places, course, sense) for sense in (1.0, -1.0))
     limit = min(
         inf if has_laser else numbers.blind,
-        safe_speed(_way_ahead(numbers, outline, places, linear, angular), numbers.deceleration, numbers.reaction),
+        safe_speed(on, numbers.deceleration, numbers.reaction),
         safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, numbers.walker),
     )
-    told = limit if isfinite(limit) else None
-    guard = _guard(numbers, outline, places, linear, angular, limit)
-    if guard is not None:
-        return Push(*guard, numbers.guard_weight, told)
-    if linear < -STEADY and not _may_creep(outline, *places, -HAND):
-        return Push(0.0, 0.0, numbers.guard_weight, told)
+    limit_back = min(numbers.blind, safe_speed(back, numbers.deceleration, numbers.reaction))
+    near = _within_sweep(numbers, outline, places)
+    turns = _turning(numbers, outline, near, 1.0, linear), _turning(numbers, outline, near, -1.0, linear)
+    told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
+    if abs(linear) < STEADY and turned and turns[turned < 0.0] < STUCK:
+        return Push(_to_more_room(outline, *near, limit), 0.0, numbers.guard_weight, *told)
     left, right = _nearness(numbers, outline, places)
     # A robot that turns on the spot goes nowhere, and is not pushed off the heading that it turns to.
     briskness = min(1.0, max(linear, 0.0) / 0.3)
     nearer = max(left, right)
     turn = numbers.push * (right - left) / nearer * briskness if nearer else 0.0
-    return Push(max(0.0, min(linear, limit)), turn, numbers.weight * abs(left - right) * briskness, told)
+    return Push(min(linear, limit), turn, numbers.weight * abs(left - right) * briskness, *told)
 
 
-def _way_ahead(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], linear: float, angular: float
+def _within_sweep(numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """Places that the robot may come near to by turning."""
+    x, y = places
+    is_near = x * x + y * y < (outline.sweep + numbers.margin + HAND) ** 2
+    return x[is_near], y[is_near]
+
+
+def _way(
+    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
 ) -> float:
-    """How far the robot may go on, on its course or one beside it, m."""
-    course = 0.0 if linear < STEADY else float(np.clip(angular / linear, -TIGHTEST, TIGHTEST))
-    touches = outline.runs_into(arc(course + COURSES, WAYS), *places, numbers.margin)
+    """How far the robot may go, on where sense is 1 and back where it is -1, on its course or one beside it, m."""
+    touches = outline.runs_into(arc(course + COURSES, sense * WAYS), *places, numbers.margin)
     first = np.where(touches.any(axis=1), touches.argmax(axis=1), len(WAYS))
     return float(np.concatenate(([0.0], WAYS[:-1], [inf]))[first.min()])
 
@@ -118,46 +132,32 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
     return float(outline.distance(x[is_ahead], y[is_ahead]).min()) - PERSON
 
 
-def _guard(
-    numbers: AvoidanceNumbers,
-    outline: Outline,
-    places: tuple[Floats, Floats],
-    linear: float,
-    angular: float,
-    limit: float,
-) -> tuple[float, float] | None:
-    """Speeds for a robot that moves where it would touch something by turning; None where it may turn.
+def _turning(
+    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], side: float, linear: float
+) -> float:
+    """The fastest turn to one side, 1 or -1, rad/s, that can be ended before the robot's corners touch anything.
 
-    One that drives turns a little to the other side and creeps on. One that turns on the spot creeps to where it has
-    room for that.
+    One that drives leads its tail away meanwhile, and may at least go on a curve that is free.
     """
-    if -AT_REST < linear < STEADY and abs(angular) < TURNING:
-        return None
     x, y = places
-    is_near = x * x + y * y < (outline.sweep + numbers.margin) ** 2
-    x, y = x[is_near], y[is_near]
-    turn = abs(angular) * numbers.reaction + angular * angular / (2.0 * numbers.angular_deceleration)
-    may_left = _may_turn(outline, x, y, SLIGHT + (turn if angular > 0.0 else 0.0))
-    may_right = _may_turn(outline, x, y, -SLIGHT - (turn if angular < 0.0 else 0.0))
-    if may_left and may_right:
-        return None
-    if linear > STEADY and limit > 0.0:
-        return min(CREEP, limit), TURN_AWAY * (float(may_left) - float(may_right))
-    return _to_more_room(outline, x, y, limit), 0.0
+    touches = outline.runs_into((np.zeros(len(TURNS)), np.zeros(len(TURNS)), side * TURNS), x, y, TOUCHING)
+    if not touches.any():
+        return inf
+    free = float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
+    on_the_spot = safe_speed(free, numbers.angular_deceleration, numbers.reaction)
+    if linear < STEADY:
+        return on_the_spot
+    barred = outline.runs_into(arc(side * CURVES, CURVE), x, y, TOUCHING).any(axis=1)
+    widest = float(CURVES[: barred.argmax() if barred.any() else len(CURVES)].max(initial=0.0))
+    return max(on_the_spot, linear * widest)
 
 
 def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:
     """The speed at which to creep on or back, m/s: to where obstacles are farther from the axle."""
-    on, back = (np.hypot(x - way, y).min() for way in (HAND, -HAND))
+    on, back = (np.hypot(x - way, y).min(initial=inf) for way in (HAND, -HAND))
     if on >= back and limit > 0.0:
         return min(CREEP, limit)
     return -CREEP if _may_creep(outline, x, y, -HAND) else 0.0
-
-
-def _may_turn(outline: Outline, x: Floats, y: Floats, angle: float) -> bool:
-    """Whether the robot may turn so far on the spot."""
-    still, angles = np.zeros(3), angle * np.array([0.3, 0.6, 1.0])
-    return not outline.runs_into((still, still, angles), x, y, TOUCHING).any()
 
 
 def _may_creep(outline: Outline, x: Floats, y: Floats, way: float) -> bool:

@@ -12,6 +12,7 @@ from math import copysign, inf, isfinite
 from apps.indoor_navigation.data import MotionCmd
 
 FUSED = "motion_fuser"
+LIMITS = "limit", "back", "left", "right"
 PAUSE = 0.3  # s without a fused command after which the robot stands, whatever the last one was
 LARGEST = 1e6  # of any number of a command but its stamp; what is larger is a slip
 
@@ -113,33 +114,35 @@ class Fusion:
     def fuse(self, now: float, wall_time: float) -> MotionCmd:
         """The command for the base, of the newest reading that it follows from, or of now where it follows from none.
 
-        The speed changes no faster than the accelerations allow, but two things are obeyed at once: a limit, and the
+        The speed changes no faster than the accelerations allow, but two things are obeyed at once: limits, and the
         silence of all, or of a source that is required.
         """
         young = self.young(now)
-        limit = min((one.command.limit for one in young if one.command.limit is not None), default=inf)
+        limit, back, left, right = limits = [_least(young, name) for name in LIMITS]
         if not young or self._is_blind(young):
             self._linear = self._angular = 0.0
         else:
-            self._approach(*self._wanted(young, limit), now - self._fused_at)
-            self._linear = min(self._linear, limit)
+            linear, angular = self._wanted(young)
+            self._approach(_between(-back, linear, limit), _between(-right, angular, left), now - self._fused_at)
+            self._linear, self._angular = _between(-back, self._linear, limit), _between(-right, self._angular, left)
         self._fused_at = now
         stamp = max((one.command.stamp for one in young), default=wall_time)
-        told = limit if isfinite(limit) else None
-        return MotionCmd(stamp, FUSED, self._linear, self._angular, float(bool(young)), told)
+        told = (each if isfinite(each) else None for each in limits)
+        return MotionCmd(stamp, FUSED, self._linear, self._angular, float(bool(young)), *told)
 
     def _is_blind(self, young: list[Heard]) -> bool:
         here = {one.command.source for one in young}
         return any(source.required and name not in here for name, source in self._numbers.sources.items())
 
-    def _wanted(self, young: list[Heard], limit: float) -> tuple[float, float]:
+    def _wanted(self, young: list[Heard]) -> tuple[float, float]:
         """What they want, m/s and rad/s, whatever the robot does now."""
         weight = sum(one.weight for one in young)
         if weight == 0.0:
             return 0.0, 0.0
         linear = sum(one.weight * one.command.linear for one in young) / weight
         angular = sum(one.weight * one.command.angular for one in young) / weight
-        return min(_within(linear, self._numbers.linear), limit), _within(angular, self._numbers.angular)
+        fastest, swiftest = self._numbers.linear, self._numbers.angular
+        return _between(-fastest, linear, fastest), _between(-swiftest, angular, swiftest)
 
     def _approach(self, linear: float, angular: float, elapsed: float) -> None:
         """Come nearer to a speed, as far as the accelerations allow in `elapsed` seconds."""
@@ -160,20 +163,24 @@ def check(command: MotionCmd) -> None:
     """
     if not isinstance(command.source, str):
         raise Unsound(f"a command comes from a component with a name, not from {command.source!r}")
-    numbers = {name: getattr(command, name) for name in ("stamp", "linear", "angular", "weight", "limit")}
-    if command.limit is None:
-        del numbers["limit"]
+    numbers = {name: getattr(command, name) for name in ("stamp", "linear", "angular", "weight", *LIMITS)}
+    numbers = {name: value for name, value in numbers.items() if value is not None or name not in LIMITS}
     for name, value in numbers.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
             raise Unsound(f"{name} of a command of {command.source} must be a finite number, not {value!r}")
         if name != "stamp" and abs(value) > LARGEST:
             raise Unsound(f"{name} of a command of {command.source} must be within {LARGEST:g}, not {value:g}")
-        if name in ("weight", "limit") and value < 0.0:
+        if name in ("weight", *LIMITS) and value < 0.0:
             raise Unsound(f"{name} of a command of {command.source} must not be below 0, as {value:g} is")
 
 
-def _within(value: float, most: float) -> float:
-    return max(-most, min(most, value))
+def _least(young: list[Heard], name: str) -> float:
+    """The smallest of the limits of one name."""
+    return min((limit for one in young if (limit := getattr(one.command, name)) is not None), default=inf)
+
+
+def _between(least: float, value: float, most: float) -> float:
+    return max(least, min(most, value))
 
 
 def _nearer(present: float, wanted: float, faster: float, slower: float) -> float:

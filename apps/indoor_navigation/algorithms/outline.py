@@ -29,6 +29,11 @@ class Outline:
         return cls(float(robot["front"]), float(robot["rear"]), float(robot["width"]))
 
     @property
+    def reversed(self) -> "Outline":
+        """Seen by one who takes the robot's rear for its front."""
+        return Outline(self.rear, self.front, self.width)
+
+    @property
     def sweep(self) -> float:
         """Radius of the circle that it needs to turn on the spot."""
         return hypot(max(self.front, self.rear), self.width / 2.0)

@@ -1,6 +1,7 @@
 """Drive to where one is told, round what is in the way."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import pi
 from typing import Protocol
 
 from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers, Speeds
@@ -10,8 +11,9 @@ from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, Odometry, WorldCoord
+from geometry import wrap_angle
 
-GO = "go"
+GO, BACK = "go", "back"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ class Goto(Embodied):
 
     def embody(self, outline: Outline) -> None:
         """From now on it can steer."""
-        self._steering = self.steering(outline)
+        self._steering = {GO: self.steering(outline), BACK: self.steering(outline.reversed)}
 
     def steering(self, outline: Outline) -> Steering:
         """What steers a robot with this outline."""
@@ -79,11 +81,19 @@ class Goto(Embodied):
         if self._odometry is None or self._target is None or self.outline is None:
             return
         stamp = max(self._odometry.stamp, self._seen_at)
-        if self._target.aim != GO:
+        if self._target.aim not in self._steering:
             self.push(MotionCmd(stamp, self.name.local, 0.0, 0.0, 0.0))
             return
         speeds = Speeds()
         if abs(self._odometry.stamp - self._seen_at) <= self.numbers.max_age:
-            pose = self._odometry.x, self._odometry.y, self._odometry.heading
-            speeds = self._steering.steer(self._odometry, self._target, self._surroundings.places(pose))
+            speeds = self._steer(self._odometry, self._target)
         self.push(MotionCmd(stamp, self.name.local, speeds.linear, speeds.angular, 1.0))
+
+    def _steer(self, odometry: Odometry, target: WorldCoord) -> Speeds:
+        """To go back, it steers as if the robot's rear were its front."""
+        sense = -1.0 if target.aim == BACK else 1.0
+        heading = odometry.heading if target.aim == GO else wrap_angle(odometry.heading + pi)
+        seen = replace(odometry, heading=heading, linear=sense * odometry.linear)
+        places = self._surroundings.places((seen.x, seen.y, heading))
+        speeds = self._steering[target.aim].steer(seen, target, places)
+        return Speeds(sense * speeds.linear, speeds.angular)

@@ -1,7 +1,7 @@
 """Keep the robot from touching anything, whatever the others want."""
 
-from dataclasses import dataclass, field
-from math import inf
+from dataclasses import astuple, dataclass, field
+from math import copysign, inf
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Odometry, SonarRead
 
 WALKER_AGE = 0.5  # s for which somebody who walked is minded
+TURNING = 0.03  # rad/s above which the robot turns
+TURN_AGE = 1.0  # s for which it is known that it did
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,7 @@ class ObstacleAvoiding(Embodied):
         self._before: LaserRead | None = None
         self._walkers: tuple[Floats, Floats] = np.empty(0), np.empty(0)
         self._walked_at = -inf
+        self._turned, self._turned_at = 0.0, -inf
         await super().setup()
 
     @hears(Odometry)
@@ -50,6 +53,8 @@ class ObstacleAvoiding(Embodied):
             self._surroundings.forget()
             self._before = None
         self._odometry = odometry
+        if abs(odometry.angular) > TURNING:
+            self._turned, self._turned_at = copysign(1.0, odometry.angular), odometry.stamp
 
     @hears(SonarRead)
     async def listen_around(self, sonar: SonarRead) -> None:
@@ -84,6 +89,7 @@ class ObstacleAvoiding(Embodied):
             in_robot(pose, *(self._walkers if is_recent else (np.empty(0), np.empty(0)))),
             self._odometry.linear,
             self._odometry.angular,
+            turned=self._turned if self._odometry.stamp - self._turned_at < TURN_AGE else 0.0,
             has_laser=self._senses.laser is not None,
         )
-        self.push(MotionCmd(stamp, self.name.local, push.linear, push.angular, push.weight, push.limit))
+        self.push(MotionCmd(stamp, self.name.local, *astuple(push)))

@@ -6,7 +6,7 @@ and the project's own fuser. What is made of a reading comes 0.1 s later, as on 
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from math import copysign, hypot
 from typing import Protocol
 
@@ -214,12 +214,13 @@ class ClosedLoop:
             in_robot(pose, *self._moving),
             odometry.linear,
             odometry.angular,
+            turned=float(np.sign(odometry.angular)),
             has_laser=self._laser,
         )
         self.last_push = push
         for command in (
             MotionCmd(odometry.stamp, "goto", speeds.linear, speeds.angular, 1.0),
-            MotionCmd(odometry.stamp, "obstacle_avoiding", push.linear, push.angular, push.weight, push.limit),
+            MotionCmd(odometry.stamp, "obstacle_avoiding", *astuple(push)),
         ):
             self._fusion.hear(command, self.time, EPOCH + self.time)
 

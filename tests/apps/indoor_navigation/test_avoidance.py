@@ -57,6 +57,42 @@ def test_the_course_is_what_counts() -> None:
     assert curve.limit is not None
 
 
+def test_a_tail_that_would_touch_forbids_that_turn_alone() -> None:
+    push = avoid(NUMBERS, ROBOT, at((-0.25, -0.24)), NOWHERE, 0.0, 0.0)  # beside its tail on the right
+    assert push.left == 0.0  # its tail would swing to the right
+    assert push.right is None or push.right > 0.1
+
+
+def test_the_nearer_the_corner_comes_the_slower_it_may_turn() -> None:
+    near, nearer = (avoid(NUMBERS, ROBOT, at((-0.25, -0.21 - gap)), NOWHERE, 0.0, 0.0).left for gap in (0.08, 0.05))
+    assert near is not None
+    assert nearer is not None
+    assert near > nearer > 0.0
+
+
+def test_a_robot_in_a_door_may_still_go_on_a_gentle_curve() -> None:
+    frame = at(*((x, y) for x in np.linspace(-0.3, 0.2, 11) for y in (-0.25, 0.25)))
+    assert avoid(NUMBERS, ROBOT, frame, NOWHERE, 0.0, 0.0).left == 0.0
+    driving = avoid(NUMBERS, ROBOT, frame, NOWHERE, 0.4, 0.0).left
+    assert driving is not None
+    assert 0.0 < driving < 0.2
+
+
+def test_what_is_behind_forbids_to_go_back_and_nothing_else() -> None:
+    push = avoid(NUMBERS, ROBOT, at((-0.34, 0.0)), NOWHERE, 0.0, 0.0)
+    assert (push.limit, push.back) == (None, 0.0)
+
+
+def test_backward_it_goes_slowly_although_nothing_is_known_to_be_there() -> None:
+    assert avoid(NUMBERS, ROBOT, NOWHERE, NOWHERE, -0.1, 0.0).back == NUMBERS.blind
+
+
+def test_who_could_not_turn_lately_is_helped_to_more_room() -> None:
+    beside_the_tail = at((-0.25, -0.24))
+    assert avoid(NUMBERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0, turned=1.0).linear > 0.0
+    assert avoid(NUMBERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0).linear == 0.0
+
+
 def test_it_pushes_away_from_what_is_near() -> None:
     push = avoid(NUMBERS, ROBOT, at((0.4, 0.35)), NOWHERE, 0.3, 0.0)
     assert push.angular < 0.0

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.fusion import PAUSE, Fusion, FusionNumbers, Source, Unsound
+from apps.indoor_navigation.algorithms.fusion import PAUSE, Fusion, FusionNumbers, Heard, Source, Unsound
 from apps.indoor_navigation.data import MotionCmd
 
 EPOCH = 1.8e9  # s since 1970 at which the fuser's own clock shows zero
@@ -31,12 +31,21 @@ commands = st.builds(
     angular=speeds,
     weight=st.sampled_from([0.0, 0.5, 1.0]) | st.floats(0.0, 10.0),
     limit=st.none() | st.floats(0.0, 1.0),
+    back=st.none() | st.floats(0.0, 1.0),
+    left=st.none() | st.floats(0.0, 1.0),
+    right=st.none() | st.floats(0.0, 1.0),
 )
 steps = st.lists(st.tuples(st.floats(0.001, 0.4), st.none() | commands), min_size=1, max_size=30)
 
 
 def command(source: str, linear: float = 0.0, angular: float = 0.0, weight: float = 1.0, **more: float) -> MotionCmd:
-    return MotionCmd(more.pop("stamp", EPOCH), source, linear, angular, weight, more.pop("limit", None))
+    return MotionCmd(more.pop("stamp", EPOCH), source, linear, angular, weight, **more)
+
+
+def least(heard: list[Heard], name: str, usual: float) -> float:
+    """Of the limits of a name that are told."""
+    told: list[float | None] = [getattr(one.command, name) for one in heard]
+    return min([usual, *(limit for limit in told if limit is not None)])
 
 
 def fed(*given: MotionCmd, numbers: FusionNumbers = QUICK) -> Fusion:
@@ -70,6 +79,23 @@ def test_a_source_that_wants_nothing_limits_all_the_same() -> None:
 def test_a_limit_forbids_no_way_back() -> None:
     fusion = fed(command("goto", -0.2), command("obstacle_avoiding", weight=0.0, limit=0.0))
     assert fusion.fuse(0.0, EPOCH).linear == -0.2
+
+
+@pytest.mark.parametrize(
+    ("wanted", "limits", "fused"),
+    [
+        ((-0.3, 0.0), {"back": 0.1}, (-0.1, 0.0)),
+        ((0.0, 0.8), {"left": 0.2}, (0.0, 0.2)),
+        ((0.0, -0.8), {"right": 0.0}, (0.0, 0.0)),
+        ((0.3, 0.8), {"right": 0.0, "back": 0.0}, (0.3, 0.8)),
+    ],
+)
+def test_each_limit_is_of_one_direction(
+    wanted: tuple[float, float], limits: dict[str, float], fused: tuple[float, float]
+) -> None:
+    given = fed(command("goto", *wanted), command("obstacle_avoiding", weight=0.0, **limits)).fuse(0.0, EPOCH)
+    assert (given.linear, given.angular) == pytest.approx(fused)
+    assert {name: getattr(given, name) for name in limits} == limits
 
 
 def test_nobody_is_waited_for() -> None:
@@ -116,6 +142,9 @@ def test_a_clock_that_is_set_makes_nothing_young_again() -> None:
         {"weight": -1.0},
         {"weight": nan},
         {"limit": -0.1},
+        {"back": -0.1},
+        {"left": -0.1},
+        {"right": inf},
         {"stamp": nan},
         {"linear": None},
         {"linear": "fast"},
@@ -164,8 +193,10 @@ def test_the_fused_speed_is_within_what_all_young_sources_and_the_numbers_allow(
         if heard is not None:
             fusion.hear(replace(heard, stamp=EPOCH + now - heard.stamp), now, EPOCH + now)
         fused = fusion.fuse(now, EPOCH + now)
-        limits = [one.command.limit for one in fusion.young(now) if one.command.limit is not None]
-        assert fused.linear <= min([NUMBERS.linear, *limits])
+        assert fused.linear <= least(fusion.young(now), "limit", NUMBERS.linear)
+        assert fused.linear >= -least(fusion.young(now), "back", NUMBERS.linear)
+        assert fused.angular <= least(fusion.young(now), "left", NUMBERS.angular)
+        assert fused.angular >= -least(fusion.young(now), "right", NUMBERS.angular)
         assert fused.linear >= -NUMBERS.linear
         assert abs(fused.angular) <= NUMBERS.angular
 
@@ -209,7 +240,11 @@ def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_
         now += elapsed
         fusion.hear(MotionCmd(EPOCH + now, "steady", 0.0, 0.0, 0.0), now, EPOCH + now)
         if heard is not None:
-            fusion.hear(replace(heard, stamp=EPOCH + now - heard.stamp, limit=None), now, EPOCH + now)
+            fusion.hear(
+                replace(heard, stamp=EPOCH + now - heard.stamp, limit=None, back=None, left=None, right=None),
+                now,
+                EPOCH + now,
+            )
         fused = fusion.fuse(now, EPOCH + now)
         if elapsed <= PAUSE:
             assert before.linear - fused.linear <= numbers.braking * elapsed + ROUNDING

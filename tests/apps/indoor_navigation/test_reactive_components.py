@@ -117,6 +117,17 @@ def test_goto_stands_after_a_jump_until_obstacles_are_seen_anew(site: Site) -> N
     assert wanted[-1].linear == 0.0
 
 
+def test_goto_backs_to_what_is_behind_it_without_turning(site: Site) -> None:
+    goto(site)
+    wanted = site.pushed("goto", MotionCmd)
+    order(site, "goto", "back", x=-2.0)
+    for _ in range(5):
+        nothing_in_the_way(site)
+        stand(site)
+    assert wanted[-1].linear < 0.0
+    assert wanted[-1].angular == pytest.approx(0.0, abs=1e-3)
+
+
 def test_orienting_wants_to_turn_only_when_told_to(site: Site) -> None:
     site.start(Orienting(f"orienting@{ROBOT}", hears((BASE, "Odometry"))))
     wanted = site.pushed("orienting", MotionCmd)
