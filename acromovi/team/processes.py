@@ -8,7 +8,7 @@ from asyncio.subprocess import DEVNULL, PIPE
 from contextlib import suppress
 from pathlib import Path
 
-from acromovi.team.keeper import DEADLINES
+from acromovi.team.keeper import DEADLINES, Kept
 from acromovi.team.plan import Program, Stage
 from acromovi.team.supervisor import Hear
 
@@ -20,9 +20,20 @@ KEEPER_TIME = DEADLINES[-1] + 0.3  # s
 class Process:
     """One process and what it says."""
 
-    def __init__(self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]]) -> None:
+    def __init__(
+        self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: Kept | None
+    ) -> None:
+        """Take what it is known by.
+
+        Args:
+            process: It.
+            reading: What it says.
+            kept: By which it gets signals; None where it has ended already. Those of asyncio look first whether it has
+                ended, and when they find that, asyncio never hears how.
+        """
         self._process = process
         self._reading = reading
+        self._kept = kept
 
     @property
     def pid(self) -> int:
@@ -32,6 +43,9 @@ class Process:
     async def wait(self) -> int:
         """Its exit code, once it has ended and its last words were heard."""
         code = await self._process.wait()
+        kept, self._kept = self._kept, None
+        if kept is not None:
+            kept.close()
         await asyncio.wait(self._reading, timeout=LAST_WORDS)
         for task in self._reading:
             task.cancel()
@@ -39,13 +53,15 @@ class Process:
 
     def terminate(self) -> None:
         """Ask it to end."""
-        with suppress(ProcessLookupError):
-            self._process.terminate()
+        self._send(signal.SIGTERM)
 
     def kill(self) -> None:
         """End it."""
-        with suppress(ProcessLookupError):
-            self._process.kill()
+        self._send(signal.SIGKILL)
+
+    def _send(self, number: signal.Signals) -> None:
+        if self._kept is not None:
+            self._kept.send(number)
 
 
 class Processes:
@@ -78,7 +94,7 @@ class Processes:
         assert process.stderr is not None
         self._keeper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
         reading = [_read(process.stdout, heard), _read(process.stderr, complained)]
-        return Process(process, [asyncio.ensure_future(each) for each in reading])
+        return Process(process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid))
 
     async def end(self) -> None:
         """Have the keeper end all of them in order, and wait for that."""
@@ -90,6 +106,13 @@ class Processes:
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(self._keeper.pid, signal.SIGKILL)  # what a keeper that was killed itself has left behind
         await self._keeper.wait()
+
+
+def _kept(stage: Stage, pid: int) -> Kept | None:
+    try:
+        return Kept(stage.value, pid)
+    except ProcessLookupError:
+        return None
 
 
 async def _read(stream: asyncio.StreamReader, hear: Hear) -> None:

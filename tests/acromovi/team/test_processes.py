@@ -1,0 +1,49 @@
+"""Real processes of a team, and how they are ended."""
+
+import asyncio
+import logging
+import os
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+
+from acromovi.team.plan import Program, Stage
+from acromovi.team.processes import Processes
+
+MANY = 20  # so that what happens to one in five, when it goes wrong, happens here
+TIMES = 1000
+
+
+def _ignore(line: str) -> None:
+    return
+
+
+def _sleeper(number: int) -> Program:
+    return Program(f"sleeper {number}", Stage.AGENTS, (sys.executable, "-c", "import time; time.sleep(60)"))
+
+
+def test_a_process_that_has_just_ended_is_ended_without_harm_and_how_it_ended_is_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = tmp_path / "made"
+    folder.mkdir()
+
+    async def play() -> list[int]:
+        processes = await Processes.open(folder)
+        children = [await processes.start(_sleeper(number), _ignore, _ignore) for number in range(MANY)]
+        for child in children:
+            os.kill(child.pid, signal.SIGKILL)
+            for _ in range(TIMES):  # at one of them it has ended, and asyncio is just about to hear of it
+                child.terminate()
+        codes = [await child.wait() for child in children]
+        for child in children:
+            child.terminate()  # long ago; does no harm
+        await processes.end()
+        return codes
+
+    with caplog.at_level(logging.WARNING, logger="asyncio"):
+        codes = asyncio.run(play())
+    assert set(codes) == {-signal.SIGKILL}
+    assert caplog.messages == []
