@@ -1,4 +1,4 @@
-"""The processes of a navigation while they run: started, missed when they are frozen, started again."""
+"""The processes of a navigation while they run: started, missed on the bus, started again if they are frozen."""
 
 import asyncio
 import json
@@ -14,7 +14,7 @@ from bus.bus import Closeable
 
 STARTING_TIME = 60.0  # s in which all must be at work, on a small computer too
 MOST_ENDS = 3  # of one process while they come up; more of the same will not help
-FROZEN_AFTER = 1.0  # s without its token, which goes a second after a process hangs, while the process is there
+FROZEN_AFTER = 1.0  # s without a turn for a process whose token has gone, as it does a second after that is frozen
 
 
 class NotUp(Exception):
@@ -22,7 +22,7 @@ class NotUp(Exception):
 
 
 class NavigationAtWork(Closeable):
-    """Keeps the processes going; those that die, and those that nobody hears of though they run."""
+    """Keeps the processes going: starts those again that die or are frozen, and no others."""
 
     def __init__(self, programs: Sequence[Program], start: Start, bus: Bus, complain: Callable[[str], None]) -> None:
         """Make ready; in a running event loop.
@@ -41,6 +41,7 @@ class NavigationAtWork(Closeable):
         self._all_serve = asyncio.Event()
         self._failure: str | None = None
         self._missing: dict[str, asyncio.Task[None]] = {}
+        self._cut_off: set[str] = set()  # containers that go on without the bus
         self._watching = bus.watch_alive(ALL_CONTAINERS, self._on_token)
 
     def begin(self) -> None:
@@ -112,17 +113,37 @@ class NavigationAtWork(Closeable):
             return
         if (task := self._missing.pop(container, None)) is not None:
             task.cancel()
-        if not is_there:
+        if is_there:
+            self._note_back(container)
+        else:
             self._missing[container] = asyncio.ensure_future(self._look_after(entry))
 
     async def _look_after(self, entry: Entry) -> None:
-        """Start a process again that runs, and yet is not heard of."""
+        """Start a process again that is frozen; one that goes on has only lost the bus, and comes back by itself."""
         missed = entry.child
-        await asyncio.sleep(FROZEN_AFTER)
-        if entry.child is missed and entry.state is State.RUNNING:
-            self._complain(f"{entry.program.name} is frozen; it is killed")
-            self._missing.pop(entry.program.container, None)
-            await self.supervisor.restart(entry)
+        assert missed is not None  # it has been heard of
+        while True:
+            turns = missed.turns
+            await asyncio.sleep(FROZEN_AFTER)
+            if entry.child is not missed or entry.state is not State.RUNNING:
+                return
+            if missed.turns == turns:
+                break
+            self._note_cut_off(entry)
+        self._complain(f"{entry.program.name} is frozen; it is killed")
+        self._missing.pop(entry.program.container, None)
+        await self.supervisor.restart(entry)
+
+    def _note_cut_off(self, entry: Entry) -> None:
+        if not self._cut_off:  # the others follow
+            self._complain(f"{entry.program.name} goes on, but is not heard of on the bus; see whether its router runs")
+        self._cut_off.add(entry.program.container)
+
+    def _note_back(self, container: str) -> None:
+        if container in self._cut_off:
+            self._cut_off.remove(container)
+            if not self._cut_off:
+                self._complain("all are heard of again")
 
 
 def _plain(sentence: str) -> str:

@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import re
 import signal
 import sys
 from asyncio.subprocess import DEVNULL, PIPE
@@ -14,6 +15,7 @@ from acromovi.team.supervisor import Hear
 
 LONGEST_LINE = 1 << 20  # bytes
 LAST_WORDS = 0.5  # s for what a process has said to arrive; a child of its own may hold the pipe open much longer
+SWITCHES = re.compile(r"voluntary_ctxt_switches:\s+(\d+)")  # both kinds, of one thread
 KEEPER_TIME = DEADLINES[-1] + 0.3  # s
 
 
@@ -39,6 +41,14 @@ class Process:
     def pid(self) -> int:
         """Its number."""
         return self._process.pid
+
+    @property
+    def turns(self) -> int:
+        """How often it has had a processor."""
+        with suppress(OSError):  # it is just ending
+            statuses = [path.read_text(encoding="ascii") for path in Path(f"/proc/{self.pid}/task").glob("*/status")]
+            return sum(int(count) for status in statuses for count in SWITCHES.findall(status))
+        return 0
 
     async def wait(self) -> int:
         """Its exit code, once it has ended and its last words were heard."""

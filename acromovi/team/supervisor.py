@@ -23,6 +23,11 @@ class Child(Protocol):
         """Its number."""
         ...
 
+    @property
+    def turns(self) -> int:
+        """How often it has had a processor; one that is frozen gets no more."""
+        ...
+
     async def wait(self) -> int:
         """Its exit code, once it has ended; negative when a signal ended it."""
         ...

@@ -123,6 +123,7 @@ def test_a_process_that_is_frozen_is_killed_and_started_again() -> None:
     site.serve("hardware")
     site.serve("reactive")
     frozen = site.child("reactive")
+    frozen.is_frozen = True
     site.vanish("reactive")
     site.loop.run_for(FROZEN_AFTER + 2.0)
     assert site.child("reactive") is not frozen
@@ -141,6 +142,35 @@ def test_a_process_that_was_out_of_reach_for_a_moment_is_left_alone(site: Site) 
     site.loop.run_for(10.0)
     assert site.complaints == []
     assert len(site.pretence.children) == 2
+
+
+def test_processes_that_go_on_without_the_bus_are_left_alone_and_that_is_said_once(site: Site) -> None:
+    for process in ("hardware", "reactive"):
+        site.serve(process)
+    for process in ("hardware", "reactive"):
+        site.vanish(process)
+    site.loop.run_for(60.0)
+    assert [complaint.partition(";")[0] for complaint in site.complaints] == [
+        "hardware of happy goes on, but is not heard of on the bus"
+    ]
+    for process in ("hardware", "reactive"):
+        site.serve(process)
+    site.loop.run_for(10.0)
+    assert site.complaints[1:] == ["all are heard of again"]
+    assert len(site.pretence.children) == 2
+
+
+def test_a_process_that_freezes_while_the_bus_is_gone_is_started_again(site: Site) -> None:
+    site.serve("hardware")
+    site.serve("reactive")
+    site.vanish("hardware")
+    site.vanish("reactive")
+    site.loop.run_for(10.0)
+    frozen = site.child("reactive")
+    frozen.is_frozen = True
+    site.loop.run_for(2 * FROZEN_AFTER + 2.0)
+    assert site.child("reactive") is not frozen
+    assert site.pretence.names() == ["hardware of happy", "reactive of happy", "reactive of happy"]
 
 
 def test_containers_of_others_are_none_of_its_business(site: Site) -> None:

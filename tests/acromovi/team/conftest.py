@@ -27,8 +27,15 @@ class PretendedChild:
         self.pid = pid
         self.say = heard
         self.complain = complained
+        self.is_frozen = False
         self._ignores = ignores
+        self._turns = 0
         self._code: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+    @property
+    def turns(self) -> int:
+        self._turns += not self.is_frozen
+        return self._turns
 
     async def wait(self) -> int:
         return await asyncio.shield(self._code)

@@ -14,6 +14,7 @@ from acromovi.team.processes import Processes
 
 MANY = 20  # so that what happens to one in five, when it goes wrong, happens here
 TIMES = 1000
+TICKS = "[time.sleep(0.001) for _ in range(60000)]"
 
 
 def _ignore(line: str) -> None:
@@ -47,3 +48,25 @@ def test_a_process_that_has_just_ended_is_ended_without_harm_and_how_it_ended_is
         codes = asyncio.run(play())
     assert set(codes) == {-signal.SIGKILL}
     assert caplog.messages == []
+
+
+def test_a_process_that_is_frozen_has_no_more_turns(tmp_path: Path) -> None:
+    async def play() -> None:
+        processes = await Processes.open(tmp_path / "made")
+        ticker = f"import time; {TICKS}"
+        child = await processes.start(Program("ticker", Stage.AGENTS, (sys.executable, "-c", ticker)), _ignore, _ignore)
+        began = child.turns
+        while child.turns < began + 100:
+            await asyncio.sleep(0.01)
+        os.kill(child.pid, signal.SIGSTOP)
+        while "State:\tT" not in Path(f"/proc/{child.pid}/status").read_text():
+            await asyncio.sleep(0.01)
+        frozen = child.turns
+        await asyncio.sleep(0.1)
+        assert child.turns == frozen
+        child.kill()
+        await child.wait()
+        assert child.turns == 0
+        await processes.end()
+
+    asyncio.run(asyncio.wait_for(play(), 30.0))
