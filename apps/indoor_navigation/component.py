@@ -98,7 +98,7 @@ class Component(Agent):
         """Ask the component that the wiring names.
 
         Raises:
-            NoAnswer: It is not there, or has not answered in time.
+            TimeoutError: It is not there (`NoAnswer`), or has not answered in time.
             Refused: It says no.
         """
         answerer = self.properties["asks"][what]

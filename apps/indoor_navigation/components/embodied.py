@@ -6,7 +6,7 @@ import logging
 from agents.platform import OneShot, Restart
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.component import Component
-from bus import BusUnavailable, NoAnswer, Refused
+from bus import BusUnavailable, Refused
 
 ASK_AGAIN = 0.5  # s
 
@@ -31,7 +31,7 @@ class Embodied(Component):
                 outline = Outline.of(await self.ask("robot"))
             except BusUnavailable:
                 raise
-            except (NoAnswer, Refused, LookupError, TypeError, ValueError) as err:
+            except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
                 log.info("%s: nobody has said yet how large %s is: %r", self.name, self.robot, err)
                 await asyncio.sleep(ASK_AGAIN)
             else:
