@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.platform import Cyclic, Restart
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.doors_map import read_map, write_map
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers, Order
@@ -167,7 +168,9 @@ class PathPlanning(Component):
     async def _know_robot(self) -> None:
         """Learn how wide the robot is, and again now and then, since it may be another one."""
         try:
-            self._navigator.memory.half_width = float((await self.ask("robot"))["width"]) / 2.0
+            outline = Outline.of(await self.ask("robot"))
+            self._navigator.memory.half_width = outline.width / 2.0
+            self._navigator.memory.sweep = outline.sweep
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError):

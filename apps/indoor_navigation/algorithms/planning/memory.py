@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 from math import hypot
 from typing import Any
 
+import numpy as np
+
+from apps.indoor_navigation.algorithms.planning.breadcrumbs import Breadcrumbs
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapNumbers
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers, drawn
 from apps.indoor_navigation.algorithms.planning.terrain import CostNumbers, Hints, Strip, Terrain, terrain
@@ -15,6 +18,8 @@ Pose = tuple[float, float, float]
 
 BEYOND = 2.0  # m of unknown floor around all that is known through which a way may lead
 STEP = 0.1  # m between two points of the trail
+LEAST_BACK, MOST_BACK = 3, 30  # breadcrumbs
+TO_TURN = 0.05  # m beside the circle that the robot turns in
 BLIND = 2.0  # s; a robot of which nothing is heard for longer does not go on
 
 # What a robot can have done between two readings; more is a jump of its odometry.
@@ -33,20 +38,22 @@ class MemoryNumbers:
 
 
 class Memory:
-    """All in odom. half_width: of the robot, m. pose: None until something was seen. travelled: m of this mission.
+    """All in odom. half_width: of the robot, m. sweep: radius of the circle that it turns in, m.
 
+    pose: None until something was seen. travelled: m of this mission. crumbs: where it was, over all missions.
     has_jumped: its odometry was set anew at least once.
     """
 
     def __init__(self, numbers: MemoryNumbers, half_width: float) -> None:
         self.numbers = numbers
-        self.half_width = half_width
+        self.half_width = self.sweep = half_width
         self.grid = Grid(numbers.grid)
         self.doors = DoorsMap(numbers.doors)
         self.pose: Pose | None = None
         self.travelled = 0.0
         self.has_jumped = False
         self.trail: list[Place] = []
+        self.crumbs = Breadcrumbs()
         self._stamp = 0.0
         self._avoided: list[tuple[Strip, float]] = []
         self._ways: tuple[Strip, ...] = ()  # gone before this mission
@@ -78,6 +85,7 @@ class Memory:
         """All places are void."""
         self.grid.forget()
         self.doors.forget()
+        self.crumbs.forget()
         self.pose, self._avoided = None, []
         self.begin_trail()
 
@@ -95,6 +103,22 @@ class Memory:
     def avoid(self, place: Place, radius: float, until: float) -> None:
         """The robot has come no farther here; ways elsewhere are better for a while."""
         self._avoided.append((Strip(place, place, radius), until))
+
+    def has_room(self, place: Place) -> bool:
+        """Whether the robot may turn here without touching what was seen."""
+        radius = self.sweep + TO_TURN
+        near = self.grid.area.around(place, margin=radius)
+        rows, columns = near.occupied.nonzero()
+        x, y = near.x + (columns + 0.5) * near.resolution, near.y + (rows + 0.5) * near.resolution
+        return not bool((np.hypot(x - place[0], y - place[1]) < radius).any())
+
+    def way_back(self) -> int | None:
+        """The breadcrumb to go back to for room to turn; None where there is room, or none that is near."""
+        if self.pose is None or self.has_room(self.place):
+            return None
+        last = len(self.crumbs) - 1
+        numbers = range(last - LEAST_BACK, max(last - MOST_BACK, 0) - 1, -1)
+        return next((number for number in numbers if self.has_room(self.crumbs[number])), None)
 
     def survey(self, goal: Place, now: float, *, hopes: float | None = None) -> Terrain | None:
         """All that is known, and some of the unknown around it; None where the goal is too far away to plan."""
@@ -144,6 +168,7 @@ class Memory:
     def _go(self, pose: Pose) -> None:
         """The robot has come here."""
         self.pose = pose
+        self.crumbs.drop(pose[:2])
         before = self.trail[-1] if self.trail else None
         if before is None:
             self.trail.append(pose[:2])

@@ -56,12 +56,14 @@ class Navigator:
         self._no_way_since = inf
         self._is_there = False  # and only has to turn yet
         self._doubts = True  # that the goal is barred
+        self._back_to = 0  # the breadcrumb
         self._handlers: dict[State, Callable[[float], Order | None]] = {
             State.REPLANNING: self._replan,
             State.WAITING: self._wait,
             State.TURNING: self._turn,
             State.GOING: self._go,
             State.PASSING: self._go,
+            State.BACKING: self._back,
         }
 
     @property
@@ -214,11 +216,25 @@ class Navigator:
             guide.look_for_better(now)
         self._mind_door(now)
         if guide.is_off_way(self.numbers.turn_from):
+            if self._has_to_back(now, "there is no room to turn to where the way leads"):
+                return None
             self._machine.happens(Event.HAS_TO_TURN, now, "the way leads elsewhere")
             return None
         target = guide.target
         speed = self.numbers.door_speed if self.state is State.PASSING else self.numbers.speed
         return Order("go", target.x, target.y, guide.heading(), speed, target.is_last)
+
+    def _back(self, now: float) -> Order | None:
+        """To where there is room, as it came."""
+        crumbs = self.memory.crumbs
+        if len(crumbs) - 1 <= self._back_to:
+            self._machine.happens(Event.HAS_BACKED, now, "there is room to turn")
+            return None
+        if self._progress.is_stuck(self._guide.pose, now):
+            if not self._has_tried_enough(now):
+                self._machine.happens(Event.CAME_NO_FARTHER, now, "the robot cannot go back")
+            return None
+        return Order("back", *crumbs.towards(self._back_to), speed=self.numbers.back_speed)
 
     # On the way.
 
@@ -270,7 +286,17 @@ class Navigator:
             radius = self.numbers.progress.avoid
             self.memory.avoid(self._guide.ahead(radius), radius, now + self.numbers.progress.avoid_for)
             why = f"the robot comes no farther at {spoken(self.memory.place)}"
-            self._machine.happens(Event.CAME_NO_FARTHER, now, why)
+            if not self._has_to_back(now, why):
+                self._machine.happens(Event.CAME_NO_FARTHER, now, why)
+        return True
+
+    def _has_to_back(self, now: float, why: str) -> bool:
+        """Where it cannot turn, it goes back to where it can, if it came from there."""
+        way_back = self.memory.way_back()
+        if way_back is None:
+            return False
+        self._back_to = way_back
+        self._machine.happens(Event.HAS_TO_BACK, now, why)
         return True
 
     def _has_tried_enough(self, now: float) -> bool:

@@ -12,15 +12,16 @@ from apps.indoor_navigation.data import GoalPoint
 class MissionNumbers:
     """How missions are gone about.
 
-    speed, door_speed: m/s at most, and through doors. turn_from, turn_until: rad off the next sub-target, from which
-    the robot turns on its place, and until which. heading: rad off the heading that is wanted at the end. silence: s
-    without a reading after which the robot rests. look: s between two looks for a better way. detour: m of a detour
-    that is not worth waiting. patience: s that the robot waits for something in its way to go. hope: s likewise where
-    there is no other way. sure: s after which no way is no way.
+    speed, door_speed, back_speed: m/s at most, through doors, and backward. turn_from, turn_until: rad off the next
+    sub-target, from which the robot turns on its place, and until which. heading: rad off the heading that is wanted at
+    the end. silence: s without a reading after which the robot rests. look: s between two looks for a better way.
+    detour: m of a detour that is not worth waiting. patience: s that the robot waits for something in its way to go.
+    hope: s likewise where there is no other way. sure: s after which no way is no way.
     """
 
     speed: float = 0.5
     door_speed: float = 0.4
+    back_speed: float = 0.2
     turn_from: float = 1.4
     turn_until: float = 0.25
     heading: float = 0.1

@@ -14,6 +14,7 @@ class State(StrEnum):
     TURNING = "turning"
     GOING = "going"
     PASSING = "passing a door"
+    BACKING = "backing"
     WAITING = "waiting"
     REPLANNING = "re-planning"
     DONE = "done"
@@ -31,6 +32,8 @@ class Event(StrEnum):
     CAME_NO_FARTHER = "came no farther"
     HAS_TO_TURN = "has to turn"
     HAS_TURNED = "has turned"
+    HAS_TO_BACK = "has to back"
+    HAS_BACKED = "has backed"
     DOOR_AHEAD = "door ahead"
     DOOR_PASSED = "door passed"
     WAITED_ENOUGH = "waited enough"
@@ -41,7 +44,7 @@ class Event(StrEnum):
     GIVEN_UP = "given up"
 
 
-MOVING: Final = (State.TURNING, State.GOING, State.PASSING)
+MOVING: Final = (State.TURNING, State.GOING, State.PASSING, State.BACKING)
 ACTIVE: Final = (*MOVING, State.WAITING, State.REPLANNING)
 
 TRANSITIONS: Final[Mapping[tuple[State, Event], State]] = {
@@ -59,6 +62,8 @@ TRANSITIONS: Final[Mapping[tuple[State, Event], State]] = {
     **from_each((State.WAITING,), Event.SEES_AGAIN, State.REPLANNING),
     **from_each((State.GOING, State.PASSING), Event.HAS_TO_TURN, State.TURNING),
     (State.TURNING, Event.HAS_TURNED): State.GOING,
+    **from_each((State.TURNING, State.GOING, State.PASSING), Event.HAS_TO_BACK, State.BACKING),
+    (State.BACKING, Event.HAS_BACKED): State.REPLANNING,
     (State.GOING, Event.DOOR_AHEAD): State.PASSING,
     (State.PASSING, Event.DOOR_PASSED): State.GOING,
     **from_each(MOVING, Event.ARRIVED, State.DONE),

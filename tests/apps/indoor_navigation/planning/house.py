@@ -197,7 +197,8 @@ class Walker:
             return
         x, y, _ = self.pose
         wanted = order.heading if order.aim == "turn" else np.arctan2(order.y - y, order.x - x)
-        off = wrap_angle(float(wanted) - self.heading)
+        sense = -1.0 if order.aim == "back" else 1.0
+        off = wrap_angle(float(wanted) - self.heading + (pi if order.aim == "back" else 0.0))
         self.heading = wrap_angle(self.heading + max(-TURNING * STEP, min(TURNING * STEP, off)))
         if order.aim == "turn":
             return
@@ -205,7 +206,8 @@ class Walker:
         speed = min(order.speed, left) if order.is_last else order.speed
         step = min(speed * max(0.0, cos(off)) * STEP, left)
         for aside in (0.0, 0.5, -0.5, 1.0, -1.0, 1.4, -1.4):
-            to = self.x + step * cos(self.heading + aside), self.y + step * sin(self.heading + aside)
+            there = self.heading + aside
+            to = self.x + sense * step * cos(there), self.y + sense * step * sin(there)
             if clearance(*to, lines) > HALF_WIDTH:
                 self.x, self.y = to
                 return

@@ -1,6 +1,7 @@
 """Planning on the bus: what it hears, whom it tells what, and what becomes of it when others die."""
 
 from collections.abc import Iterator
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,9 @@ PROPERTIES = {
 DOOR = Door(2.0, 0.0, 0.9, 0.0, 0.9)
 
 
+BODY = {"width": 0.6, "front": 0.3, "rear": 0.5}  # m
+
+
 class Others:
     """All components around planning, spoken for by the test.
 
@@ -41,7 +45,7 @@ class Others:
         self.fuser = MemoryBus(site.network)
         self.fuser.serve(query_key(ROBOT, "motion_fuser", "load"), lambda arguments: {"busy": self.busy})
         self.base = MemoryBus(site.network)
-        self.base.serve(query_key(ROBOT, "robot_base_server", "robot"), lambda arguments: {"width": 0.6})
+        self.base.serve(query_key(ROBOT, "robot_base_server", "robot"), lambda arguments: BODY)
 
     def tell(self, goal: GoalPoint) -> None:
         self.site.bus.send(send_key(ROBOT, "path_planning", GoalPoint), goal.to_json())
@@ -181,11 +185,12 @@ def test_a_fuser_that_is_busy_is_spared(site: Site, others: Others) -> None:
     assert "the fuser works 95% of its time" in others.said()
 
 
-def test_the_robot_says_how_wide_it_is(site: Site, others: Others) -> None:
+def test_the_robot_says_how_large_it_is(site: Site, others: Others) -> None:
     component = PathPlanning(f"path_planning@{ROBOT}", PROPERTIES)
     site.start(component)
     site.run(0.1)
-    assert component._navigator.memory.half_width == 0.3
+    memory = component._navigator.memory
+    assert (memory.half_width, memory.sweep) == (0.3, hypot(0.5, 0.3))
 
 
 def test_doors_are_kept_in_a_file_and_known_again(site: Site, others: Others, tmp_path: Path) -> None:
