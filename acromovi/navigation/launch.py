@@ -140,11 +140,16 @@ async def _look_round(bus: "Bus", robot: str, chosen: Processes, tell: Any) -> N
     """Refuse to start what is there already, since two of one name would both command; miss the robot aloud.
 
     Raises:
-        NotUp: A component that is to run here is on this bus.
+        NotUp: A component that is to run here is on this bus, or may not be under the robot's name.
     """
     from acromovi.navigation.at_work import NotUp
     from bus.keys import ALIVE
 
+    if bus.own_name not in (None, robot):
+        raise NotUp(
+            f"this key speaks for {bus.own_name}, and the components for {robot}; "
+            f"take the robot's, as in --bus secure:keys/robot.{robot}, or an admin's"
+        )
     there: set[str] = set()
     keys = {part.agent(robot).alive_key: part.agent(robot) for parts in chosen.values() for part in parts}
     watching = [bus.watch_alive(key, lambda key, is_there: there.add(key)) for key in [*keys, ALIVE.key(robot)]]

@@ -14,6 +14,8 @@ from agents import Refused, Team
 from agents.components.component import Component
 from agents.platform import AclMessage, AgentName, Performative, asker, request
 from agents.platform.names import ContainerName
+from apps.indoor_navigation.component import push_key, query_key, send_key
+from apps.indoor_navigation.data import GoalPoint, MotionCmd
 from bus import NoAnswer, NotAllowed, ZenohBus, keys
 from bus.secure import Permit, Profile
 from bus.session import configuration
@@ -44,12 +46,15 @@ ALLOWED = {
     ("query", BASE.results_key): EVERYBODY,
     ("query", HOME.description_key): EVERYBODY,
     ("query", keys.LEASE_STATE.key("happy")): EVERYBODY,
+    ("query", query_key("happy", "motion_fuser", "commands")): EVERYBODY,
     ("query", BASE.acl_key): WHO_MAY_ASK,
     ("put", BASE.acl_key): WHO_MAY_ASK,
     ("query", keys.LEASE.key("happy")): OPERATOR,
     ("query", keys.DRIVE.key("happy")): OPERATOR,
     ("put", keys.CMD_VEL.key("happy")): OPERATOR,
     ("query", HOME.control_key): NOBODY,
+    ("put", push_key("happy", "motion_fuser", MotionCmd)): NOBODY,
+    ("put", send_key("happy", "path_planning", GoalPoint)): NOBODY,
     ("put", BASE.results_key): NOBODY,
     ("put", HOME.said_key): NOBODY,
     ("put", HOME.reports_key): NOBODY,
@@ -213,6 +218,16 @@ def test_a_robot_asks_agents_of_others_and_has_none_in_anothers_name(site: Site,
     assert code == 1
     assert complaint.startswith(f"acromovi container: {ROBOTS_REFUSAL}")
     assert "which is grumpy by this key" in complaint
+
+
+@pytest.mark.parametrize("owner", ["operator.anna", "robot.grumpy"])
+def test_who_may_not_speak_for_a_robot_is_told_so_before_its_navigation_is_started(
+    as_owner: AsOwner, owner: str
+) -> None:
+    code, _, complaint = as_owner(owner, "navigate", "up", "happy")
+    assert code == 1
+    assert f"this key speaks for {owner.partition('.')[2]}, and the components for happy" in complaint
+    assert complaint.count("\n") == 1
 
 
 def test_an_admin_controls_what_others_may_not(as_owner: AsOwner) -> None:
