@@ -35,6 +35,7 @@ from bus.exchange import (
     sorted_out,
     talked,
 )
+from bus.links import LinkWatch
 from bus.messages import encode_json, prepare
 from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
 from configs.loader import ConfigError
@@ -102,6 +103,7 @@ class ZenohBus(Bus):
         self._declared: set[Declared] = set()  # Zenoh withdraws what nobody refers to
         self._met_at = time.monotonic() + MEETING_TIME
         self._handlers = HandlerThread()
+        self._links = LinkWatch(self._session.info)
         atexit.register(self.close)  # a session left open keeps the interpreter from ending
 
     @classmethod
@@ -271,6 +273,7 @@ class ZenohBus(Bus):
         if not self._is_closed:
             self._is_closed = True
             atexit.unregister(self.close)
+            self._links.close()
             self._handlers.stop()
             self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
 

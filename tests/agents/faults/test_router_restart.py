@@ -72,13 +72,15 @@ class Router(ExitStack):
 
     def fail(self, how: signal.Signals) -> None:
         """Be killed or frozen."""
+        self._how = how
         self._process.send_signal(how)
 
     def come_back(self) -> None:
-        """Be started again; one that is frozen is killed first, since Zenoh may stay deaf when it goes on."""
-        self._process.kill()
-        self._process.wait()
-        self._process = self._started()
+        """Be there again."""
+        if self._how is signal.SIGKILL:
+            self._process = self._started()
+        else:
+            self._process.send_signal(signal.SIGCONT)
 
     def _started(self) -> "subprocess.Popen[str]":
         return self.enter_context(processes.running("acromovi", "router", "--listen", self._address, says="routing"))

@@ -1,0 +1,139 @@
+"""Links to other programs that Zenoh has lost from sight, and their end.
+
+When a link dies while somebody waits to send on it, Zenoh (1.10) clears it away twice, some 0.25 s apart, and goes by
+the other's identity. What the two have opened anew in between is forgotten the second time, but its socket lives on:
+the other believes in it, and hears nothing through it for ever. Likewise a link may join a transport that the other
+side has given up. Zenoh has no call to close one link, so its socket is cut; then Zenoh clears away what is left on
+both sides, and they meet again as after every lost link. Nothing happens as long as no link is lost.
+"""
+
+import contextlib
+import os
+import re
+import socket
+import stat
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import zenoh
+
+SETTLED_AFTER = 1.0  # s after a loss; Zenoh needs 0.25 s to clear it away
+PORT = re.compile(r":(\d+)(?:[?#]|$)")
+OPEN_FILES = Path("/dev/fd")
+
+
+class Ends(NamedTuple):
+    """A link by the ports of its TCP connection, and whose it is."""
+
+    peer: str
+    here: int
+    there: int
+
+
+def ends_of(link: zenoh.Link) -> Ends | None:
+    """The ends of a link that has ports."""
+    here, there = PORT.search(link.src), PORT.search(link.dst)
+    return Ends(str(link.zid), int(here[1]), int(there[1])) if here and there else None
+
+
+def cut(ends: Ends) -> bool:
+    """End a TCP connection of this process, whoever reads from it; false if there is none between these ports.
+
+    Ports alone decide. Should another connection have the same, it comes back as after every lost link.
+    """
+    was_there = False
+    for file in [int(path.name) for path in OPEN_FILES.iterdir()]:
+        with contextlib.suppress(OSError):  # closed meanwhile, or no connection
+            if stat.S_ISSOCK(os.fstat(file).st_mode):
+                with socket.socket(fileno=os.dup(file)) as connection:
+                    if _ports(connection) == (ends.here, ends.there):
+                        connection.shutdown(socket.SHUT_RDWR)
+                        was_there = True
+    return was_there
+
+
+def _ports(connection: socket.socket) -> tuple[int, int] | None:
+    if connection.family not in (socket.AF_INET, socket.AF_INET6):
+        return None
+    return connection.getsockname()[1], connection.getpeername()[1]
+
+
+class LinkWatch:
+    """Compares the links that have been opened with those that Zenoh still knows, a moment after each loss."""
+
+    def __init__(self, info: zenoh.SessionInfo, cut: Callable[[Ends], object] = cut) -> None:
+        """Watch the links of a session.
+
+        Args:
+            info: What Zenoh tells of the session.
+            cut: How to end a link.
+        """
+        self._info = info
+        self._cut = cut
+        self._lock = threading.Lock()
+        self._opened: set[Ends] = set()
+        self._robbed: set[str] = set()  # peers whose transport has lost a link and goes on
+        self._timer: threading.Timer | None = None
+        self._has_lost_more = False
+        self._is_closed = False
+        self._listeners = (
+            info.declare_link_events_listener(zenoh.handlers.Callback(self._on_link, indirect=False), history=True),
+            info.declare_transport_events_listener(zenoh.handlers.Callback(self._on_transport, indirect=False)),
+        )
+
+    def close(self) -> None:
+        """Watch no more."""
+        with self._lock:
+            self._is_closed = True
+            if self._timer is not None:
+                self._timer.cancel()
+
+    def look(self) -> None:
+        """Cut what Zenoh does not know, and what is left of a transport that has lost a link."""
+        with self._lock:
+            opened, robbed = set(self._opened), set(self._robbed)  # first: Zenoh knows a link before it tells of it
+        known = set(map(ends_of, self._info.links()))
+        unsound = {ends for ends in opened if ends not in known or ends.peer in robbed}
+        for ends in unsound:
+            self._cut(ends)
+        with self._lock:
+            self._opened -= unsound
+
+    def _on_link(self, event: zenoh.LinkEvent) -> None:
+        ends = ends_of(event.link)
+        with self._lock:
+            if ends is None or self._is_closed:
+                return
+            if event.kind == zenoh.SampleKind.PUT:
+                self._opened.add(ends)
+            else:
+                self._opened.discard(ends)
+                self._robbed.add(ends.peer)
+                self._look_later()
+
+    def _on_transport(self, event: zenoh.TransportEvent) -> None:
+        with self._lock:
+            self._robbed.discard(str(event.transport.zid))
+            if event.kind == zenoh.SampleKind.DELETE and not self._is_closed:
+                self._look_later()
+
+    def _look_later(self) -> None:
+        """Look after a while; what is lost meanwhile is given its own while."""
+        if self._timer is None:
+            self._timer = threading.Timer(SETTLED_AFTER, self._settled)
+            self._timer.daemon = True
+            self._timer.start()
+        else:
+            self._has_lost_more = True
+
+    def _settled(self) -> None:
+        with self._lock:
+            if self._is_closed:
+                return
+            self._timer = None
+            if self._has_lost_more:
+                self._has_lost_more = False
+                self._look_later()
+        self.look()
