@@ -21,8 +21,8 @@ HIGHEST_VOLTAGE = 2.5
 """Times the nominal voltage."""
 INSISTENCE = 3
 """SIPs in a row that agree with each other are believed against the ones before: the counters were set anew."""
-LONGEST_GAP = 5.0
-"""Seconds without a SIP after which the position counters may have rolled over unseen."""
+ROLLING = 5.0
+"""Seconds for which a robot that is out of touch may roll on: its watchdog's two, and three to come to rest."""
 
 
 class Verdict(NamedTuple):
@@ -60,7 +60,7 @@ class Plausibility:
             return Verdict(doubt)
         doubt = self._does_not_follow(self._believed, sip, now)
         if doubt is None or self._is_new_link or self._insists(sip, now):
-            continues = doubt is None and not (self._is_new_link and self._was_reset(sip, now))
+            continues = doubt is None and not (self._is_new_link and self._was_reset(sip))
             self._believed, self._doubted, self._is_new_link = (sip, now), None, False
             return Verdict(None, continues)
         self._doubted = (sip, now)
@@ -71,10 +71,8 @@ class Plausibility:
         self._agreeing = self._agreeing + 1 if agrees else 1
         return self._agreeing >= INSISTENCE
 
-    def _was_reset(self, sip: StandardSip, now: float) -> bool:
-        if self._believed is None:
-            return True
-        return now - self._believed[1] > LONGEST_GAP or sip.x == sip.y == sip.heading == 0.0
+    def _was_reset(self, sip: StandardSip) -> bool:
+        return self._believed is None or sip.x == sip.y == sip.heading == 0.0
 
     def _impossible(self, sip: StandardSip) -> str | None:
         if max(abs(sip.left_velocity), abs(sip.right_velocity)) > self._top_speed:
@@ -91,7 +89,7 @@ class Plausibility:
         last, then = before
         if sip.count(None) != last.count(None):
             return "length"
-        window = now - then + LATENESS
+        window = min(now - then, ROLLING) + LATENESS
         speed = max(map(abs, (*last[4:6], *sip[4:6])))
         step = max(self._around(sip.x - last.x), self._around(sip.y - last.y))
         if step > (SPEED_MARGIN * speed + SLACK[0]) * window:

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from configs import load
 from gateway.odometry import Odometry
+from gateway.plausibility import Plausibility
 from gateway.settings import Calibration, OdometryErrors
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 from p2os import RobotModel, SipCodec, StandardSip
@@ -85,17 +86,33 @@ def test_uncertainty_grows_with_the_way_and_not_with_time() -> None:
 
 
 class TestReconnect:
-    def test_what_the_robot_rolled_while_unheard_is_in_the_pose(self, make_bench: "MakeBench") -> None:
+    @pytest.mark.parametrize("cut_s", [3.0, 60.0])
+    def test_what_the_robot_rolled_while_unheard_is_in_the_pose(self, make_bench: "MakeBench", cut_s: float) -> None:
         bench = make_bench()
         bench.connect()
-        bench.driver.set_velocity(0.3, 0.0, bench.now)
-        bench.run(0.5)
+        for _ in range(4):
+            bench.driver.set_velocity(0.3, 0.0, bench.now)
+            bench.run(0.4)
+        heard_of = bench.driver.odometry.pose.x
         bench.cut = True
-        bench.run(3.0)
+        bench.run(cut_s)
+        assert not bench.driver.is_connected
         bench.cut = False
-        bench.run(2.0)
+        bench.run_until(lambda: bench.driver.is_connected)
         rolled = bench.body.state.left_travel
+        assert rolled > heard_of + 0.5
         assert bench.driver.odometry.pose.x == pytest.approx(rolled, abs=0.02)
+
+    @pytest.mark.parametrize(("rolled", "goes_on"), [(0.0, True), (1.5, True), (8.0, False)])
+    def test_counters_are_believed_as_far_as_the_robot_can_have_rolled_until_its_watchdog_stopped_it(
+        self, rolled: float, goes_on: bool
+    ) -> None:
+        plausibility = Plausibility(MODEL)
+        plausibility.begin_link()
+        plausibility.judge(heard(Pose2D(2.0, 1.0, 0.5))._replace(left_velocity=0.4, right_velocity=0.4), 100.0)
+        plausibility.begin_link()
+        verdict = plausibility.judge(heard(Pose2D(2.0 + rolled, 1.0, 0.5)), 1000.0)
+        assert (verdict.doubt, verdict.continues) == (None, goes_on)
 
     def test_pose_goes_on_from_where_it_was_when_the_counters_were_reset(self, make_bench: "MakeBench") -> None:
         bench = make_bench()
