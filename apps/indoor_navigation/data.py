@@ -108,7 +108,7 @@ class WorldCoord(Data):
 
     order: rising; whoever has a higher one knows that this is old. aim: `go` there, `back` there with the rear ahead,
     `turn` towards `heading`, or `rest`, when nobody is to move it. speed: at most. is_last: it is to stop there, not
-    to pass.
+    to pass. then: x and y of where it will be sent next, if that is known.
     """
 
     stamp: float
@@ -119,6 +119,7 @@ class WorldCoord(Data):
     heading: float = 0.0
     speed: float = 0.0
     is_last: bool = True
+    then: Place | None = None
 
 
 # Readings.

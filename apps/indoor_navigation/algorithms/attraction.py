@@ -12,7 +12,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline, runs_into
 from apps.indoor_navigation.algorithms.smoothing import Smooth, SmoothNumbers
-from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
+from apps.indoor_navigation.data import Floats, Odometry, Place, WorldCoord
 from geometry import wrap_angle
 
 # Directions about the target's, rad: close together where they are likely.
@@ -31,6 +31,7 @@ ASTRAY = 0.3  # m
 STRAY = 0.1  # m that a rad away from the target's direction costs, whatever comes of it
 GENTLY = 1.6  # 1/s; the last bit of the way, so that it does not stop with a jerk
 BEYOND = 1.0  # m that it goes on beyond it without another order
+CUT = 0.8  # m ahead that it looks along its way, round the corner at its target
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +109,9 @@ class Attraction:
         distance, direction = hypot(x, y), atan2(y, x)
         if target.is_last:
             return distance, direction
+        if target.then is not None:
+            x, y = _round_corner((x, y), (target.then[0] - target.x, target.then[1] - target.y))
+            return hypot(x, y), atan2(y, x)
         if self._course is None and distance < PASSING:
             self._course = direction
         if self._course is None:
@@ -141,6 +145,13 @@ class Attraction:
         gain = numbers.gain * min(1.0, distance / 0.3)
         angular = max(-numbers.angular, min(numbers.angular, gain * error))
         return Speeds(fastest * slowing(error), angular)
+
+
+def _round_corner(way: Place, then: Place) -> Place:
+    """The place `CUT` ahead, m, on a way to a target and then to the next; or the target, if that is farther."""
+    ahead, piece = CUT - hypot(*way), hypot(*then)
+    part = min(1.0, ahead / piece) if ahead > 0.0 and piece > 0.0 else 0.0
+    return way[0] + part * then[0], way[1] + part * then[1]
 
 
 def slowing(error: float) -> float:

@@ -1,7 +1,7 @@
 """Commands the mission: one sub-target after the other to those who move the robot, and what is worth it to people."""
 
 import asyncio
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -120,9 +120,7 @@ class PathPlanning(Component):
             self._number += 1
         self._order, self._told_at = order, self._now
         stamp = self.home.wall_time()
-        self.tell(
-            WorldCoord(stamp, self._number, order.aim, order.x, order.y, order.heading, order.speed, order.is_last)
-        )
+        self.tell(WorldCoord(stamp, self._number, **asdict(order)))
 
     def _tell_notes(self) -> None:
         notes = self._navigator.notes
@@ -185,7 +183,7 @@ class PathPlanning(Component):
 
 def _is_same(one: Order, other: Order) -> bool:
     """Whether nobody would do anything else."""
-    if (one.aim, one.is_last, one.speed) != (other.aim, other.is_last, other.speed):
+    if (one.aim, one.is_last, one.speed, one.then) != (other.aim, other.is_last, other.speed, other.then):
         return False
     if one.aim == "turn":
         return abs(one.heading - other.heading) < SAME_HEADING

@@ -223,3 +223,13 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
 def test_nothing_is_seen_where_nothing_is() -> None:
     assert len(Rays.none().followed_by(Rays.none()).end_x) == 0
     assert len(Surroundings().places((0.0, 0.0, 0.0))[0]) == 0
+
+
+@pytest.mark.parametrize(("ahead", "turns"), [(1.5, False), (0.5, True)])
+def test_a_corner_is_rounded_once_it_is_near_if_it_is_known_what_follows(ahead: float, turns: bool) -> None:
+    corner = WorldCoord(0.0, 1, "go", ahead, 0.0, speed=0.5, is_last=False, then=(ahead, 2.0))
+    steering = Attraction(AttractionNumbers(), ROBOT)
+    for step in range(5):
+        speeds = steering.steer(Odometry(0.1 * step, 0.0, 0.0, 0.0, 0.4, 0.0), corner, NOWHERE)
+    assert (speeds.angular > 0.1) == turns
+    assert speeds.linear > 0.0

@@ -84,6 +84,12 @@ class Guide:
         """The next one."""
         return self.route.targets[0]
 
+    @property
+    def following(self) -> Place | None:
+        """The one after that."""
+        targets = self.route.targets
+        return targets[1].place if len(targets) > 1 else None
+
     # Looking for ways.
 
     def is_too_far(self, now: float) -> bool:

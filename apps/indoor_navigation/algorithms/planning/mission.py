@@ -222,7 +222,7 @@ class Navigator:
             return None
         target = guide.target
         speed = self.numbers.door_speed if self.state is State.PASSING else self.numbers.speed
-        return Order("go", target.x, target.y, guide.heading(), speed, target.is_last)
+        return Order("go", target.x, target.y, guide.heading(), speed, target.is_last, guide.following)
 
     def _back(self, now: float) -> Order | None:
         """To where there is room, as it came."""

@@ -5,7 +5,7 @@ from math import isfinite
 
 from apps.indoor_navigation.algorithms.planning.guide import GuideNumbers
 from apps.indoor_navigation.algorithms.planning.progress import ProgressNumbers
-from apps.indoor_navigation.data import GoalPoint
+from apps.indoor_navigation.data import GoalPoint, Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +45,7 @@ class Order:
     heading: float = 0.0
     speed: float = 0.0
     is_last: bool = True
+    then: Place | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,6 +67,18 @@ def test_through_a_door_the_robot_goes_straight() -> None:
     assert any(door.passed for _, door in doors.believed)
 
 
+def test_whoever_drives_is_told_what_comes_after_the_next_sub_target() -> None:
+    robot = walker()
+    robot.go(7.0, 4.7)
+    told = set()
+    while robot.navigator.is_active:
+        robot.step()
+        if robot.order.aim == "go":
+            assert (robot.order.then is None) == robot.order.is_last
+            told.add(robot.order.then)
+    assert len(told) >= 3  # before the door, behind it, and the goal
+
+
 def test_round_something_that_nobody_knew_of() -> None:
     plan = house().box(6.5, 4.6, 0.5, 0.5)
     robot = walker(plan)
