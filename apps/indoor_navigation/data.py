@@ -47,12 +47,13 @@ class Data:
         Raises:
             MessageError: It is not of this kind.
         """
+        arrays, parts = cls.arrays, cls.parts
         try:
             given = {
                 name: _array(value)
-                if name in cls.arrays
-                else tuple(cls.parts[name].from_json(part) for part in value)
-                if name in cls.parts
+                if name in arrays
+                else tuple(parts[name].from_json(part) for part in value)
+                if name in parts
                 else tuple(value)
                 if isinstance(value, list)
                 else value

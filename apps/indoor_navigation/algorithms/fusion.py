@@ -13,6 +13,8 @@ from apps.indoor_navigation.data import MotionCmd
 
 FUSED = "motion_fuser"
 LIMITS = "limit", "back", "left", "right"
+NOT_BELOW_ZERO = "weight", *LIMITS
+NUMBERS = "stamp", "linear", "angular", *NOT_BELOW_ZERO
 PAUSE = 0.3  # s without a fused command after which the robot stands, whatever the last one was
 LARGEST = 1e6  # of any number of a command but its stamp; what is larger is a slip
 
@@ -163,14 +165,15 @@ def check(command: MotionCmd) -> None:
     """
     if not isinstance(command.source, str):
         raise Unsound(f"a command comes from a component with a name, not from {command.source!r}")
-    numbers = {name: getattr(command, name) for name in ("stamp", "linear", "angular", "weight", *LIMITS)}
-    numbers = {name: value for name, value in numbers.items() if value is not None or name not in LIMITS}
-    for name, value in numbers.items():
+    for name in NUMBERS:
+        value = getattr(command, name)
+        if value is None and name in LIMITS:
+            continue
         if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
             raise Unsound(f"{name} of a command of {command.source} must be a finite number, not {value!r}")
-        if name != "stamp" and abs(value) > LARGEST:
+        if abs(value) > LARGEST and name != "stamp":
             raise Unsound(f"{name} of a command of {command.source} must be within {LARGEST:g}, not {value:g}")
-        if name in ("weight", *LIMITS) and value < 0.0:
+        if value < 0.0 and name in NOT_BELOW_ZERO:
             raise Unsound(f"{name} of a command of {command.source} must not be below 0, as {value:g} is")
 
 
