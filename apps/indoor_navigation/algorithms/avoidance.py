@@ -70,6 +70,7 @@ def avoid(
     linear: float,
     angular: float,
     *,
+    approach: float | None = None,
     turned: float = 0.0,
     has_laser: bool = True,
 ) -> Push:
@@ -82,16 +83,18 @@ def avoid(
         walkers: Of those that move by themselves.
         linear: Present speed, m/s.
         angular: Likewise, rad/s.
+        approach: How fast walkers come, m/s; by default as fast as they may.
         turned: To which side it has turned lately, 1 or -1; 0 where it has not.
         has_laser: Sonar alone misses what throws its sound away, and is not trusted with full speed.
     """
     places = outline.outside(places)
     course = float(np.clip(angular / linear, -TIGHTEST, TIGHTEST)) if abs(linear) > STEADY else 0.0
+    coming = numbers.walker if approach is None else approach
     on, back = (_way(numbers, outline, places, course, sense) for sense in (1.0, -1.0))
     limit = min(
         inf if has_laser else numbers.blind,
         safe_speed(on, numbers.deceleration, numbers.reaction),
-        safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, numbers.walker),
+        safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, coming),
     )
     limit_back = min(numbers.blind, safe_speed(back, numbers.deceleration, numbers.reaction))
     near = _within_sweep(numbers, outline, places)

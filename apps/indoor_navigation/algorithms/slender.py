@@ -9,7 +9,8 @@ from apps.indoor_navigation.data import Floats
 
 SLENDER = 0.25  # m
 ALONE = 0.25  # m to what is seen behind it on both sides
-BODY = 0.22  # m about it
+BODY = 0.25  # m about it
+STRIDE = 0.6  # m between two legs of one person
 EDGE = 10  # rays at either end of the scan, where the face of a wall may be out of view and its end looks like a leg
 IN_LINE = 0.1  # m beside the line of a wall
 RING = np.linspace(-np.pi, np.pi, 8, endpoint=False)
@@ -28,17 +29,25 @@ def about_slender(rays: Rays) -> tuple[Floats, Floats]:
     starts, ends = gaps[:-1] + 1, gaps[1:]
     inner = (starts >= EDGE) & (ends < len(depth) - EDGE)
     starts, ends = starts[inner], ends[inner]
-    chosen = (
-        rays.hits[starts]
-        & (np.hypot(rays.end_x[ends] - rays.end_x[starts], rays.end_y[ends] - rays.end_y[starts]) < SLENDER)
-        & (depth[starts - 1] > depth[starts])
-        & (depth[ends + 1] > depth[ends])
-        & ~_is_end_of_wall(rays, starts, -1)
-        & ~_is_end_of_wall(rays, ends, 1)
-    )
+    is_slender = rays.hits[starts] & (_apart(rays, starts, ends) < SLENDER)
+    before = (depth[starts - 1] > depth[starts]) & ~_is_end_of_wall(rays, starts, -1)
+    behind = (depth[ends + 1] > depth[ends]) & ~_is_end_of_wall(rays, ends, 1)
+    chosen = is_slender & before & behind
+    # A leg that stands half behind the other one is alone but for that.
+    is_leg = np.zeros(len(depth), bool)
+    for start, end in zip(starts[chosen], ends[chosen], strict=True):
+        is_leg[start : end + 1] = True
+    follows = is_leg[starts - 1] & (_apart(rays, starts - 1, starts) < STRIDE)
+    precedes = is_leg[ends + 1] & (_apart(rays, ends, ends + 1) < STRIDE)
+    chosen = is_slender & (before | follows) & (behind | precedes)
     x = (rays.end_x[starts[chosen]] + rays.end_x[ends[chosen]]) / 2.0
     y = (rays.end_y[starts[chosen]] + rays.end_y[ends[chosen]]) / 2.0
     return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+
+
+def _apart(rays: Rays, ones: Numbers, others: Numbers) -> Floats:
+    """How far the ends of some rays are from those of others, m."""
+    return np.asarray(np.hypot(rays.end_x[others] - rays.end_x[ones], rays.end_y[others] - rays.end_y[ones]))
 
 
 def _is_end_of_wall(rays: Rays, places: Numbers, side: int) -> Truths:

@@ -5,6 +5,7 @@ must not turn as if it were gone.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from apps.indoor_navigation.algorithms.outline import Truths
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot, unexplained
@@ -14,8 +15,9 @@ from apps.indoor_navigation.data import Floats
 NEAR = 2.5  # m from the robot; what is farther away is of no concern yet
 KEPT = 60.0  # s for which something is believed to be where nobody looks
 BESIDE = 1.2  # m from the robot, likewise
-IN_VIEW = 0.03  # m between a ray and a place of which it knows better
-MOST = 200  # places that are remembered
+IN_VIEW = 0.02  # m between a ray and a place of which it knows better
+APART = 0.025  # m between places that are remembered
+MOST = 300  # of them
 
 
 class Surroundings:
@@ -41,7 +43,7 @@ class Surroundings:
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < BESIDE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
             is_kept = ~_are_in_view(rays.where(_is_of_eye(rays)), x, y)
-        chosen = np.flatnonzero(is_kept)[-MOST:]
+        chosen = _apart(x, y, np.flatnonzero(is_kept))[-MOST:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         self._last = self._explained(rays)
 
@@ -64,6 +66,16 @@ class Surroundings:
         return x[is_near], y[is_near]
 
 
+def _apart(x: Floats, y: Floats, numbers: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Of some places those that say something new, the last of each few centimetres, in their order.
+
+    A robot that stands sees the same places leave its view again and again; they must not push out the others.
+    """
+    cells = np.round(x[numbers[::-1]] / APART) + 1j * np.round(y[numbers[::-1]] / APART)
+    last = np.unique(cells, return_index=True)[1]
+    return np.sort(numbers[::-1][last])
+
+
 def _is_of_eye(rays: Rays) -> Truths:
     """Which are the scanner's. A disc's echo comes from somewhere in its cone; it has no shape, nor a sure place."""
     if not len(rays.end_x):
@@ -73,12 +85,12 @@ def _is_of_eye(rays: Rays) -> Truths:
 
 
 def _are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
-    """Which of some places a ray of the eye runs to, through, or against something before: what that saw counts."""
+    """Which of some places a ray of the eye runs to or through. Of what is hidden behind something it says nothing."""
     along_x, along_y = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
     length = np.hypot(along_x, along_y)
-    length[length == 0.0] = np.inf
-    unit_x, unit_y = along_x / length, along_y / length
+    scale = np.where(length > 0.0, length, np.inf)
+    unit_x, unit_y = along_x / scale, along_y / scale
     from_x, from_y = x[:, None] - rays.origin_x, y[:, None] - rays.origin_y
-    is_ahead = from_x * unit_x + from_y * unit_y > 0.0
+    ahead = from_x * unit_x + from_y * unit_y
     across = np.abs(from_y * unit_x - from_x * unit_y)
-    return np.asarray((is_ahead & (across < IN_VIEW)).any(axis=1))
+    return np.asarray(((ahead > 0.0) & (ahead < length + IN_VIEW) & (across < IN_VIEW)).any(axis=1))

@@ -1,14 +1,62 @@
-"""What moves by itself: whatever stands where the scan before saw through."""
+"""What moves by itself: whatever stands where the scan before saw through; and how fast it comes."""
+
+from collections import deque
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.rays import in_odom
-from apps.indoor_navigation.data import Floats, LaserRead
+from apps.indoor_navigation.data import Floats, LaserRead, Place
 
 NEARER = 0.15  # m than what was seen there before
 SIDE_BEAMS = 4  # beams to either side that must have seen through as well, since poses and edges are a little unsure
 APART = 1.0  # s between two scans that can be compared, at most
 ALL_AT_ONCE = 0.4  # of all beams; nothing but a slip of the pose moves so much
+
+MINDED = 0.5  # s for which somebody who moved is minded
+# s between two places of somebody by which it is judged how fast they come: legs swing.
+SINCE, UNTIL = 0.35, 0.9
+LEAST_APPROACH = 0.4  # m/s; people turn round
+UNSURE = 0.5  # m/s, by a leg that swings
+
+
+class Walkers:
+    """Places in odom where something has moved lately."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[float, Floats, Floats]] = deque()
+
+    def forget(self) -> None:
+        """The robot's pose was set anew, and places say nothing any more."""
+        self._seen.clear()
+
+    def see(self, stamp: float, x: Floats, y: Floats) -> None:
+        """Something has moved to here, at s of any clock."""
+        if self._seen and stamp < self._seen[-1][0]:
+            self.forget()
+        self._seen.append((stamp, x, y))
+        while self._seen[0][0] < stamp - UNTIL:
+            self._seen.popleft()
+
+    def places(self, stamp: float) -> tuple[Floats, Floats]:
+        """x and y of those who moved last, if that was not long ago."""
+        if self._seen and 0.0 <= stamp - self._seen[-1][0] < MINDED:
+            return self._seen[-1][1:]
+        return np.empty(0), np.empty(0)
+
+    def approach(self, place: Place, fastest: float) -> float:
+        """How fast the nearest one may be coming to a place in odom, m/s; `fastest` where that is not known."""
+        if not self._seen:
+            return fastest
+        now, here = self._seen[-1][0], _nearest(*self._seen[-1][1:], place)
+        before = next((seen for seen in self._seen if now - seen[0] >= SINCE), None)
+        if before is None:
+            return fastest
+        closing = (_nearest(*before[1:], place) - here) / (now - before[0])
+        return min(fastest, max(LEAST_APPROACH, closing + UNSURE))
+
+
+def _nearest(x: Floats, y: Floats, place: Place) -> float:
+    return float(np.hypot(x - place[0], y - place[1]).min())
 
 
 def moved(scan: LaserRead, before: LaserRead) -> tuple[Floats, Floats]:

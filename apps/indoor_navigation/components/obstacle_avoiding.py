@@ -3,18 +3,15 @@
 from dataclasses import astuple, dataclass, field
 from math import copysign, inf
 
-import numpy as np
-
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
 from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import moved
+from apps.indoor_navigation.algorithms.walkers import Walkers, moved
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import LaserRead, MotionCmd, Odometry, SonarRead
 
-WALKER_AGE = 0.5  # s for which somebody who walked is minded
 TURNING = 0.03  # rad/s above which the robot turns
 TURN_AGE = 1.0  # s for which it is known that it did
 
@@ -40,8 +37,7 @@ class ObstacleAvoiding(Embodied):
         self._surroundings = Surroundings()
         self._odometry: Odometry | None = None
         self._before: LaserRead | None = None
-        self._walkers: tuple[Floats, Floats] = np.empty(0), np.empty(0)
-        self._walked_at = -inf
+        self._walkers = Walkers()
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
 
@@ -51,6 +47,7 @@ class ObstacleAvoiding(Embodied):
         if self._odometry is not None and odometry.jumps != self._odometry.jumps:
             self._senses.forget()
             self._surroundings.forget()
+            self._walkers.forget()
             self._before = None
         self._odometry = odometry
         if abs(odometry.angular) > TURNING:
@@ -66,9 +63,9 @@ class ObstacleAvoiding(Embodied):
     async def look(self, scan: LaserRead) -> None:
         """Avoid what the laser sees, and most of all what moves."""
         if self._before is not None:
-            walkers = moved(scan, self._before)
-            if len(walkers[0]):
-                self._walkers, self._walked_at = walkers, scan.stamp
+            x, y = moved(scan, self._before)
+            if len(x):
+                self._walkers.see(scan.stamp, x, y)
         self._before = scan
         self._senses.take(scan)
         self._push()
@@ -81,14 +78,14 @@ class ObstacleAvoiding(Embodied):
         if not len(rays.end_x):
             return  # blind; the fuser holds the robot when nothing comes
         self._surroundings.see(stamp, rays)
-        is_recent = 0.0 <= stamp - self._walked_at < WALKER_AGE
         push = avoid(
             self.numbers.avoidance,
             self.outline,
             self._surroundings.places(pose),
-            in_robot(pose, *(self._walkers if is_recent else (np.empty(0), np.empty(0)))),
+            in_robot(pose, *self._walkers.places(stamp)),
             self._odometry.linear,
             self._odometry.angular,
+            approach=self._walkers.approach(pose[:2], self.numbers.avoidance.walker),
             turned=self._turned if self._odometry.stamp - self._turned_at < TURN_AGE else 0.0,
             has_laser=self._senses.laser is not None,
         )

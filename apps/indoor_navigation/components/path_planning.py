@@ -166,9 +166,7 @@ class PathPlanning(Component):
     async def _know_robot(self) -> None:
         """Learn how wide the robot is, and again now and then, since it may be another one."""
         try:
-            outline = Outline.of(await self.ask("robot"))
-            self._navigator.memory.half_width = outline.width / 2.0
-            self._navigator.memory.sweep = outline.sweep
+            self._navigator.memory.outline = Outline.of(await self.ask("robot"))
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError):

@@ -17,7 +17,7 @@ from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays,
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.slender import BODY, about_slender
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import moved
+from apps.indoor_navigation.algorithms.walkers import Walkers, moved
 from apps.indoor_navigation.data import Floats, LaserRead, Odometry, SonarRead, WorldCoord
 from geometry import wrap_angle
 
@@ -146,6 +146,39 @@ def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
     x, y = about_slender(laser_rays(scan(ranges), 120))
     assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY), abs=0.05)
     assert len(about_slender(laser_rays(scan(np.full(361, 4.0)), 120))[0]) == 0
+
+
+def test_a_leg_half_behind_the_other_one_is_a_leg_as_well() -> None:
+    ranges = np.full(361, 4.0)
+    ranges[170:190], ranges[190:204] = 0.8, 1.1
+    x, _ = about_slender(laser_rays(scan(ranges), 120))
+    assert len(x) == 16
+    assert x.max() > 1.1 + BODY / 2.0
+
+
+def test_who_walks_away_is_not_thought_to_come() -> None:
+    def approach(speed: float) -> float:
+        walkers = Walkers()
+        for step in range(8):
+            walkers.see(0.1 * step, *at((3.0 - 0.1 * step * speed, 0.5)))
+        return walkers.approach((0.0, 0.0), 1.2)
+
+    assert approach(1.0) == 1.2
+    assert approach(0.0) < 0.7
+    assert approach(-1.0) < approach(0.0)
+
+
+def test_who_has_just_come_into_view_is_thought_to_come_as_fast_as_people_do() -> None:
+    walkers = Walkers()
+    walkers.see(0.0, *at((3.0, 0.5)))
+    assert walkers.approach((0.0, 0.0), 1.2) == 1.2
+
+
+def test_who_stands_is_forgotten_as_a_walker() -> None:
+    walkers = Walkers()
+    walkers.see(0.0, *at((3.0, 0.5)))
+    assert len(walkers.places(0.3)[0]) == 1
+    assert len(walkers.places(0.7)[0]) == 0
 
 
 def test_a_disc_that_hears_what_the_laser_sees_beside_its_axis_says_nothing_new() -> None:

@@ -6,6 +6,7 @@ from apps.indoor_navigation.data import Place
 
 STEP = 0.1  # m between two
 AT_ONCE = 4  # of them, to the next one to go back to, so that the way is smooth
+RECENT, BESIDE = 6, 0.3  # how many may be taken up at once, and m beside them
 MOST = 100
 
 
@@ -24,8 +25,10 @@ class Breadcrumbs:
     def drop(self, place: Place) -> None:
         """The robot is here now."""
         places = self._places
-        while len(places) > 1 and _apart(place, places[-2]) < STEP:
-            places.pop()
+        recent = places[-RECENT:]
+        apart = [_apart(place, crumb) for crumb in recent]
+        if recent and min(apart) < BESIDE:
+            del places[len(places) - len(recent) + apart.index(min(apart)) + 1 :]
         if not places or _apart(place, places[-1]) >= STEP:
             places.append(place)
         del places[:-MOST]

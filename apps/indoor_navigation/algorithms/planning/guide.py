@@ -173,8 +173,12 @@ class Guide:
 
     def heading(self) -> float:
         """Towards the next sub-target, rad in odom."""
-        (x, y, _), target = self.pose, self.target
-        return atan2(target.y - y, target.x - x)
+        return self.direction(self.target.place)
+
+    def direction(self, place: Place) -> float:
+        """From the robot to a place, rad in odom."""
+        x, y = self._memory.place
+        return atan2(place[1] - y, place[0] - x)
 
     def off(self, heading: float) -> float:
         """How far the robot looks away from a heading, rad."""

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import hypot
+from math import atan2, ceil, hypot
 from typing import Any
 
 import numpy as np
 
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.breadcrumbs import Breadcrumbs
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapNumbers
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers, drawn
@@ -19,7 +20,8 @@ Pose = tuple[float, float, float]
 BEYOND = 2.0  # m of unknown floor around all that is known through which a way may lead
 STEP = 0.1  # m between two points of the trail
 LEAST_BACK, MOST_BACK = 3, 30  # breadcrumbs
-TO_TURN = 0.05  # m beside the circle that the robot turns in
+BESIDE = 0.03  # m about a robot that turns
+TURN_STEP = 0.15  # rad
 BLIND = 2.0  # s; a robot of which nothing is heard for longer does not go on
 
 # What a robot can have done between two readings; more is a jump of its odometry.
@@ -38,15 +40,15 @@ class MemoryNumbers:
 
 
 class Memory:
-    """All in odom. half_width: of the robot, m. sweep: radius of the circle that it turns in, m.
+    """All in odom. outline: of the robot.
 
     pose: None until something was seen. travelled: m of this mission. crumbs: where it was, over all missions.
     has_jumped: its odometry was set anew at least once.
     """
 
-    def __init__(self, numbers: MemoryNumbers, half_width: float) -> None:
+    def __init__(self, numbers: MemoryNumbers, outline: Outline) -> None:
         self.numbers = numbers
-        self.half_width = self.sweep = half_width
+        self.outline = outline
         self.grid = Grid(numbers.grid)
         self.doors = DoorsMap(numbers.doors)
         self.pose: Pose | None = None
@@ -59,6 +61,11 @@ class Memory:
         self._ways: tuple[Strip, ...] = ()  # gone before this mission
         self._node: int | None = None  # the door that was passed last
         self._since_node = 0  # the part of the trail since then
+
+    @property
+    def half_width(self) -> float:
+        """Of the robot, m."""
+        return self.outline.width / 2.0
 
     @property
     def place(self) -> Place:
@@ -104,21 +111,28 @@ class Memory:
         """The robot has come no farther here; ways elsewhere are better for a while."""
         self._avoided.append((Strip(place, place, radius), until))
 
-    def has_room(self, place: Place) -> bool:
-        """Whether the robot may turn here without touching what was seen."""
-        radius = self.sweep + TO_TURN
-        near = self.grid.area.around(place, margin=radius)
+    def may_turn(self, place: Place, start: float, end: float) -> bool:
+        """Whether the robot may turn here from one heading to another, rad, without touching what was seen."""
+        near = self.grid.area.around(place, margin=self.outline.sweep + BESIDE)
         rows, columns = near.occupied.nonzero()
-        x, y = near.x + (columns + 0.5) * near.resolution, near.y + (rows + 0.5) * near.resolution
-        return not bool((np.hypot(x - place[0], y - place[1]) < radius).any())
+        x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
+        y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
+        turn = wrap_angle(end - start)
+        headings = np.asarray(start + np.linspace(0.0, turn, max(2, ceil(abs(turn) / TURN_STEP))), np.float64)
+        poses = np.zeros(len(headings)) + place[0], np.zeros(len(headings)) + place[1], headings
+        return not bool((self.outline.distances(poses, x, y) < BESIDE).any())
 
-    def way_back(self) -> int | None:
-        """The breadcrumb to go back to for room to turn; None where there is room, or none that is near."""
-        if self.pose is None or self.has_room(self.place):
+    def way_back(self, target: Place) -> int | None:
+        """The breadcrumb to go back to, to turn towards a place; None where it may turn here, or at none of them."""
+        if self.pose is None or self._may_turn_to(self.place, target):
             return None
         last = len(self.crumbs) - 1
         numbers = range(last - LEAST_BACK, max(last - MOST_BACK, 0) - 1, -1)
-        return next((number for number in numbers if self.has_room(self.crumbs[number])), None)
+        return next((number for number in numbers if self._may_turn_to(self.crumbs[number], target)), None)
+
+    def _may_turn_to(self, place: Place, target: Place) -> bool:
+        assert self.pose is not None
+        return self.may_turn(place, self.pose[2], atan2(target[1] - place[1], target[0] - place[0]))
 
     def survey(self, goal: Place, now: float, *, hopes: float | None = None) -> Terrain | None:
         """All that is known, and some of the unknown around it; None where the goal is too far away to plan."""

@@ -8,9 +8,10 @@ waits longer; if it does not go, it counts as a wall from then on. So each missi
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf
+from math import inf, pi
 from typing import Any
 
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.guide import Guide, spoken
 from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers, Note, Order, is_sound
@@ -21,6 +22,8 @@ from apps.indoor_navigation.state_machine import Change, StateMachine
 
 AT_ONCE = 8  # changes of state in one step at most
 SAID = 64  # messages that wait to be fetched
+ASTERN = 1.0  # rad from straight back
+HELD = 0.5  # m from where it could not go back, within which it is not tried again
 LOOK_WAITING = 0.5  # s between two looks whether waiting has an end
 
 
@@ -45,7 +48,7 @@ class Navigator:
     def __init__(self, numbers: MissionNumbers, half_width: float) -> None:
         """half_width: of the robot, m."""
         self.numbers = numbers
-        self.memory = Memory(numbers.guide.memory, half_width)
+        self.memory = Memory(numbers.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
         self.notes: deque[Note] = deque(maxlen=SAID)
         self._goal = GoalPoint("", None, None)
         self._guide = Guide(numbers.guide, self.memory, self._goal)
@@ -57,6 +60,7 @@ class Navigator:
         self._is_there = False  # and only has to turn yet
         self._doubts = True  # that the goal is barred
         self._back_to = 0  # the breadcrumb
+        self._held_at: Place | None = None  # where it could not go back
         self._handlers: dict[State, Callable[[float], Order | None]] = {
             State.REPLANNING: self._replan,
             State.WAITING: self._wait,
@@ -226,15 +230,21 @@ class Navigator:
 
     def _back(self, now: float) -> Order | None:
         """To where there is room, as it came."""
-        crumbs = self.memory.crumbs
+        crumbs, guide = self.memory.crumbs, self._guide
         if len(crumbs) - 1 <= self._back_to:
             self._machine.happens(Event.HAS_BACKED, now, "there is room to turn")
             return None
-        if self._progress.is_stuck(self._guide.pose, now):
+        x, y = crumbs.towards(self._back_to)
+        if guide.off(guide.direction((x, y)) + pi) > ASTERN:
+            self._held_at = self.memory.place
+            self._machine.happens(Event.HAS_BACKED, now, "the way back does not lead straight back")
+            return None
+        if self._progress.is_stuck(guide.pose, now):
+            self._held_at = self.memory.place
             if not self._has_tried_enough(now):
                 self._machine.happens(Event.CAME_NO_FARTHER, now, "the robot cannot go back")
             return None
-        return Order("back", *crumbs.towards(self._back_to), speed=self.numbers.back_speed)
+        return Order("back", x, y, speed=self.numbers.back_speed)
 
     # On the way.
 
@@ -292,7 +302,8 @@ class Navigator:
 
     def _has_to_back(self, now: float, why: str) -> bool:
         """Where it cannot turn, it goes back to where it can, if it came from there."""
-        way_back = self.memory.way_back()
+        is_held = self._held_at is not None and self._guide.distance(self._held_at) < HELD
+        way_back = None if is_held else self.memory.way_back(self._guide.target.place)
         if way_back is None:
             return False
         self._back_to = way_back

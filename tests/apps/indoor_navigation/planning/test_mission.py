@@ -5,6 +5,7 @@ from math import hypot, inf, nan
 
 import pytest
 
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers
@@ -14,6 +15,7 @@ from tests.apps.indoor_navigation.planning.house import HALF_WIDTH, House, Walke
 UP_LEFT = (1.0, 8.0, 0.0)
 GROWS = 1.3  # a way in an unknown house may be so much longer than the shortest
 TOUCH = 0.2  # m
+LONG = Outline(0.4, 0.6, 2 * HALF_WIDTH)
 
 
 def walker(plan: House | None = None, pose: tuple[float, float, float] = UP_LEFT) -> Walker:
@@ -239,7 +241,7 @@ def test_a_robot_that_has_no_room_to_turn_backs_to_where_it_has() -> None:
     alley = House([]).box(0.0, 0.0, 8.0, 3.0)
     alley.walls += [(4.0, 1.0, 8.0, 1.0), (4.0, 2.0, 8.0, 2.0), (4.0, 0.0, 4.0, 1.0), (4.0, 2.0, 4.0, 3.0)]
     robot = walker(alley, (1.0, 1.5, 0.0))
-    robot.navigator.memory.sweep = 0.6
+    robot.navigator.memory.outline = LONG
     robot.go(5.5, 1.5)
     assert robot.run_to_end() == "done"
     robot.go(1.0, 1.5, mission="m2")
@@ -254,7 +256,7 @@ def test_a_robot_that_cannot_go_back_either_gives_up() -> None:
     alley = House([]).box(0.0, 0.0, 8.0, 3.0)
     alley.walls += [(4.0, 1.0, 8.0, 1.0), (4.0, 2.0, 8.0, 2.0), (4.0, 0.0, 4.0, 1.0), (4.0, 2.0, 4.0, 3.0)]
     robot = walker(alley, (1.0, 1.5, 0.0))
-    robot.navigator.memory.sweep = 0.6
+    robot.navigator.memory.outline = LONG
     robot.go(5.5, 1.5)
     assert robot.run_to_end() == "done"
     robot.is_held = True

@@ -1,7 +1,6 @@
 """Planning on the bus: what it hears, whom it tells what, and what becomes of it when others die."""
 
 from collections.abc import Iterator
-from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 from agents.platform.virtual_time import VirtualTimeLoop
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.component import query_key, send_key
 from apps.indoor_navigation.components.path_planning import PathPlanning
 from apps.indoor_navigation.data import Data, DLEData, Door, GoalPoint, LogMessage, ObstRead, WorldCoord
@@ -189,8 +189,7 @@ def test_the_robot_says_how_large_it_is(site: Site, others: Others) -> None:
     component = PathPlanning(f"path_planning@{ROBOT}", PROPERTIES)
     site.start(component)
     site.run(0.1)
-    memory = component._navigator.memory
-    assert (memory.half_width, memory.sweep) == (0.3, hypot(0.5, 0.3))
+    assert component._navigator.memory.outline == Outline(0.3, 0.5, 0.6)
 
 
 def test_doors_are_kept_in_a_file_and_known_again(site: Site, others: Others, tmp_path: Path) -> None:
