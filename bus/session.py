@@ -7,7 +7,6 @@ a file of Zenoh's (`.json5`) serves as well.
 import atexit
 import contextlib
 import json
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -15,6 +14,7 @@ from typing import Any, Self
 
 import zenoh
 
+from bus import threads
 from bus.asking import ASK_AGAIN_AFTER, ZenohAsking, ZenohConversation, read_reply
 from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
 from bus.declared import Declared, HandlerThread, Listening, Undeclarable
@@ -43,11 +43,6 @@ from configs.loader import ConfigError
 # Sessions on one machine meet within some ms of opening. A query that finds nobody in a session younger than this is
 # asked again.
 MEETING_TIME = 0.5  # s
-
-# Zenoh's own threads; it reads this when a program opens its first session. Left to itself it wakes three of them for
-# whatever it receives, one after the other. One is enough, since handlers in Python take turns. Sending keeps its own:
-# a handler that is slow must not let others think that this program has died.
-THREADS = "(rx: (worker_threads: 1), acc: (handover: rx), net: (handover: rx))"
 
 
 def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zenoh.Config:
@@ -93,7 +88,7 @@ class ZenohBus(Bus):
         Raises:
             BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
         """
-        os.environ.setdefault("ZENOH_RUNTIME", THREADS)
+        threads.set_up()
         try:
             self._session = zenoh.open(config)
         except zenoh.ZError as err:
@@ -315,7 +310,12 @@ class ZenohBus(Bus):
         """Declare a subscriber or queryable whose handler runs on this bus's thread, or at once if it is urgent."""
         with self._usable():
             listening = Listening(self._declared, guarded(key_expr, handler))
-            call = listening.hear if urgent else partial(self._handlers.post, listening)
+            take = listening.hear if urgent else partial(self._handlers.post, listening)
+
+            def call(item: object) -> None:
+                threads.keep()
+                take(item)
+
             # Called on Zenoh's own thread; by default there would be a thread for every declaration.
             listening.handle = declare(zenoh.handlers.Callback(call, indirect=False))
         return listening

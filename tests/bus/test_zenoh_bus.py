@@ -1,7 +1,6 @@
 """What only the bus between processes does: profiles, foreign programs, processes that die."""
 
 import json
-import os
 import signal
 import socket
 import subprocess
@@ -29,19 +28,6 @@ with ZenohBus.open() as bus:
     bus.declare_alive(sys.argv[1])
     print("ready", flush=True)
     sys.stdin.read()
-"""
-
-NAMES_ITS_THREADS = """
-import sys
-import threading
-from pathlib import Path
-from bus import ZenohBus
-met = threading.Event()
-with ZenohBus.open() as one, ZenohBus.open() as other:
-    one.declare_alive(sys.argv[1])
-    other.watch_alive(sys.argv[1], lambda key, is_there: met.set())
-    assert met.wait(10.0)
-    print(*(path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")))
 """
 
 
@@ -231,21 +217,3 @@ def test_zenohs_own_file_serves_as_a_profile(tmp_path: Path) -> None:
     path = tmp_path / "mine.json5"
     path.write_text('{mode: "client"}  // Zenoh\'s own form')
     assert configuration(str(path)).get_json("mode") == '"client"'
-
-
-@pytest.mark.parametrize(("asked", "apart"), [(None, set()), ("(rx: (worker_threads: 2))", {"acc", "net"})])
-def test_zenoh_receives_where_it_connects_unless_a_person_has_it_otherwise(
-    robot: str, asked: str | None, apart: set[str]
-) -> None:
-    given = {key: value for key, value in os.environ.items() if key != "ZENOH_RUNTIME"}
-    done = subprocess.run(
-        [sys.executable, "-c", NAMES_ITS_THREADS, f"{robot}/alive"],
-        env=given if asked is None else {**given, "ZENOH_RUNTIME": asked},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    kinds = {thread.partition("-")[0] for thread in done.stdout.split()}
-    assert "rx" in kinds
-    assert kinds & {"acc", "net"} == apart
