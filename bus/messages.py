@@ -189,7 +189,7 @@ def decode_json(payload: bytes) -> dict[str, Any]:
     if not payload:
         return {}
     try:
-        value = json.loads(payload)
+        value = json.loads(payload.decode())
     except (ValueError, RecursionError) as err:
         raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
     if not isinstance(value, dict):

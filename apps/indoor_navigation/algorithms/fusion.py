@@ -169,7 +169,7 @@ def check(command: MotionCmd) -> None:
         value = getattr(command, name)
         if value is None and name in LIMITS:
             continue
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        if type(value) not in (float, int) or not isfinite(value):  # a bool is an int to `isinstance`
             raise Unsound(f"{name} of a command of {command.source} must be a finite number, not {value!r}")
         if abs(value) > LARGEST and name != "stamp":
             raise Unsound(f"{name} of a command of {command.source} must be within {LARGEST:g}, not {value:g}")
