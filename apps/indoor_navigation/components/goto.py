@@ -13,7 +13,7 @@ from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, Odometry, WorldCoord
 from geometry import wrap_angle
 
-GO, BACK = "go", "back"
+GO, BACK, REST = "go", "back", "rest"
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,8 @@ class Goto(Embodied):
             return
         stamp = max(self._odometry.stamp, self._seen_at)
         if self._target.aim not in self._steering:
-            self.push(MotionCmd(stamp, self.name.local, 0.0, 0.0, 0.0))
+            # While the robot turns that is orienting's; at rest it is to stand, however it is pushed.
+            self.push(MotionCmd(stamp, self.name.local, 0.0, 0.0, float(self._target.aim == REST)))
             return
         speeds = Speeds()
         if abs(self._odometry.stamp - self._seen_at) <= self.numbers.max_age:

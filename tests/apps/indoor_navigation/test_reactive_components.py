@@ -72,7 +72,7 @@ def nothing_in_the_way(site: Site) -> None:
     site.run(0.05)
 
 
-def test_goto_wants_to_its_target_and_nothing_when_told_to_rest(site: Site) -> None:
+def test_goto_wants_to_its_target_and_to_stand_when_told_to_rest(site: Site) -> None:
     goto(site)
     wanted = site.pushed("goto", MotionCmd)
     order(site, "goto", "go", x=3.0)
@@ -83,7 +83,7 @@ def test_goto_wants_to_its_target_and_nothing_when_told_to_rest(site: Site) -> N
     assert wanted[-1].linear > 0.0
     order(site, "goto", "rest", 2)
     stand(site)
-    assert (wanted[-1].weight, wanted[-1].linear) == (0.0, 0.0)
+    assert (wanted[-1].weight, wanted[-1].linear) == (1.0, 0.0)
 
 
 def test_goto_does_not_obey_an_order_that_was_overtaken(site: Site) -> None:
@@ -91,8 +91,10 @@ def test_goto_does_not_obey_an_order_that_was_overtaken(site: Site) -> None:
     wanted = site.pushed("goto", MotionCmd)
     order(site, "goto", "rest", 7)
     order(site, "goto", "go", 6, x=3.0)
-    stand(site)
-    assert wanted[-1].weight == 0.0
+    for _ in range(5):
+        nothing_in_the_way(site)
+        stand(site)
+    assert wanted[-1].linear == 0.0
 
 
 def test_goto_stands_when_nobody_tells_what_is_in_the_way(site: Site) -> None:
@@ -126,6 +128,15 @@ def test_goto_backs_to_what_is_behind_it_without_turning(site: Site) -> None:
         stand(site)
     assert wanted[-1].linear < 0.0
     assert wanted[-1].angular == pytest.approx(0.0, abs=1e-3)
+
+
+def test_goto_wants_nothing_while_the_robot_turns(site: Site) -> None:
+    goto(site)
+    wanted = site.pushed("goto", MotionCmd)
+    order(site, "goto", "turn", heading=1.0)
+    nothing_in_the_way(site)
+    stand(site)
+    assert wanted[-1].weight == 0.0
 
 
 def test_orienting_wants_to_turn_only_when_told_to(site: Site) -> None:
