@@ -16,6 +16,7 @@ NEAR = 2.5  # m from the robot; what is farther away is of no concern yet
 KEPT = 60.0  # s for which something is believed to be where nobody looks
 BESIDE = 1.2  # m from the robot, likewise
 IN_VIEW = 0.02  # m between a ray and a place of which it knows better
+EDGE = 2  # rays on either side
 APART = 0.025  # m between places that are remembered
 MOST = 300  # of them
 
@@ -42,7 +43,7 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < BESIDE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~_are_in_view(rays.where(_is_of_eye(rays)), x, y)
+            is_kept = ~_are_in_view(_inner(rays.where(_is_of_eye(rays))), x, y)
         chosen = _apart(x, y, np.flatnonzero(is_kept))[-MOST:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         self._last = self._explained(rays)
@@ -64,6 +65,17 @@ class Surroundings:
         x, y = in_robot(pose, x, y)
         is_near = x * x + y * y < NEAR * NEAR
         return x[is_near], y[is_near]
+
+
+def _inner(rays: Rays) -> Rays:
+    """Without the outermost ones: what is beside them is about to leave the view, and must be remembered."""
+    return Rays(
+        rays.origin_x[EDGE:-EDGE],
+        rays.origin_y[EDGE:-EDGE],
+        rays.end_x[EDGE:-EDGE],
+        rays.end_y[EDGE:-EDGE],
+        rays.hits[EDGE:-EDGE],
+    )
 
 
 def _apart(x: Floats, y: Floats, numbers: NDArray[np.intp]) -> NDArray[np.intp]:

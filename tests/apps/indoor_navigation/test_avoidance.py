@@ -140,6 +140,20 @@ def test_only_what_is_where_the_last_scan_saw_through_has_moved() -> None:
     assert len(moved(scan(room, 0.4), scan(with_leg, 0.2))[0]) == 0
 
 
+@pytest.mark.parametrize("step", [0.005, 0.02, 0.05])
+def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) -> None:
+    surroundings = Surroundings()
+    angles = np.radians(np.linspace(-90.0, 90.0, 361))
+    along = np.arange(0.0, 0.61, step)
+    for number, x in enumerate(along):
+        ranges = 0.4 / np.maximum(np.abs(np.sin(angles)), 0.05)  # a corridor 0.8 m wide
+        surroundings.see(0.1 * number, laser_rays(scan(ranges, 0.1 * number, (float(x), 0.0, 0.0)), 120))
+    x, y = surroundings.places((float(along[-1]), 0.0, 0.0))
+    behind = np.sort(x[(x < 0.0) & (y > 0.0)])
+    assert behind[0] < -0.5
+    assert np.diff(behind).max() < 0.08
+
+
 def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
     ranges = np.full(361, 4.0)
     ranges[176:186] = 1.5

@@ -36,7 +36,7 @@ class Reckless:
 
     def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         if self._count % 20 == 0:
-            self._speeds = Speeds(self._chance.uniform(0.0, 0.5), self._chance.choice([0.0, 0.0, 0.7, -0.7]))
+            self._speeds = Speeds(self._chance.uniform(0.0, 0.5), float(self._chance.choice([0.0, 0.0, 0.7, -0.7])))
         self._count += 1
         return self._speeds
 
