@@ -79,6 +79,10 @@ class KnownDoor:
         """How far beyond the door a place is, for who looks along its normal, m."""
         return (place[0] - self.x) * cos(self.normal) + (place[1] - self.y) * sin(self.normal)
 
+    def aside(self, place: Place) -> float:
+        """How far to the left of its middle line a place is, for who looks along its normal, m."""
+        return (place[1] - self.y) * cos(self.normal) - (place[0] - self.x) * sin(self.normal)
+
     def is_seen_as(self, seen: Door) -> bool:
         """Whether a sighting is of this door."""
         turn = abs(wrap_angle(seen.normal - self.normal))
@@ -148,6 +152,13 @@ class DoorsMap:
         for number, door in self.believed:
             if direction := door.crossed(start, end):
                 return number, direction
+        return None
+
+    def around(self, place: Place, reach: float) -> int | None:
+        """The believed door in which a place is, so many m before or behind its line at most."""
+        for number, door in self.believed:
+            if abs(door.ahead(place)) < reach and abs(door.aside(place)) < door.width / 2.0:
+                return number
         return None
 
     def passed(self, number: int) -> None:

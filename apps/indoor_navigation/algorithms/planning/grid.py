@@ -1,7 +1,8 @@
 """What the robot has seen: for each cell of the floor, how much speaks for an obstacle.
 
 A hit speaks louder than a ray that passes, but a few rays that pass end what hits have begun, so that a person who has
-walked on is forgotten at once, and a room may change.
+walked on is forgotten at once, and a room may change. What stands where it was free before may go again, and so may
+what was not seen for long: who walks about is seen for the first time somewhere, too.
 """
 
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ Cells = NDArray[np.intp]
 HIT, PASSED = 2, -1  # what a reading adds to a cell
 OCCUPIED = 2  # an obstacle from here on
 SURELY_FREE = -3  # a cell that has been so is no wall, whatever stands there later
+NEVER, PASSABLE = np.nan, np.inf  # when it was hit first: not yet; never mind, since it was surely free
 MOST, LEAST = 8, -4
 MARGIN = 5.0  # m that the area grows beyond what made it grow
 SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
@@ -31,27 +33,38 @@ class GridNumbers:
 
     resolution: edge of a cell. reach: beyond which no ray is believed. lone_reach: likewise, of a ray that shares its
     origin with no other: so sonar sees, which is surer of distances than of directions. largest: edge of the area.
+    settled: s after the first hit, from which on another one tells that somebody who walks about is not there.
     """
 
     resolution: float = 0.1
     reach: float = 8.0
     lone_reach: float = 1.0
     largest: float = 200.0
+    settled: float = 3.0
 
 
 class Area(NamedTuple):
-    """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom."""
+    """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
+
+    first_hit: s, or NEVER, or PASSABLE. fixed: cells where something stood for long, and which were never free before.
+    """
 
     x: float
     y: float
     resolution: float
     evidence: Evidence
-    was_free: Flags
+    first_hit: Floats
+    fixed: Flags
 
     @property
     def occupied(self) -> Flags:
         """Where an obstacle is."""
         return self.evidence >= OCCUPIED
+
+    @property
+    def walls(self) -> Flags:
+        """Where an obstacle is that is not expected to go."""
+        return self.occupied & self.fixed
 
     @property
     def unknown(self) -> Flags:
@@ -69,7 +82,8 @@ class Area(NamedTuple):
     def window(self, rows: slice, columns: slice) -> "Area":
         """A part of it, which shares its memory."""
         x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
-        return Area(x, y, self.resolution, self.evidence[rows, columns], self.was_free[rows, columns])
+        here = rows, columns
+        return Area(x, y, self.resolution, self.evidence[here], self.first_hit[here], self.fixed[here])
 
     def around(self, *places: Place, margin: float) -> "Area":
         """The part that holds these places with a margin, m, as far as the area goes."""
@@ -99,7 +113,7 @@ class Grid:
     def forget(self) -> None:
         """Know nothing any more."""
         nothing = np.zeros((0, 0))
-        self.area = Area(0.0, 0.0, self._numbers.resolution, nothing.astype(np.int8), nothing.astype(np.bool_))
+        self.area = Area(0.0, 0.0, self._numbers.resolution, nothing.astype(np.int8), nothing, nothing.astype(np.bool_))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
         """Let the area hold a place with a margin, m. False where it would become too large, and stays as it is."""
@@ -123,7 +137,8 @@ class Grid:
             area.y - int(before[0]) * resolution,
             resolution,
             np.pad(area.evidence, pad),
-            np.pad(area.was_free, pad),
+            np.pad(area.first_hit, pad, constant_values=NEVER),
+            np.pad(area.fixed, pad),
         )
         return True
 
@@ -143,17 +158,25 @@ class Grid:
         changed = np.flatnonzero(votes)
         evidence = area.evidence.reshape(-1)
         evidence[changed] = np.clip(evidence[changed] + votes[changed], LEAST, MOST)
-        area.was_free.reshape(-1)[changed] |= evidence[changed] <= SURELY_FREE
+        self._date(changed[votes[changed] == HIT], changed[evidence[changed] <= SURELY_FREE], reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
         """What stands here does not yield: it counts as what was never free."""
         part = self.area.around((x, y), margin=radius)
-        part.was_free[part.occupied] = False
+        part.fixed[part.occupied] = True
 
     def doubt(self, x: float, y: float, radius: float) -> None:
         """Know nothing of what is here any more."""
         part = self.area.around((x, y), margin=radius)
         part.evidence[:] = 0
+        part.first_hit[:], part.fixed[:] = NEVER, False
+
+    def _date(self, hit: Cells, free: Cells, stamp: float) -> None:
+        """Note since when something is there."""
+        first_hit, fixed = self.area.first_hit.reshape(-1), self.area.fixed.reshape(-1)
+        first_hit[free], fixed[free] = PASSABLE, False
+        first_hit[hit[np.isnan(first_hit[hit])]] = stamp
+        fixed[hit] |= stamp - first_hit[hit] >= self._numbers.settled
 
     def _passed(self, rays: "_Rays") -> Cells:
         """The cells through which rays have passed. One that hits passes to a cell before its end."""

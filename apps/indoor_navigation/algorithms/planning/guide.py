@@ -3,17 +3,22 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import atan2, hypot, inf
+from math import atan2, copysign, cos, hypot, inf
 
+from apps.indoor_navigation.algorithms.planning.aside import way_aside
+from apps.indoor_navigation.algorithms.planning.doors_map import thinned
 from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryNumbers, Pose
-from apps.indoor_navigation.algorithms.planning.route import Route, SubTarget, routed
+from apps.indoor_navigation.algorithms.planning.route import Passage, Route, SubTarget, routed
 from apps.indoor_navigation.algorithms.planning.search import Way, find_way, length
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import GoalPoint, Place
 from geometry import wrap_angle
 
+CAME = 40  # points of the trail, on which somebody may want to go
 SURE_FROM = 2.0  # m from the goal, within which it is believed that it is barred
 WELL_WITHIN = 0.6  # of the tolerance, where ways end, since no robot stands exactly where it is sent
+TO_LINE_UP = 0.2  # m beside the circle that the robot turns in, when it turns towards a door
+IN_DOOR = 1.5  # times half the width of the robot, from the line of a door, where it cannot turn about
 AT_DOOR = 3.0  # times the distance of the sub-targets from a door, to the one behind it
 
 
@@ -21,7 +26,8 @@ AT_DOOR = 3.0  # times the distance of the sub-targets from a door, to the one b
 class GuideNumbers:
     """How a way is told, in m.
 
-    near: to a sub-target, where the next one counts. before_door: before and behind a door, where sub-targets are.
+    near: to a sub-target, where the next one counts. before_door: before and behind a door, where sub-targets are, or
+    farther off for a robot that needs more room to turn.
     stop_before: what bars the way and may go. better: part of the present way's cost that another must not exceed.
     """
 
@@ -80,15 +86,20 @@ class Guide:
         return self._route.points(self._memory.place) if self._route is not None and self._memory.pose else ()
 
     @property
+    def beyond(self) -> Way:
+        """What follows where the way ends short of something."""
+        return self._route.ends_short[1:] if self._route is not None else ()
+
+    @property
     def target(self) -> SubTarget:
         """The next one."""
         return self.route.targets[0]
 
     @property
     def following(self) -> Place | None:
-        """The one after that."""
+        """The one after that, if the robot may round the corner between them."""
         targets = self.route.targets
-        return targets[1].place if len(targets) > 1 else None
+        return targets[1].place if len(targets) > 1 and not targets[0].lines_up else None
 
     # Looking for ways.
 
@@ -128,6 +139,21 @@ class Guide:
         assert self._near is not None  # it has been advanced
         ahead = self._near.first_barred(self.points)
         return Barrier(ahead, self._survey(now, 0.0).cost_of(*self.points)) if ahead is not None else None
+
+    def make_way(self, barred: Place | None) -> bool:
+        """Take a way to a place aside, away from where the way is barred. Whether there is one near."""
+        memory, ahead = self._memory, (*self.points, *self.beyond)
+        came = thinned(memory.trail[-CAME:])
+        way = way_aside(memory.survey_near(), memory.place, (came, ahead), barred, memory.half_width)
+        if way is None:
+            return False
+        corners = tuple(SubTarget(*place) for place in way[1:-1])
+        self._route = Route((*corners, SubTarget(*way[-1], is_last=True)), (*reversed(way), *ahead[1:]))
+        return True
+
+    def is_hopeless(self, now: float) -> bool:
+        """Whether walls are on the way."""
+        return self._survey(now, 0.0).cost_of(*self.points, *self.beyond) >= BARRED
 
     def doubt_goal(self, now: float) -> bool:
         """Forget what is at the goal, if that bars it and was seen from afar only. Whether that was so."""
@@ -188,6 +214,10 @@ class Guide:
         """Whether it looks farther away than that from a sub-target that is not near."""
         return self.distance(self.target.place) > self._numbers.near and self.off(self.heading()) > most
 
+    def is_before_door(self) -> bool:
+        """Whether it goes through a door next."""
+        return self.target.door is not None
+
     def distance(self, place: Place) -> float:
         """From the robot, m."""
         x, y = self._memory.place
@@ -195,7 +225,7 @@ class Guide:
 
     def ahead(self, distance: float) -> Place:
         """A place so many m ahead on the way, beyond its end if it ends short of something."""
-        return _along((*self.points, *self.route.ends_short[1:]), distance)
+        return _along((*self.points, *self.beyond), distance)
 
     def barred_place(self) -> Place:
         """Where the way is barred that ends short."""
@@ -207,11 +237,35 @@ class Guide:
         return ground
 
     def _find(self, ground: Terrain) -> Way | None:
-        return find_way(ground, self._memory.place, self.goal, WELL_WITHIN * self._goal.tolerance)
+        robot, out = self._memory.place, self._out_of_door(ground)
+        start = robot if out is None else out.place
+        way = find_way(ground, start, self.goal, WELL_WITHIN * self._goal.tolerance)
+        return way if out is None or way is None else (robot, *way)
 
     def _take(self, way: Way, ground: Terrain) -> None:
-        route = routed(way, self._memory.doors, ground, self._numbers.before_door)
+        out = self._out_of_door(ground)
+        route = routed(way if out is None else way[1:], self._memory.doors, ground, self._passage)
+        if out is not None:
+            route = Route((out, *route.targets))
         self._route = route.advanced(ground, self._memory.place, self._numbers.near)
+
+    def _out_of_door(self, ground: Terrain) -> SubTarget | None:
+        """Where a robot in a door goes first, whatever the way, since it cannot turn about there; None elsewhere."""
+        number = self._door_around()
+        if number is None:
+            return None
+        door = self._memory.doors.doors[number]
+        out = self._passage.out_of(number, door, copysign(1.0, cos(self.pose[2] - door.normal)))
+        return out if ground.cost_of(self._memory.place, out.place) < BARRED else None
+
+    def _door_around(self) -> int | None:
+        """The door that the robot is in."""
+        return self._memory.doors.around(self._memory.place, IN_DOOR * self._memory.half_width)
+
+    @property
+    def _passage(self) -> Passage:
+        memory = self._memory
+        return Passage(max(self._numbers.before_door, memory.outline.sweep + TO_LINE_UP), memory.half_width)
 
 
 def spoken(place: Place) -> str:

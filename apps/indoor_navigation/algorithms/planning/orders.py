@@ -13,10 +13,12 @@ class MissionNumbers:
     """How missions are gone about.
 
     speed, door_speed, back_speed: m/s at most, through doors, and backward. turn_from, turn_until: rad off the next
-    sub-target, from which the robot turns on its place, and until which. heading: rad off the heading that is wanted at
-    the end. silence: s without a reading after which the robot rests. look: s between two looks for a better way.
-    detour: m of a detour that is not worth waiting. patience: s that the robot waits for something in its way to go.
-    hope: s likewise where there is no other way. sure: s after which no way is no way.
+    sub-target, from which the robot turns on its place, and until which. door_from, door_until: likewise where it goes
+    through a door next. heading: rad off the heading that is wanted at the end. silence: s without a reading after
+    which the robot rests. look: s between two looks for a better way. detour: m of a detour that is not worth waiting;
+    a longer one is worth waiting as long as it takes, at most `patience` s. hope: s that the robot waits for something
+    in its way to go where there is no other way. sure: s after which no way is no way. courtesy: s of waiting, after
+    which the robot goes aside, at most `courtesies` times on a mission, and waits there for `aside` s or longer.
     """
 
     speed: float = 0.5
@@ -24,6 +26,8 @@ class MissionNumbers:
     back_speed: float = 0.2
     turn_from: float = 1.4
     turn_until: float = 0.25
+    door_from: float = 0.5
+    door_until: float = 0.15
     heading: float = 0.1
     silence: float = 1.0
     look: float = 2.0
@@ -31,6 +35,9 @@ class MissionNumbers:
     patience: float = 8.0
     hope: float = 20.0
     sure: float = 8.0
+    courtesy: float = 6.0
+    courtesies: int = 4
+    aside: float = 8.0
     progress: ProgressNumbers = field(default_factory=ProgressNumbers)
     guide: GuideNumbers = field(default_factory=GuideNumbers)
 

@@ -26,7 +26,7 @@ class ProgressNumbers:
     around: float = 0.75
     long: float = 30.0
     avoid: float = 0.6
-    avoid_for: float = 20.0
+    avoid_for: float = 60.0
     strikes: int = 6
     fresh: float = 2.0
 

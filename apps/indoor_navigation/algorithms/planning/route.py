@@ -2,29 +2,45 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, hypot, sin
+from math import cos, hypot, inf, pi, sin
 
-from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, KnownDoor
 from apps.indoor_navigation.algorithms.planning.search import Way, length
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import Place
+from geometry import wrap_angle
 
+LEAST = 0.15  # m, as near as any robot surely gets to a line
 DEARER = 1.05  # a short cut to the sub-target after the next may be
 
 
 @dataclass(frozen=True, slots=True)
 class SubTarget:
-    """Where to go next. door: the number of the one that lies before it, or None. is_last: here the way ends."""
+    """Where to go next. door: the number of the one that lies before it, or None. is_last: here the way ends.
+
+    axis: rad, of a line through it that the robot must be on, as near as `within` m, before it goes on.
+    """
 
     x: float
     y: float
     door: int | None = None
     is_last: bool = False
+    axis: float = 0.0
+    within: float = inf
 
     @property
     def place(self) -> Place:
         """In odom."""
         return self.x, self.y
+
+    @property
+    def lines_up(self) -> bool:
+        """Whether the robot has to come into line here."""
+        return self.within < inf
+
+    def is_in_line(self, robot: Place) -> bool:
+        """Whether the robot is on the line."""
+        return abs((robot[1] - self.y) * cos(self.axis) - (robot[0] - self.x) * sin(self.axis)) <= self.within
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +62,8 @@ class Route:
         """Without the sub-targets that the robot need not go to any more.
 
         The next one is left out when the robot is near it, m, or when to go straight on to the one after it is as good;
-        in any case that must be possible. That behind a door stays until the robot is near it.
+        in any case that must be possible. That behind a door stays until the robot is near it, that before one until
+        the robot is in line with the door.
         """
         targets = self.targets
         while len(targets) > 1 and _is_needless(terrain, robot, targets, near):
@@ -69,8 +86,25 @@ class Route:
         return self
 
 
-def routed(way: Way, doors: DoorsMap, terrain: Terrain, before: float) -> Route:
-    """The sub-targets along a way: its corners, and instead of those near a door places so many m before and behind it.
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """How to go through doors. before: where sub-targets are, m before and behind. half_width: of the robot, m."""
+
+    before: float
+    half_width: float
+
+    def into(self, door: KnownDoor, direction: float) -> SubTarget:
+        """Before a door, along its normal (1) or against it (-1): there the robot comes into line with it."""
+        axis, room = wrap_angle(door.normal + (pi if direction < 0.0 else 0.0)), door.width / 2.0 - self.half_width
+        return SubTarget(*door.beside(0.0, -direction * self.before), axis=axis, within=max(room, LEAST))
+
+    def out_of(self, number: int, door: KnownDoor, direction: float) -> SubTarget:
+        """Behind it."""
+        return SubTarget(*door.beside(0.0, direction * self.before), door=number)
+
+
+def routed(way: Way, doors: DoorsMap, terrain: Terrain, passage: Passage) -> Route:
+    """The sub-targets along a way: its corners, and instead of those near a door places before and behind it.
 
     A door is gone through as the way leads where there is no room for that.
     """
@@ -78,7 +112,7 @@ def routed(way: Way, doors: DoorsMap, terrain: Terrain, before: float) -> Route:
     for start, end in pairwise(way):
         crossing = doors.crossed(start, end)
         if crossing is not None:
-            targets = _through(*crossing, doors, terrain, before, way[0], targets)
+            targets = _through(*crossing, doors, terrain, passage, way[0], targets)
     last = targets[-1]
     return Route((*targets[:-1], SubTarget(last.x, last.y, last.door, is_last=True)))
 
@@ -88,19 +122,18 @@ def _through(
     direction: float,
     doors: DoorsMap,
     terrain: Terrain,
-    before: float,
+    passage: Passage,
     robot: Place,
     targets: list[SubTarget],
 ) -> list[SubTarget]:
     """The same with places before and behind a door; robot and last sub-target stay, however near they are."""
-    door = doors.doors[number]
-    near, far = SubTarget(*door.beside(0.0, -direction * before)), door.beside(0.0, direction * before)
+    door, before = doors.doors[number], passage.before
     first = [target for target in targets[:-1] if door.ahead(target.place) * direction <= 0.0]
     then = [target for target in targets[:-1] if door.ahead(target.place) * direction > 0.0]
     gone = [target for target in first if _apart(target.place, door.centre) > before]
     left = [target for target in then if _apart(target.place, door.centre) > before]
-    into = [near] if _apart((gone[-1].place if gone else robot), door.centre) > before else []
-    out_of = [SubTarget(*far, door=number)] if _apart(targets[-1].place, door.centre) > before else []
+    into = [passage.into(door, direction)] if _apart((gone[-1].place if gone else robot), door.centre) > before else []
+    out_of = [passage.out_of(number, door, direction)] if _apart(targets[-1].place, door.centre) > before else []
     through = [*gone, *into, *out_of, *left, targets[-1]]
     return through if terrain.cost_of(robot, *(target.place for target in through)) < BARRED else targets
 
@@ -112,7 +145,7 @@ def _apart(one: Place, other: Place) -> float:
 def _is_needless(terrain: Terrain, robot: Place, targets: tuple[SubTarget, ...], near: float) -> bool:
     first, second = targets[:2]
     straight = terrain.cost_of(robot, second.place)
-    if straight >= BARRED:
+    if straight >= BARRED or not first.is_in_line(robot):
         return False
     if hypot(first.x - robot[0], first.y - robot[1]) < near:
         return True

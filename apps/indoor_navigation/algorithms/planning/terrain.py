@@ -1,6 +1,6 @@
 """What it costs to go where: dear near obstacles, a little in the unknown, and more where a wall may be expected."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, hypot
 from typing import NamedTuple
@@ -129,10 +129,10 @@ def terrain(
         numbers: What is how dear.
         hints: What is known beside.
         robot: Where it is: however near obstacles seem, it can leave that place.
-        hopes: Bar only what was never seen free; something else that is in the way may go, and costs so much.
+        hopes: Bar only walls; something else that is in the way may go, and costs so much.
     """
     occupied = area.occupied
-    standing = occupied if hopes is None else occupied & ~area.was_free
+    standing = occupied if hopes is None else area.walls
     narrow = half_width + numbers.margin
     cost = np.where(area.unknown, numbers.off_ways if hints.ways else numbers.unknown, 1.0)
     for way in hints.ways:
@@ -150,6 +150,14 @@ def terrain(
         _let_out(cost, area, robot, narrow + ONTO)
     np.minimum(cost, BARRED, out=cost)
     return Terrain(area, cost)
+
+
+def covered(area: Area, strips: Iterable[Strip]) -> Flags:
+    """The cells of some strips."""
+    onto = np.zeros(area.evidence.shape)
+    for strip in strips:
+        _lay(onto, area, strip, None, 1.0)
+    return np.asarray(onto > 0.0)
 
 
 def clearance_squared(occupied: Flags, farthest: float, resolution: float) -> NDArray[np.int16]:
@@ -217,9 +225,7 @@ def _distance(x: Floats, y: Floats, strip: Strip) -> Floats:
 
 def _let_out(cost: Floats, area: Area, robot: Place, radius: float) -> None:
     """Where the robot is, it cannot be barred."""
-    onto = np.zeros_like(cost)
-    _lay(onto, area, Strip(robot, robot, radius), None, 1.0)
-    cost[(onto > 0.0) & (cost >= BARRED)] = STUCK
+    cost[covered(area, [Strip(robot, robot, radius)]) & (cost >= BARRED)] = STUCK
 
 
 class _Samples(NamedTuple):

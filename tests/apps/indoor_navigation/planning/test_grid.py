@@ -15,13 +15,13 @@ Ray = tuple[float, float, bool]  # end, and whether it hits
 SOMEWHERE = st.floats(-7.0, 7.0)
 
 
-def reading(*rays: Ray, pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> ObstRead:
+def reading(*rays: Ray, pose: tuple[float, float, float] = (0.0, 0.0, 0.0), stamp: float = 0.0) -> ObstRead:
     """Each ray twice, as if a scanner had sent them."""
     rays = (*rays, *rays)
     ends = np.array([(x, y) for x, y, _ in rays], np.float64).reshape(-1, 2)
     origins = np.ones(len(rays)) * pose[0], np.ones(len(rays)) * pose[1]
     hits = np.array([float(hit) for _, _, hit in rays])
-    return ObstRead(0.0, pose, None, 0.0, *origins, ends[:, 0], ends[:, 1], hits, False)
+    return ObstRead(stamp, pose, None, 0.0, *origins, ends[:, 0], ends[:, 1], hits, False)
 
 
 def occupied(grid: Grid, x: float, y: float) -> bool:
@@ -68,18 +68,32 @@ def test_somebody_who_has_walked_on_is_forgotten_within_a_second_of_readings() -
     assert not occupied(grid, 3.05, 0.05)
 
 
+def is_wall(grid: Grid, x: float, y: float) -> bool:
+    return bool(grid.area.walls[grid.area.cell(x, y)])
+
+
 def test_what_was_free_and_is_not_is_no_wall_until_it_does_not_yield() -> None:
     grid = Grid()
-    for _ in range(5):
-        grid.see(reading((5.05, 0.05, True)))
-    for _ in range(5):
-        grid.see(reading((3.05, 0.05, True)))
-    there = grid.area.cell(3.05, 0.05)
+    for stamp in range(10):
+        grid.see(reading((5.05, 0.05, True), stamp=stamp))
+    for stamp in range(10, 20):
+        grid.see(reading((3.05, 0.05, True), stamp=stamp))
+    assert is_wall(grid, 5.05, 0.05)
     assert occupied(grid, 3.05, 0.05)
-    assert grid.area.was_free[there]
-    assert not grid.area.was_free[grid.area.cell(5.05, 0.05)]
+    assert not is_wall(grid, 3.05, 0.05)
     grid.take_for_walls(3.0, 0.0, 0.5)
-    assert not grid.area.was_free[there]
+    assert is_wall(grid, 3.05, 0.05)
+
+
+def test_what_was_never_free_is_a_wall_when_it_has_stood_there_for_long() -> None:
+    grid = Grid(GridNumbers(settled=3.0))
+    for stamp, wanted in ((0.0, False), (2.0, False), (3.5, True)):
+        grid.see(reading((3.05, 0.05, True), stamp=stamp))
+        assert is_wall(grid, 3.05, 0.05) == wanted
+    grid.doubt(3.0, 0.0, 0.5)
+    grid.see(reading((3.05, 0.05, True), stamp=4.0))
+    assert occupied(grid, 3.05, 0.05)
+    assert not is_wall(grid, 3.05, 0.05)
 
 
 def test_a_wall_seen_at_a_grazing_angle_stays() -> None:

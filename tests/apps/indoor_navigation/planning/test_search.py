@@ -36,7 +36,7 @@ def area(*blocks: tuple[int, int, int, int], size: int = SIZE, seen: bool = True
     evidence = np.full((size, size), -4 if seen else 0, np.int8)
     for row, column, height, width in blocks:
         evidence[row : row + height, column : column + width] = 8
-    return Area(0.0, 0.0, 0.1, evidence, np.zeros((size, size), np.bool_))
+    return Area(0.0, 0.0, 0.1, evidence, np.zeros(evidence.shape), evidence > 0)
 
 
 def brute_force(ground: Terrain, goal: tuple[int, int]) -> Floats:
@@ -212,7 +212,7 @@ def test_a_way_that_was_gone_is_preferred_to_the_unknown() -> None:
 
 def test_what_was_free_once_may_go_for_who_hopes() -> None:
     walled = area((12, 0, 1, SIZE))
-    walled.was_free[12, 8:16] = True
+    walled.fixed[12, 8:16] = False
     way = find_way(terrain(walled, HALF_WIDTH, CostNumbers(), hopes=10.0), (0.3, 0.3), (0.3, 2.1), 0.1)
     assert way is not None
     assert any(0.7 < x < 1.7 for x, _ in way)

@@ -1,0 +1,169 @@
+"""What is done while the robot moves: it goes along the way, turns to it, and backs out where it cannot turn.
+
+What is on the way is gone round, or waited for as long as a detour would take.
+"""
+
+from math import inf, pi
+
+from apps.indoor_navigation.algorithms.planning.guide import spoken
+from apps.indoor_navigation.algorithms.planning.orders import Order
+from apps.indoor_navigation.algorithms.planning.situation import Situation
+from apps.indoor_navigation.algorithms.planning.states import Event, State
+from apps.indoor_navigation.algorithms.planning.waiting import Waiting
+from apps.indoor_navigation.data import Place
+
+ASTERN = 1.0  # rad from straight back
+HELD = 0.5  # m from where it could not go back, within which it is not tried again
+
+
+class Driving:
+    """Each of `turn`, `go` and `back` returns an order, or None where another state has followed."""
+
+    def __init__(self, situation: Situation) -> None:
+        self._situation = situation
+        self._numbers = situation.numbers
+        self._memory = situation.memory
+        self._machine = situation.machine
+        self._progress = situation.progress
+        self._back_to = 0  # the breadcrumb
+        self._held_at: Place | None = None  # where it could not go back
+
+    def turn(self, now: float) -> Order | None:
+        """On its place, to the way, or at the end to the heading that is wanted."""
+        if self._comes_no_farther(now):
+            return None
+        situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        wanted = situation.goal.heading if situation.is_there else None
+        heading = wanted if wanted is not None else guide.heading()
+        until = numbers.door_until if guide.is_before_door() else numbers.turn_until
+        if guide.off(heading) > (numbers.heading if wanted is not None else until):
+            return Order("turn", heading=heading)
+        if wanted is not None:
+            situation.arrive(now)
+        else:
+            self._machine.happens(Event.HAS_TURNED, now, "the way lies ahead")
+        return None
+
+    def go(self, now: float) -> Order | None:
+        """On the way, and through a door."""
+        situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        guide.advance()
+        if self._has_arrived(now) or self._comes_no_farther(now) or self._is_barred(now):
+            return None
+        is_free = situation.state is not State.PASSING and situation.making_way.waiting is None
+        if is_free and now >= situation.looked_at + numbers.look:
+            situation.looked_at = now
+            guide.look_for_better(now)
+        self._mind_door(now)
+        if self._has_to_turn(now):
+            return None
+        target = guide.target
+        speed = numbers.door_speed if situation.state is State.PASSING else numbers.speed
+        is_stop = target.is_last or target.lines_up
+        return Order("go", target.x, target.y, guide.heading(), speed, is_stop, guide.following)
+
+    def back(self, now: float) -> Order | None:
+        """To where there is room, as it came."""
+        crumbs, guide = self._memory.crumbs, self._situation.guide
+        if len(crumbs) - 1 <= self._back_to:
+            self._machine.happens(Event.HAS_BACKED, now, "there is room to turn")
+            return None
+        x, y = crumbs.towards(self._back_to)
+        if guide.off(guide.direction((x, y)) + pi) > ASTERN:
+            self._held_at = self._memory.place
+            self._machine.happens(Event.HAS_BACKED, now, "the way back does not lead straight back")
+            return None
+        if self._progress.is_stuck(guide.pose, now):
+            self._held_at = self._memory.place
+            if not self._situation.has_tried_enough(now):
+                self._machine.happens(Event.CAME_NO_FARTHER, now, "the robot cannot go back")
+            return None
+        return Order("back", x, y, speed=self._numbers.back_speed)
+
+    def _has_arrived(self, now: float) -> bool:
+        """At the goal, or at the end of a way that ends short of it."""
+        situation, guide = self._situation, self._situation.guide
+        if guide.is_at_goal():
+            situation.is_there = True
+            heading = situation.goal.heading
+            if heading is not None and guide.off(heading) > self._numbers.heading:
+                self._machine.happens(Event.HAS_TO_TURN, now, "there, and turning to the heading that is wanted")
+            else:
+                situation.arrive(now)
+            return True
+        if guide.is_at_end():
+            self._wait_at_end(now)
+            return True
+        return False
+
+    def _is_barred(self, now: float) -> bool:
+        """Go round what is on the way, wait for it, or go on while it is far away."""
+        situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        barrier = guide.barrier(now)
+        if barrier is None:
+            return False
+        if situation.making_way.waiting is not None:
+            self._wait_at_end(now)
+            return True
+        if situation.look(now, barrier.cost + numbers.detour if barrier.may_go else inf) is not None:
+            return False
+        situation.barred = guide.ahead(barrier.ahead + self._memory.half_width)
+        if not barrier.may_go:
+            self._machine.happens(Event.CAME_NO_FARTHER, now, f"a wall is in the way, {barrier.ahead:.1f} m ahead")
+            return True
+        if barrier.ahead > 2.0 * numbers.guide.stop_before:
+            return False
+        why = f"something is in the way, {barrier.ahead:.1f} m ahead"
+        waiting = Waiting(why, now, now + numbers.patience, barrier.cost, situation.barred)
+        situation.wait_for(now, Event.WAY_BARRED, waiting)
+        return True
+
+    def _wait_at_end(self, now: float) -> None:
+        """Of a way that ends short of something, or aside."""
+        situation, numbers = self._situation, self._numbers
+        if (waiting := situation.making_way.waiting) is not None:
+            situation.wait_for(now, Event.WAY_BARRED, waiting.aside(now + numbers.aside))
+            return
+        place = situation.barred = situation.guide.barred_place()
+        why = f"the only way is barred near {spoken(place)}"
+        waiting = Waiting(why, now, now + numbers.hope, place=place, is_last_hope=True)
+        situation.wait_for(now, Event.WAY_BARRED, waiting)
+
+    def _comes_no_farther(self, now: float) -> bool:
+        if not self._progress.is_stuck(self._situation.guide.pose, now):
+            return False
+        if not self._situation.has_tried_enough(now):
+            radius = self._numbers.progress.avoid
+            self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._numbers.progress.avoid_for)
+            why = f"the robot comes no farther at {spoken(self._memory.place)}"
+            if not self._has_to_back(now, why):
+                self._machine.happens(Event.CAME_NO_FARTHER, now, why)
+        return True
+
+    def _has_to_turn(self, now: float) -> bool:
+        """Before it goes on; it backs out first where it has no room to turn about."""
+        guide, numbers = self._situation.guide, self._numbers
+        if not guide.is_off_way(numbers.door_from if guide.is_before_door() else numbers.turn_from):
+            return False
+        turns_about = guide.is_off_way(numbers.turn_from)
+        if not (turns_about and self._has_to_back(now, "there is no room to turn to where the way leads")):
+            self._machine.happens(Event.HAS_TO_TURN, now, "the way leads elsewhere")
+        return True
+
+    def _has_to_back(self, now: float, why: str) -> bool:
+        """Where it cannot turn, it goes back to where it can, if it came from there."""
+        guide = self._situation.guide
+        is_held = self._held_at is not None and guide.distance(self._held_at) < HELD
+        way_back = None if is_held else self._memory.way_back(guide.target.place)
+        if way_back is None:
+            return False
+        self._back_to = way_back
+        self._machine.happens(Event.HAS_TO_BACK, now, why)
+        return True
+
+    def _mind_door(self, now: float) -> None:
+        door, state = self._situation.guide.door(), self._situation.state
+        if door is not None and state is State.GOING:
+            self._machine.happens(Event.DOOR_AHEAD, now, f"through door {door}")
+        elif door is None and state is State.PASSING:
+            self._machine.happens(Event.DOOR_PASSED, now, "behind the door")

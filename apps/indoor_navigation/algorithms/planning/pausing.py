@@ -1,0 +1,98 @@
+"""What is done while the robot stands: it looks for a way, waits, goes aside, and in the end gives up.
+
+What is in the way and was not always there may go again. Where no way is left but through something that may go, the
+robot goes up to it and waits; if it does not go, it counts as a wall from then on. So each mission ends.
+"""
+
+from math import inf
+
+from apps.indoor_navigation.algorithms.planning.guide import spoken
+from apps.indoor_navigation.algorithms.planning.orders import REST, Order
+from apps.indoor_navigation.algorithms.planning.situation import Situation
+from apps.indoor_navigation.algorithms.planning.states import Event
+from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, Waiting
+
+LOOK_WAITING = 0.5  # s between two looks whether waiting has an end
+
+
+class Pausing:
+    """Each of `replan` and `wait` returns an order, or None where another state has followed."""
+
+    def __init__(self, situation: Situation) -> None:
+        self._situation = situation
+        self._numbers = situation.numbers
+        self._memory = situation.memory
+        self._machine = situation.machine
+
+    def replan(self, now: float) -> Order | None:
+        """Look for a way, or for one through something that may go; give up where there has been none for long."""
+        situation, guide, sure = self._situation, self._situation.guide, self._numbers.sure
+        if guide.is_too_far(now):
+            situation.give_up(now, f"{spoken(guide.goal)} is too far away to plan a way there")
+        elif (found := situation.look(now)) is not None:
+            self._machine.happens(Event.WAY_FOUND, now, f"a way of {found:.1f} m")
+        elif (barred := guide.look_hoping(now)) is not None:
+            why = f"the only way is barred near {spoken(guide.barred_place())}, {barred:.1f} m from here"
+            situation.no_way_since = inf
+            self._machine.happens(Event.WAY_FOUND, now, why)
+        elif now - situation.no_way_since < sure:
+            situation.no_way_since = min(situation.no_way_since, now)
+            until = situation.no_way_since + sure
+            waiting = Waiting("there is no way at the moment", now, until, place=situation.barred)
+            situation.wait_for(now, Event.WAY_BARRED, waiting)
+        elif situation.doubts and guide.doubt_goal(now):
+            situation.doubts = False  # somebody may have stood there; it is looked at once more, from nearer
+        else:
+            situation.give_up(now, guide.why_no_way(now))
+        return None
+
+    def wait(self, now: float) -> Order | None:
+        """Until there is a way that is worth it, or it has been long enough."""
+        situation, waiting = self._situation, self._situation.waiting
+        if waiting is FOR_SIGHT:
+            if situation.is_blind(now):
+                return REST
+            self._machine.happens(Event.SEES_AGAIN, now, "something is seen again")
+            return None
+        if self._sees_end_of(waiting, now) or self._makes_way(waiting, now):
+            return None
+        if now < waiting.until:
+            return self._watch(waiting)
+        if waiting.is_last_hope and waiting.place is not None:
+            radius = self._numbers.guide.stop_before + self._memory.half_width
+            self._memory.grid.take_for_walls(*waiting.place, radius)
+        elif waiting.cost < inf and situation.has_tried_enough(now):
+            return None
+        self._machine.happens(Event.WAITED_ENOUGH, now, f"waited long enough: {waiting.why}")
+        return None
+
+    def _sees_end_of(self, waiting: Waiting, now: float) -> bool:
+        """A way is found that is worth it, or what bars it is found to be a wall."""
+        situation, numbers = self._situation, self._numbers
+        if now < situation.looked_at + LOOK_WAITING:
+            return False
+        if (found := situation.look(now, waiting.budget(now, numbers.detour, numbers.speed))) is not None:
+            self._machine.happens(Event.WAY_FOUND, now, f"a way of {found:.1f} m")
+        elif waiting.hopes and situation.guide.is_hopeless(now):
+            self._machine.happens(Event.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
+        else:
+            return False
+        return True
+
+    def _makes_way(self, waiting: Waiting, now: float) -> bool:
+        """Go aside, if that may help."""
+        situation = self._situation
+        is_time = now - self._machine.since >= self._numbers.courtesy and situation.making_way.is_worth(now)
+        if not (is_time and situation.guide.make_way(waiting.place)):
+            return False
+        self._machine.happens(Event.WAY_FOUND, now, "making way for whom or what is there")
+        situation.making_way.begin(waiting)
+        return True
+
+    def _watch(self, waiting: Waiting) -> Order:
+        """Look where the way is barred."""
+        if waiting.place is None:
+            return REST
+        guide = self._situation.guide
+        heading = guide.direction(waiting.place)
+        return Order("turn", heading=heading) if guide.off(heading) > self._numbers.turn_from else REST

@@ -1,0 +1,98 @@
+"""One mission under way: what is known about how it stands, and what those share who decide what is done next."""
+
+from collections import deque
+from math import inf
+
+from apps.indoor_navigation.algorithms.planning.guide import Guide, spoken
+from apps.indoor_navigation.algorithms.planning.memory import Memory
+from apps.indoor_navigation.algorithms.planning.orders import MissionNumbers, Note
+from apps.indoor_navigation.algorithms.planning.progress import Progress
+from apps.indoor_navigation.algorithms.planning.states import TRANSITIONS, Event, State
+from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting
+from apps.indoor_navigation.data import GoalPoint, Place
+from apps.indoor_navigation.state_machine import Change, StateMachine
+
+SAID = 64  # messages that wait to be fetched
+
+
+class Situation:
+    """All times are s of one steady clock.
+
+    notes: what there is to tell. waiting: for what, in the state that is called so. barred: where the way was barred
+    last. no_way_since: s. looked_at, seen_at: when a way was looked for last, and when anything was seen, s. is_there:
+    it only has to turn yet. doubts: that the goal is barred.
+    """
+
+    def __init__(self, numbers: MissionNumbers, memory: Memory) -> None:
+        self.numbers = numbers
+        self.memory = memory
+        self.notes: deque[Note] = deque(maxlen=SAID)
+        self.machine: StateMachine[State, Event] = StateMachine(TRANSITIONS, State.IDLE, self._changed)
+        self.progress = Progress(numbers.progress)
+        self.waiting = FOR_SIGHT
+        self.seen_at = -inf
+        self._set_out(GoalPoint("", None, None))
+
+    def begin(self, goal: GoalPoint, now: float) -> None:
+        """Take up a mission."""
+        self._set_out(goal)
+        self.progress.begin()
+        self.memory.begin_trail()
+        self.machine.happens(Event.TOLD, now, "told where to go")
+
+    @property
+    def state(self) -> State:
+        """What the robot is about."""
+        return self.machine.state
+
+    def is_blind(self, now: float) -> bool:
+        """Whether nothing has been seen for too long."""
+        return now - self.seen_at > self.numbers.silence
+
+    def look(self, now: float, budget: float = inf) -> float | None:
+        """Look for a way, and take it where it costs no more than the budget. Its length, m, or None."""
+        self.looked_at = now
+        found = self.guide.look(now, budget)
+        if found is not None:
+            self.no_way_since = inf
+        return found
+
+    def wait_for(self, now: float, event: Event, waiting: Waiting) -> None:
+        """Stand and wait."""
+        self.waiting = waiting
+        self.machine.happens(event, now, waiting.why)
+
+    def arrive(self, now: float) -> None:
+        """The mission has ended as it should."""
+        self.memory.end_trail()
+        self.machine.happens(Event.ARRIVED, now, f"there, after {self.memory.travelled:.1f} m")
+
+    def give_up(self, now: float, why: str) -> None:
+        """The mission has ended otherwise."""
+        self.machine.happens(Event.GIVEN_UP, now, why)
+
+    def has_tried_enough(self, now: float) -> bool:
+        """It has come no farther once more; after some times it gives up."""
+        tried = self.progress.strike(self.memory.travelled)
+        if tried <= self.numbers.progress.strikes:
+            return False
+        self.give_up(now, f"the robot comes no farther at {spoken(self.memory.place)}, though {tried - 1} times tried")
+        return True
+
+    def note(self, level: str, what: str) -> None:
+        """There is something to tell."""
+        self.notes.append(Note(self.goal.mission, level, what))
+
+    def _set_out(self, goal: GoalPoint) -> None:
+        self.goal, self.guide = goal, Guide(self.numbers.guide, self.memory, goal)
+        self.making_way = MakingWay(self.numbers.courtesies)
+        self.barred: Place | None = None
+        self.no_way_since, self.looked_at = inf, -inf
+        self.is_there, self.doubts = False, True
+
+    def _changed(self, change: Change[State, Event]) -> None:
+        self.progress.go_on()
+        if change.after in (State.WAITING, State.REPLANNING):
+            self.making_way.end(change.at)
+        level = {State.FAILED: "error", State.WAITING: "warning"}.get(change.after, "info")
+        self.note(level, f"{change.after}: {change.why}")
