@@ -35,7 +35,7 @@ class Driving:
         situation, guide, numbers = self._situation, self._situation.guide, self._numbers
         wanted = situation.goal.heading if situation.is_there else None
         heading = wanted if wanted is not None else guide.heading()
-        until = numbers.door_until if guide.is_before_door() else numbers.turn_until
+        until = numbers.door_until if guide.is_before_narrow_door() else numbers.turn_until
         if guide.off(heading) > (numbers.heading if wanted is not None else until):
             return Order("turn", heading=heading)
         if wanted is not None:
@@ -143,7 +143,7 @@ class Driving:
     def _has_to_turn(self, now: float) -> bool:
         """Before it goes on; it backs out first where it has no room to turn about."""
         guide, numbers = self._situation.guide, self._numbers
-        if not guide.is_off_way(numbers.door_from if guide.is_before_door() else numbers.turn_from):
+        if not guide.is_off_way(numbers.door_from if guide.is_before_narrow_door() else numbers.turn_from):
             return False
         turns_about = guide.is_off_way(numbers.turn_from)
         if not (turns_about and self._has_to_back(now, "there is no room to turn to where the way leads")):
@@ -154,6 +154,7 @@ class Driving:
         """Where it cannot turn, it goes back to where it can, if it came from there."""
         guide = self._situation.guide
         is_held = self._held_at is not None and guide.distance(self._held_at) < HELD
+        is_held |= self._situation.making_way.waiting is not None
         way_back = None if is_held else self._memory.way_back(guide.target.place)
         if way_back is None:
             return False

@@ -214,9 +214,9 @@ class Guide:
         """Whether it looks farther away than that from a sub-target that is not near."""
         return self.distance(self.target.place) > self._numbers.near and self.off(self.heading()) > most
 
-    def is_before_door(self) -> bool:
-        """Whether it goes through a door next."""
-        return self.target.door is not None
+    def is_before_narrow_door(self) -> bool:
+        """Whether it goes through a narrow door next."""
+        return self.target.is_narrow
 
     def distance(self, place: Place) -> float:
         """From the robot, m."""

@@ -20,7 +20,7 @@ Pose = tuple[float, float, float]
 BEYOND = 2.0  # m of unknown floor around all that is known through which a way may lead
 STEP = 0.1  # m between two points of the trail
 LEAST_BACK, MOST_BACK = 3, 30  # breadcrumbs
-BESIDE = 0.03  # m about a robot that turns
+DEEP = 0.05  # m within a robot that turns, where a cell of the grid surely is in its way
 TURN_STEP = 0.15  # rad
 BLIND = 2.0  # s; a robot of which nothing is heard for longer does not go on
 
@@ -112,15 +112,15 @@ class Memory:
         self._avoided.append((Strip(place, place, radius), until))
 
     def may_turn(self, place: Place, start: float, end: float) -> bool:
-        """Whether the robot may turn here from one heading to another, rad, without touching what was seen."""
-        near = self.grid.area.around(place, margin=self.outline.sweep + BESIDE)
+        """Whether the robot may be able to turn here from one heading to another, rad, as far as cells can tell."""
+        near = self.grid.area.around(place, margin=self.outline.sweep)
         rows, columns = near.occupied.nonzero()
         x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
         y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
         turn = wrap_angle(end - start)
         headings = np.asarray(start + np.linspace(0.0, turn, max(2, ceil(abs(turn) / TURN_STEP))), np.float64)
         poses = np.zeros(len(headings)) + place[0], np.zeros(len(headings)) + place[1], headings
-        return not bool((self.outline.distances(poses, x, y) < BESIDE).any())
+        return not bool((self.outline.distances(poses, x, y) < -DEEP).any())
 
     def way_back(self, target: Place) -> int | None:
         """The breadcrumb to go back to, to turn towards a place; None where it may turn here, or at none of them."""

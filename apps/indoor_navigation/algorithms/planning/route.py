@@ -10,6 +10,7 @@ from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import Place
 from geometry import wrap_angle
 
+EASY = 0.17  # m beside the robot in a door that it passes at any angle
 LEAST = 0.15  # m, as near as any robot surely gets to a line
 DEARER = 1.05  # a short cut to the sub-target after the next may be
 
@@ -18,7 +19,8 @@ DEARER = 1.05  # a short cut to the sub-target after the next may be
 class SubTarget:
     """Where to go next. door: the number of the one that lies before it, or None. is_last: here the way ends.
 
-    axis: rad, of a line through it that the robot must be on, as near as `within` m, before it goes on.
+    axis: rad, of a line through it that the robot must be on, as near as `within` m, before it goes on. is_narrow: so
+    is the door before it, and the robot goes straight through.
     """
 
     x: float
@@ -27,6 +29,7 @@ class SubTarget:
     is_last: bool = False
     axis: float = 0.0
     within: float = inf
+    is_narrow: bool = False
 
     @property
     def place(self) -> Place:
@@ -94,13 +97,19 @@ class Passage:
     half_width: float
 
     def into(self, door: KnownDoor, direction: float) -> SubTarget:
-        """Before a door, along its normal (1) or against it (-1): there the robot comes into line with it."""
-        axis, room = wrap_angle(door.normal + (pi if direction < 0.0 else 0.0)), door.width / 2.0 - self.half_width
-        return SubTarget(*door.beside(0.0, -direction * self.before), axis=axis, within=max(room, LEAST))
+        """Before a door, along its normal (1) or against it (-1): there the robot comes into line with a narrow one."""
+        axis = wrap_angle(door.normal + (pi if direction < 0.0 else 0.0))
+        within = max(self._room(door), LEAST) if self._room(door) < EASY else inf
+        return SubTarget(*door.beside(0.0, -direction * self.before), axis=axis, within=within)
 
     def out_of(self, number: int, door: KnownDoor, direction: float) -> SubTarget:
         """Behind it."""
-        return SubTarget(*door.beside(0.0, direction * self.before), door=number)
+        place = door.beside(0.0, direction * self.before)
+        return SubTarget(*place, door=number, is_narrow=self._room(door) < EASY)
+
+    def _room(self, door: KnownDoor) -> float:
+        """Beside the robot in a door, m."""
+        return door.width / 2.0 - self.half_width
 
 
 def routed(way: Way, doors: DoorsMap, terrain: Terrain, passage: Passage) -> Route:
