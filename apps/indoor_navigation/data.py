@@ -5,7 +5,7 @@ places are in the robot's `odom` frame, whose x points to where the robot looked
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from math import isfinite
 from typing import Any, ClassVar, Self
 
@@ -30,14 +30,14 @@ class Data:
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
         told: dict[str, Any] = {}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in self.arrays:
-                told[field.name] = _listed(value)
-            elif field.name in self.parts:
-                told[field.name] = [part.to_json() for part in value]
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if each.name in self.arrays:
+                told[each.name] = _listed(value)
+            elif each.name in self.parts:
+                told[each.name] = [part.to_json() for part in value]
             else:
-                told[field.name] = value
+                told[each.name] = value
         return told
 
     @classmethod
@@ -211,10 +211,13 @@ class ObstRead(Data):
 
     nearest: distance from the robot's outline, None where nothing is near. bearing: of it, in the robot's frame.
     origin_x, origin_y: of each ray, in odom; end_x, end_y: how far it is known to be free. hits: 1 where an obstacle
-    is at its end, 0 where the ray only ends. is_dead_end: one cannot go on towards where it goes.
+    is at its end, 0 where the ray only ends. is_dead_end: one cannot go on towards where it goes. people_x, people_y:
+    places in odom about whoever walked and stands now, where the rest of them is whose legs are seen.
     """
 
-    arrays: ClassVar[frozenset[str]] = frozenset({"origin_x", "origin_y", "end_x", "end_y", "hits"})
+    arrays: ClassVar[frozenset[str]] = frozenset(
+        {"origin_x", "origin_y", "end_x", "end_y", "hits", "people_x", "people_y"}
+    )
 
     stamp: float
     pose: tuple[float, float, float]
@@ -226,6 +229,8 @@ class ObstRead(Data):
     end_y: Floats
     hits: Floats
     is_dead_end: bool
+    people_x: Floats = field(default_factory=lambda: np.empty(0))
+    people_y: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)

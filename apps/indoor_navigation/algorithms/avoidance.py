@@ -11,7 +11,7 @@ from apps.indoor_navigation.data import Floats
 
 # Ways ahead, m, that are looked at: close together near by.
 WAYS = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.23, 0.29, 0.36, 0.44, 0.53, 0.63, 0.75, 0.9, 1.1, 1.3])
-COURSES = np.array([-0.3, 0.0, 0.3])  # 1/m, beside the one it is on
+COURSES = np.array([-0.15, 0.0, 0.15])  # 1/m, beside the one it is on
 TIGHTEST = 3.0  # 1/m; tighter, it turns on the spot
 # Turns on the spot, rad, that are looked at, and curves, 1/m, with the ways along them, m.
 TURNS = np.array([0.02, 0.05, 0.09, 0.14, 0.2, 0.28, 0.38, 0.5, 0.7, 1.0, 1.4])

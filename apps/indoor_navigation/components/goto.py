@@ -4,9 +4,11 @@ from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Protocol
 
+import numpy as np
+
 from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
@@ -42,6 +44,7 @@ class Goto(Embodied):
     async def setup(self) -> None:
         """Know nothing yet."""
         self._surroundings = Surroundings()
+        self._people: tuple[Floats, Floats] = np.empty(0), np.empty(0)
         self._target: WorldCoord | None = None
         self._odometry: Odometry | None = None
         self._seen_at = float("-inf")
@@ -65,6 +68,7 @@ class Goto(Embodied):
     async def mind(self, obstacles: ObstRead) -> None:
         """What is in the way now."""
         self._surroundings.see(obstacles.stamp, Rays.of(obstacles))
+        self._people = obstacles.people_x, obstacles.people_y
         self._seen_at = obstacles.stamp
         self._push()
 
@@ -95,6 +99,8 @@ class Goto(Embodied):
         sense = -1.0 if target.aim == BACK else 1.0
         heading = odometry.heading if target.aim == GO else wrap_angle(odometry.heading + pi)
         seen = replace(odometry, heading=heading, linear=sense * odometry.linear)
-        places = self._surroundings.places((seen.x, seen.y, heading))
+        pose = seen.x, seen.y, heading
+        (x, y), (people_x, people_y) = self._surroundings.places(pose), in_robot(pose, *self._people)
+        places = np.concatenate((x, people_x)), np.concatenate((y, people_y))
         speeds = self._steering[target.aim].steer(seen, target, places)
         return Speeds(sense * speeds.linear, speeds.angular)

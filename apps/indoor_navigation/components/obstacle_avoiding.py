@@ -3,14 +3,17 @@
 from dataclasses import astuple, dataclass, field
 from math import copysign, inf
 
+import numpy as np
+
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
-from apps.indoor_navigation.algorithms.rays import in_robot
+from apps.indoor_navigation.algorithms.bystanders import Bystanders
+from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import Walkers, moved
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import LaserRead, MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Odometry, SonarRead
 
 TURNING = 0.03  # rad/s above which the robot turns
 TURN_AGE = 1.0  # s for which it is known that it did
@@ -37,7 +40,7 @@ class ObstacleAvoiding(Embodied):
         self._surroundings = Surroundings()
         self._odometry: Odometry | None = None
         self._before: LaserRead | None = None
-        self._walkers = Walkers()
+        self._walkers, self._bystanders = Walkers(), Bystanders()
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
 
@@ -48,6 +51,7 @@ class ObstacleAvoiding(Embodied):
             self._senses.forget()
             self._surroundings.forget()
             self._walkers.forget()
+            self._bystanders.forget()
             self._before = None
         self._odometry = odometry
         if abs(odometry.angular) > TURNING:
@@ -66,6 +70,7 @@ class ObstacleAvoiding(Embodied):
             x, y = moved(scan, self._before)
             if len(x):
                 self._walkers.see(scan.stamp, x, y)
+                self._bystanders.see(scan.stamp, x, y)
         self._before = scan
         self._senses.take(scan)
         self._push()
@@ -81,7 +86,7 @@ class ObstacleAvoiding(Embodied):
         push = avoid(
             self.numbers.avoidance,
             self.outline,
-            self._surroundings.places(pose),
+            self._places(stamp, pose, rays),
             in_robot(pose, *self._walkers.places(stamp)),
             self._odometry.linear,
             self._odometry.angular,
@@ -90,3 +95,9 @@ class ObstacleAvoiding(Embodied):
             has_laser=self._senses.laser is not None,
         )
         self.push(MotionCmd(stamp, self.name.local, *astuple(push)))
+
+    def _places(self, stamp: float, pose: tuple[float, float, float], rays: Rays) -> tuple[Floats, Floats]:
+        """Of all that is to be avoided, in the robot's frame."""
+        x, y = self._surroundings.places(pose)
+        people_x, people_y = in_robot(pose, *self._bystanders.about(stamp, rays))
+        return np.concatenate((x, people_x)), np.concatenate((y, people_y))

@@ -3,8 +3,10 @@
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from apps.indoor_navigation.algorithms.bystanders import Bystanders
 from apps.indoor_navigation.algorithms.obstacle_detection import DetectionNumbers, obstacles
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
+from apps.indoor_navigation.algorithms.walkers import moved
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
@@ -35,6 +37,8 @@ class ObstacleDetecting(Embodied):
         """Know nothing yet."""
         self._senses = Senses(self.numbers.senses)
         self._scanned_at = -inf
+        self._before: LaserRead | None = None
+        self._bystanders = Bystanders()
         self._dead_ends = 0
         self._said: tuple[str, ...] = ()
         await super().setup()
@@ -44,6 +48,11 @@ class ObstacleDetecting(Embodied):
         """The laser has seen something."""
         self._senses.take(scan)
         self._scanned_at = scan.stamp
+        if self._before is not None:
+            x, y = moved(scan, self._before)
+            if len(x):
+                self._bystanders.see(scan.stamp, x, y)
+        self._before = scan
         self._push()
 
     @hears(SonarRead)
@@ -63,7 +72,9 @@ class ObstacleDetecting(Embodied):
             return
         read = obstacles(self.numbers.detection, self.outline, senses.stamp, senses.pose, rays)
         self._dead_ends = self._dead_ends + 1 if read.is_dead_end else 0
-        self.push(replace(read, is_dead_end=self._dead_ends >= self.numbers.dead_end_after))
+        is_dead_end = self._dead_ends >= self.numbers.dead_end_after
+        people_x, people_y = self._bystanders.about(senses.stamp, rays)
+        self.push(replace(read, is_dead_end=is_dead_end, people_x=people_x, people_y=people_y))
 
     def _say_faults(self) -> None:
         """Once, though it is found with each reading."""

@@ -149,7 +149,12 @@ class Grid:
         rays = _Rays.of(reading, self._numbers)
         area = self.area
         passed = self._passed(rays)
-        hits = self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits])
+        hits = np.concatenate(
+            (
+                self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits]),
+                self._flat(reading.people_x, reading.people_y),
+            )
+        )
         kept = self._flat(*_seams(rays.end_x[rays.hits], rays.end_y[rays.hits]))
         votes = np.zeros(area.evidence.size, np.int8)
         votes[passed] = PASSED

@@ -1,0 +1,45 @@
+"""Whoever walked and stands now: there is more of a person than the legs that the laser sees, even beside a wall."""
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.algorithms.slender import BODY, RING
+from apps.indoor_navigation.data import Floats
+
+KEPT = 30.0  # s for which somebody is believed to stand where they were seen to move last
+A_STEP = 1.0  # s, and
+ON = 1.2  # m about who moves, within which what moved longer ago was the same person
+STILL_THERE = 0.25  # m from where something moved to what is seen now
+APART = 0.1  # m between places that are remembered
+
+
+class Bystanders:
+    """Places in odom where something moved last."""
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """The robot's pose was set anew, and places say nothing any more."""
+        self._x = self._y = self._at = np.empty(0)
+
+    def see(self, stamp: float, x: Floats, y: Floats) -> None:
+        """Something has moved to here, at s of any clock."""
+        has_walked_on = (self._at < stamp - A_STEP) & (_nearest(self._x, self._y, x, y) < ON)
+        is_known = _nearest(x, y, self._x, self._y) < APART
+        stays = ~has_walked_on & (stamp - self._at < KEPT) & (self._at <= stamp)
+        self._x = np.concatenate((self._x[stays], x[~is_known]))
+        self._y = np.concatenate((self._y[stays], y[~is_known]))
+        self._at = np.concatenate((self._at[stays], np.full(np.count_nonzero(~is_known), stamp)))
+
+    def about(self, stamp: float, rays: Rays) -> tuple[Floats, Floats]:
+        """x and y in odom of places about each who is still there, where the rest of a person would be."""
+        hits_x, hits_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
+        is_there = (stamp - self._at < KEPT) & (_nearest(self._x, self._y, hits_x, hits_y) < STILL_THERE)
+        x, y = self._x[is_there], self._y[is_there]
+        return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+
+
+def _nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
+    """Of each place, how far the nearest of some others is, m."""
+    return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))
