@@ -100,8 +100,9 @@ def avoid(
     near = _within_sweep(numbers, outline, places)
     turns = _turning(numbers, outline, near, 1.0, linear), _turning(numbers, outline, near, -1.0, linear)
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
-    if abs(linear) < STEADY and turned and turns[turned < 0.0] < STUCK:
-        return Push(_to_more_room(outline, *near, limit), 0.0, numbers.guard_weight, *told)
+    is_held = abs(linear) < STEADY and turned != 0.0 and turns[turned < 0.0] < STUCK
+    if is_held and (creep := _to_more_room(outline, *near, limit)):
+        return Push(creep, 0.0, numbers.guard_weight, *told)
     left, right = _nearness(numbers, outline, places)
     # A robot that turns on the spot goes nowhere, and is not pushed off the heading that it turns to.
     briskness = min(1.0, max(linear, 0.0) / 0.3)
@@ -156,11 +157,12 @@ def _turning(
 
 
 def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:
-    """The speed at which to creep on or back, m/s: to where obstacles are farther from the axle."""
+    """The speed at which to creep on or back, m/s, rather to where obstacles are farther from the axle; 0 if barred."""
     on, back = (np.hypot(x - way, y).min(initial=inf) for way in (HAND, -HAND))
-    if on >= back and limit > 0.0:
+    may_on, may_back = limit > 0.0, _may_creep(outline, x, y, -HAND)
+    if may_on and (on >= back or not may_back):
         return min(CREEP, limit)
-    return -CREEP if _may_creep(outline, x, y, -HAND) else 0.0
+    return -CREEP if may_back else 0.0
 
 
 def _may_creep(outline: Outline, x: Floats, y: Floats, way: float) -> bool:

@@ -93,6 +93,12 @@ def test_who_could_not_turn_lately_is_helped_to_more_room() -> None:
     assert avoid(NUMBERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0).linear == 0.0
 
 
+def test_who_has_no_room_either_way_is_left_to_the_others() -> None:
+    shut_in = at((-0.25, -0.24), (0.22, 0.0), (-0.31, 0.0))
+    push = avoid(NUMBERS, ROBOT, shut_in, NOWHERE, 0.0, 0.0, turned=1.0)
+    assert (push.linear, push.weight) == (0.0, 0.0)
+
+
 def test_it_pushes_away_from_what_is_near() -> None:
     push = avoid(NUMBERS, ROBOT, at((0.4, 0.35)), NOWHERE, 0.3, 0.0)
     assert push.angular < 0.0
