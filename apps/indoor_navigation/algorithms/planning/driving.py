@@ -136,7 +136,7 @@ class Driving:
             radius = self._numbers.progress.avoid
             self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._numbers.progress.avoid_for)
             why = f"the robot comes no farther at {spoken(self._memory.place)}"
-            if not self._has_to_back(now, why):
+            if not self._backs(now, self._memory.way_back(self._situation.guide.target.place), why):
                 self._machine.happens(Event.CAME_NO_FARTHER, now, why)
         return True
 
@@ -145,18 +145,17 @@ class Driving:
         guide, numbers = self._situation.guide, self._numbers
         if not guide.is_off_way(numbers.door_from if guide.is_before_narrow_door() else numbers.turn_from):
             return False
-        turns_about = guide.is_off_way(numbers.turn_from)
-        if not (turns_about and self._has_to_back(now, "there is no room to turn to where the way leads")):
+        place, target = self._memory.place, guide.target.place
+        has_no_room = guide.is_off_way(numbers.turn_from) and not self._memory.may_turn_to(place, target)
+        way_back = self._memory.way_back(target) if has_no_room else None
+        if not self._backs(now, way_back, "there is no room to turn to where the way leads"):
             self._machine.happens(Event.HAS_TO_TURN, now, "the way leads elsewhere")
         return True
 
-    def _has_to_back(self, now: float, why: str) -> bool:
-        """Where it cannot turn, it goes back to where it can, if it came from there."""
-        guide = self._situation.guide
-        is_held = self._held_at is not None and guide.distance(self._held_at) < HELD
-        is_held |= self._situation.making_way.waiting is not None
-        way_back = None if is_held else self._memory.way_back(guide.target.place)
-        if way_back is None:
+    def _backs(self, now: float, way_back: int | None, why: str) -> bool:
+        """Go back, unless that was of no use here, or somebody is being made way for."""
+        is_held = self._held_at is not None and self._situation.guide.distance(self._held_at) < HELD
+        if way_back is None or is_held or self._situation.making_way.waiting is not None:
             return False
         self._back_to = way_back
         self._machine.happens(Event.HAS_TO_BACK, now, why)

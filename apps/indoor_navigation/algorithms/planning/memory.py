@@ -122,17 +122,16 @@ class Memory:
         poses = np.zeros(len(headings)) + place[0], np.zeros(len(headings)) + place[1], headings
         return not bool((self.outline.distances(poses, x, y) < -DEEP).any())
 
+    def may_turn_to(self, place: Place, target: Place) -> bool:
+        """Likewise, from the present heading to where another place is from there."""
+        assert self.pose is not None  # nobody asks before something was seen
+        return self.may_turn(place, self.pose[2], atan2(target[1] - place[1], target[0] - place[0]))
+
     def way_back(self, target: Place) -> int | None:
-        """The breadcrumb to go back to, to turn towards a place; None where it may turn here, or at none of them."""
-        if self.pose is None or self._may_turn_to(self.place, target):
-            return None
+        """The nearest breadcrumb to go back to, to turn towards a place there; None if there is none near."""
         last = len(self.crumbs) - 1
         numbers = range(last - LEAST_BACK, max(last - MOST_BACK, 0) - 1, -1)
-        return next((number for number in numbers if self._may_turn_to(self.crumbs[number], target)), None)
-
-    def _may_turn_to(self, place: Place, target: Place) -> bool:
-        assert self.pose is not None
-        return self.may_turn(place, self.pose[2], atan2(target[1] - place[1], target[0] - place[0]))
+        return next((number for number in numbers if self.may_turn_to(self.crumbs[number], target)), None)
 
     def survey(self, goal: Place, now: float, *, hopes: float | None = None) -> Terrain | None:
         """All that is known, and some of the unknown around it; None where the goal is too far away to plan."""
