@@ -1,14 +1,9 @@
-"""Zenoh's own threads, on which it calls handlers: how many there are, and what Python does for each call."""
+"""What Python does for each call of a handler on one of Zenoh's own threads."""
 
 import ctypes
 import itertools
-import os
 import threading
 
-# Zenoh reads this when a program opens its first session. Left to itself it wakes three threads for whatever it
-# receives, one after the other. One is enough, since handlers in Python take turns. Sending keeps its own: a handler
-# that is slow must not let others think that this program has died.
-RUNTIME = "(rx: (worker_threads: 1), acc: (handover: rx), net: (handover: rx))"
 MOST_KEPT = 8  # threads; what Python keeps of one that has ended is never given back, some 20 kB
 
 
@@ -20,11 +15,6 @@ class _Here(threading.local):
 
 _here = _Here()
 _kept = itertools.count()
-
-
-def set_up() -> None:
-    """Say how many there are, unless a person has said it; before the first session is opened."""
-    os.environ.setdefault("ZENOH_RUNTIME", RUNTIME)
 
 
 def keep() -> None:
