@@ -88,6 +88,7 @@ class ZenohBus(Bus):
         Raises:
             BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
         """
+        threads.set_up()
         try:
             self._session = zenoh.open(config)
         except zenoh.ZError as err:

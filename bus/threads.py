@@ -1,9 +1,15 @@
-"""What Python does for each call of a handler on one of Zenoh's own threads."""
+"""Zenoh's own threads, on which it calls handlers: which wake for a message, and what Python does for each call."""
 
 import ctypes
 import itertools
+import os
 import threading
 
+# Zenoh reads this when a program opens its first session. Left to itself it waits for what a link brings on the thread
+# that accepted the link, which then wakes one that receives, and that one often the other: for every message that comes
+# alone. Receiving keeps two threads: with one, two sites did not always find each other again after a cut. Dialling
+# keeps its own.
+RUNTIME = "(acc: (handover: rx))"
 MOST_KEPT = 8  # threads; what Python keeps of one that has ended is never given back, some 20 kB
 
 
@@ -15,6 +21,11 @@ class _Here(threading.local):
 
 _here = _Here()
 _kept = itertools.count()
+
+
+def set_up() -> None:
+    """Say which there are, unless a person has said it; before the first session is opened."""
+    os.environ.setdefault("ZENOH_RUNTIME", RUNTIME)
 
 
 def keep() -> None:
