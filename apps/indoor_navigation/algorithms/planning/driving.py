@@ -149,6 +149,7 @@ class Driving:
         has_no_room = guide.is_off_way(numbers.turn_from) and not self._memory.may_turn_to(place, target)
         way_back = self._memory.way_back(target) if has_no_room else None
         if not self._backs(now, way_back, "there is no room to turn to where the way leads"):
+            self._progress.turn(place)
             self._machine.happens(Event.HAS_TO_TURN, now, "the way leads elsewhere")
         return True
 

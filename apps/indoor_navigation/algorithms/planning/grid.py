@@ -2,7 +2,8 @@
 
 A hit speaks louder than a ray that passes, but a few rays that pass end what hits have begun, so that a person who has
 walked on is forgotten at once, and a room may change. What stands where it was free before may go again, and so may
-what was not seen for long: who walks about is seen for the first time somewhere, too.
+what was not seen for long: who walks about is seen for the first time somewhere, too. Who has been in a place for a
+moment only, and is out of sight now, has walked on as well.
 """
 
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ SURELY_FREE = -3  # a cell that has been so is no wall, whatever stands there la
 NEVER, PASSABLE = np.nan, np.inf  # when it was hit first: not yet; never mind, since it was surely free
 MOST, LEAST = 8, -4
 MARGIN = 5.0  # m that the area grows beyond what made it grow
+ANEW = 0.5  # s without a hit, after which the next one is of something else
 SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
 
 
@@ -34,6 +36,8 @@ class GridNumbers:
     resolution: edge of a cell. reach: beyond which no ray is believed. lone_reach: likewise, of a ray that shares its
     origin with no other: so sonar sees, which is surer of distances than of directions. largest: edge of the area.
     settled: s after the first hit, from which on another one tells that somebody who walks about is not there.
+    passing: s that somebody who walks about is in one place, at most. gone: s after the last hit, when they are not
+    there any more, though nobody looks.
     """
 
     resolution: float = 0.1
@@ -41,12 +45,15 @@ class GridNumbers:
     lone_reach: float = 1.0
     largest: float = 200.0
     settled: float = 3.0
+    passing: float = 1.5
+    gone: float = 1.5
 
 
 class Area(NamedTuple):
     """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
 
     first_hit: s, or NEVER, or PASSABLE. fixed: cells where something stood for long, and which were never free before.
+    came, hit_at: s, when what was hit last was hit for the first and for the last time.
     """
 
     x: float
@@ -55,6 +62,14 @@ class Area(NamedTuple):
     evidence: Evidence
     first_hit: Floats
     fixed: Flags
+    came: Floats
+    hit_at: Floats
+
+    @classmethod
+    def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
+        """With so much evidence in each cell, and no more to know; what is occupied stands there for good."""
+        nothing = np.zeros(evidence.shape)
+        return cls(x, y, resolution, evidence, nothing + NEVER, evidence >= OCCUPIED, nothing, nothing - np.inf)
 
     @property
     def occupied(self) -> Flags:
@@ -83,7 +98,16 @@ class Area(NamedTuple):
         """A part of it, which shares its memory."""
         x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
         here = rows, columns
-        return Area(x, y, self.resolution, self.evidence[here], self.first_hit[here], self.fixed[here])
+        return Area(
+            x,
+            y,
+            self.resolution,
+            self.evidence[here],
+            self.first_hit[here],
+            self.fixed[here],
+            self.came[here],
+            self.hit_at[here],
+        )
 
     def around(self, *places: Place, margin: float) -> "Area":
         """The part that holds these places with a margin, m, as far as the area goes."""
@@ -112,8 +136,7 @@ class Grid:
 
     def forget(self) -> None:
         """Know nothing any more."""
-        nothing = np.zeros((0, 0))
-        self.area = Area(0.0, 0.0, self._numbers.resolution, nothing.astype(np.int8), nothing, nothing.astype(np.bool_))
+        self.area = Area.of(0.0, 0.0, self._numbers.resolution, np.zeros((0, 0), np.int8))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
         """Let the area hold a place with a margin, m. False where it would become too large, and stays as it is."""
@@ -139,6 +162,8 @@ class Grid:
             np.pad(area.evidence, pad),
             np.pad(area.first_hit, pad, constant_values=NEVER),
             np.pad(area.fixed, pad),
+            np.pad(area.came, pad),
+            np.pad(area.hit_at, pad, constant_values=-np.inf),
         )
         return True
 
@@ -164,6 +189,7 @@ class Grid:
         evidence = area.evidence.reshape(-1)
         evidence[changed] = np.clip(evidence[changed] + votes[changed], LEAST, MOST)
         self._date(changed[votes[changed] == HIT], changed[evidence[changed] <= SURELY_FREE], reading.stamp)
+        self._let_go(area.around(reading.pose[:2], margin=self._numbers.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
         """What stands here does not yield: it counts as what was never free."""
@@ -179,9 +205,18 @@ class Grid:
     def _date(self, hit: Cells, free: Cells, stamp: float) -> None:
         """Note since when something is there."""
         first_hit, fixed = self.area.first_hit.reshape(-1), self.area.fixed.reshape(-1)
+        came, hit_at = self.area.came.reshape(-1), self.area.hit_at.reshape(-1)
+        came[hit[np.abs(stamp - hit_at[hit]) > ANEW]] = stamp
+        hit_at[hit] = stamp
         first_hit[free], fixed[free] = PASSABLE, False
         first_hit[hit[np.isnan(first_hit[hit])]] = stamp
         fixed[hit] |= stamp - first_hit[hit] >= self._numbers.settled
+
+    def _let_go(self, near: Area, stamp: float) -> None:
+        """Whoever has walked past where it was free, and is out of sight."""
+        is_short = near.hit_at - near.came < self._numbers.passing
+        has_gone = is_short & (stamp - near.hit_at > self._numbers.gone)
+        near.evidence[has_gone & near.occupied & (near.first_hit == PASSABLE)] = 0
 
     def _passed(self, rays: "_Rays") -> Cells:
         """The cells through which rays have passed. One that hits passes to a cell before its end."""

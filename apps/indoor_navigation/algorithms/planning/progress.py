@@ -14,7 +14,8 @@ class ProgressNumbers:
     """When the robot is stuck, and what follows.
 
     stuck: s within which it goes `step` m or turns `turn` rad, or is stuck. dead_end: s likewise in a dead end. around:
-    likewise if it moves within so many m for `long` s, whatever it does there. avoid: m around the place before it that
+    likewise if it moves within so many m for `long` s, whatever it does there. turns: likewise if it has to turn at one
+    place more often, since what it then does turns it away again. avoid: m around the place before it that
     is avoided then, for `avoid_for` s. strikes: how often it may be stuck before it gives up; after `fresh` m they
     count no more.
     """
@@ -24,7 +25,8 @@ class ProgressNumbers:
     turn: float = 0.4
     dead_end: float = 2.0
     around: float = 0.75
-    long: float = 30.0
+    long: float = 20.0
+    turns: int = 3
     avoid: float = 0.6
     avoid_for: float = 60.0
     strikes: int = 6
@@ -43,6 +45,8 @@ class Progress:
         self._neighbourhood: Place | None = None
         self._strikes, self._struck_at = 0, -inf
         self._around_for, self._checked_at = 0.0, inf
+        self._turned_at: Place = (inf, inf)
+        self._turns = 0
         self.go_on()
 
     def go_on(self) -> None:
@@ -54,6 +58,12 @@ class Progress:
     def see(self, reading: ObstRead, now: float) -> None:
         """Note a dead end."""
         self._dead_end_since = min(self._dead_end_since, now) if reading.is_dead_end else inf
+
+    def turn(self, place: Place) -> None:
+        """The robot has to turn on its place, before it goes on."""
+        if _apart(place, self._turned_at) > self._numbers.step:
+            self._turned_at, self._turns = place, 0
+        self._turns += 1
 
     def is_stuck(self, pose: Pose, now: float) -> bool:
         """Whether it has come no farther for too long. Asked while it is to move, and only then."""
@@ -68,16 +78,17 @@ class Progress:
             now - self._anchored_at > numbers.stuck
             or now - max(self._anchored_at, self._dead_end_since) > numbers.dead_end
             or self._around_for > numbers.long
+            or self._turns > numbers.turns
         )
 
     def strike(self, travelled: float) -> int:
         """It is stuck once more; returns how often it was about here. travelled: m since the mission began."""
         self._strikes = self._strikes + 1 if travelled - self._struck_at < self._numbers.fresh else 1
         self._struck_at = travelled
-        self._neighbourhood = None
+        self._neighbourhood, self._turns = None, 0
         self.go_on()
         return self._strikes
 
 
-def _apart(one: Pose, other: Pose | Place) -> float:
+def _apart(one: Pose | Place, other: Pose | Place) -> float:
     return hypot(one[0] - other[0], one[1] - other[1])

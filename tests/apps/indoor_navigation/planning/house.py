@@ -223,7 +223,7 @@ def shortest(plan: House, start: Place, goal: Place, time: float = 0.0) -> float
         parts = np.linspace(0.0, 1.0, max(2, round(hypot(bx - ax, by - ay) / 0.02)))
         rows = np.floor((ay + parts * (by - ay) - y0) / 0.05).astype(int)
         evidence[rows, np.floor((ax + parts * (bx - ax) - x0) / 0.05).astype(int)] = 8
-    area = Area(x0, y0, 0.05, evidence, np.zeros(evidence.shape), evidence > 0)
+    area = Area.of(x0, y0, 0.05, evidence)
     flat = CostNumbers(margin=0.05, tight=0.0, squeeze=0.0, comfort=0.1, unknown=1.0)
     way = find_way(terrain(area, HALF_WIDTH, flat), start, goal, 0.1)
     assert way is not None

@@ -68,6 +68,29 @@ def test_somebody_who_has_walked_on_is_forgotten_within_a_second_of_readings() -
     assert not occupied(grid, 3.05, 0.05)
 
 
+def test_somebody_who_has_walked_out_of_sight_is_forgotten_where_the_floor_was_seen_before() -> None:
+    grid = Grid(GridNumbers(passing=1.5, gone=1.5))
+    for stamp in np.arange(0.0, 1.0, 0.1):
+        grid.see(reading((5.05, 0.05, True), stamp=stamp))
+    for stamp in np.arange(1.0, 2.0, 0.1):
+        grid.see(reading((3.05, 0.05, True), (0.05, 3.05, True), stamp=stamp))
+    for stamp, is_there in ((3.0, True), (3.5, False)):
+        grid.see(reading((-1.05, 0.05, True), stamp=stamp))
+        assert occupied(grid, 3.05, 0.05) == is_there
+    assert occupied(grid, 5.05, 0.05)
+    assert occupied(grid, 0.05, 3.05)  # where nothing was known before, a wall may be
+
+
+def test_what_has_stood_there_for_a_while_is_believed_to_stand_there_though_nobody_looks() -> None:
+    grid = Grid(GridNumbers(passing=1.5, gone=1.5))
+    for stamp in np.arange(0.0, 1.0, 0.1):
+        grid.see(reading((5.05, 0.05, True), stamp=stamp))
+    for stamp in np.arange(1.0, 3.0, 0.1):
+        grid.see(reading((3.05, 0.05, True), stamp=stamp))
+    grid.see(reading((-1.05, 0.05, True), stamp=20.0))
+    assert occupied(grid, 3.05, 0.05)
+
+
 def is_wall(grid: Grid, x: float, y: float) -> bool:
     return bool(grid.area.walls[grid.area.cell(x, y)])
 

@@ -41,7 +41,7 @@ def area(*blocks: tuple[int, int, int, int], size: int = SIZE, seen: bool = True
     evidence = np.full((size, size), -4 if seen else 0, np.int8)
     for row, column, height, width in blocks:
         evidence[row : row + height, column : column + width] = 8
-    return Area(0.0, 0.0, 0.1, evidence, np.zeros(evidence.shape), evidence > 0)
+    return Area.of(0.0, 0.0, 0.1, evidence)
 
 
 def brute_force(ground: Terrain, goal: tuple[int, int]) -> Floats:
