@@ -116,6 +116,10 @@ DEFINITIONS = Path(__file__).with_name("msg")
 ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
 DECODE_ERRORS = (SerdeError, struct.error, IndexError, TypeError, ValueError, OverflowError)
 
+# Made once: `json.dumps` makes one for each object.
+_JSON_WRITER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
+_JSON_READER = json.JSONDecoder()
+
 
 def type_of(message: object) -> str:
     """The ROS name of a message's type: `nav_msgs/msg/Odometry`.
@@ -175,7 +179,7 @@ def encode_json(value: Mapping[str, Any]) -> bytes:
         MessageError: A value has no JSON form; infinity and NaN have none.
     """
     try:
-        return json.dumps(value, allow_nan=False, separators=(",", ":")).encode()
+        return _JSON_WRITER.encode(value).encode()
     except (TypeError, ValueError) as err:
         raise MessageError(f"this object cannot be written as JSON: {err}") from err
 
@@ -189,7 +193,7 @@ def decode_json(payload: bytes) -> dict[str, Any]:
     if not payload:
         return {}
     try:
-        value = json.loads(payload.decode())
+        value = _JSON_READER.decode(payload.decode())
     except (ValueError, RecursionError) as err:
         raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
     if not isinstance(value, dict):

@@ -49,6 +49,8 @@ class Data:
         """
         arrays, parts = cls.arrays, cls.parts
         try:
+            if not arrays and not parts and list not in map(type, told.values()):
+                return cls(**told)  # so it is with commands, which come most often
             given = {
                 name: _array(value)
                 if name in arrays

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.data import Data, DLEData, Door, GoalPoint, LaserRead, MotionCmd
+from apps.indoor_navigation.data import Data, DLEData, Door, GoalPoint, LaserRead, MotionCmd, WorldCoord
 from bus import MessageError
 
 METRES = st.floats(-1000.0, 1000.0)
@@ -23,6 +23,12 @@ def sent(data: Data) -> Data:
 def test_a_goal_comes_out_as_it_went_in(x: float, y: float, heading: float | None) -> None:
     goal = GoalPoint("m1", x, y, heading)
     assert sent(goal) == goal
+
+
+@given(st.none() | st.tuples(METRES, METRES))
+def test_a_place_among_what_needs_no_converting_comes_out_as_it_went_in(then: tuple[float, float] | None) -> None:
+    coord = WorldCoord(1.5, 7, "go", 1.0, 2.0, then=then)
+    assert sent(coord) == coord
 
 
 def test_doors_come_out_as_they_went_in() -> None:
