@@ -97,8 +97,9 @@ def avoid(
         safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, coming),
     )
     limit_back = min(numbers.blind, safe_speed(back, numbers.deceleration, numbers.reaction))
-    near = _within_sweep(numbers, outline, places)
-    turns = _turning(numbers, outline, near, 1.0, linear), _turning(numbers, outline, near, -1.0, linear)
+    rolls = linear * numbers.reaction + linear * abs(linear) / (2.0 * numbers.deceleration)
+    near = _within_sweep(numbers, outline, places, rolls)
+    turns = [_turning(numbers, outline, near, side, linear, rolls) for side in (1.0, -1.0)]
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
     is_held = abs(linear) < STEADY and turned != 0.0 and turns[turned < 0.0] < STUCK
     if is_held and (creep := _to_more_room(outline, *near, limit)):
@@ -111,10 +112,12 @@ def avoid(
     return Push(min(linear, limit), turn, numbers.weight * abs(left - right) * briskness, *told)
 
 
-def _within_sweep(numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Places that the robot may come near to by turning."""
+def _within_sweep(
+    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], rolls: float
+) -> tuple[Floats, Floats]:
+    """Places that the robot may come near to by turning, here or until it has come to a stand so many m on."""
     x, y = places
-    is_near = x * x + y * y < (outline.sweep + numbers.margin + HAND) ** 2
+    is_near = np.hypot(x - np.clip(x, min(rolls, 0.0), max(rolls, 0.0)), y) < outline.sweep + numbers.margin + HAND
     return x[is_near], y[is_near]
 
 
@@ -137,23 +140,37 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
 
 
 def _turning(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], side: float, linear: float
+    numbers: AvoidanceNumbers,
+    outline: Outline,
+    places: tuple[Floats, Floats],
+    side: float,
+    linear: float,
+    rolls: float,
 ) -> float:
     """The fastest turn to one side, 1 or -1, rad/s, that can be ended before the robot's corners touch anything.
 
-    One that drives leads its tail away meanwhile, and may at least go on a curve that is free.
+    One that drives is told to turn where it is, and turns where it comes to a stand. It leads its tail away meanwhile,
+    and may at least go on a curve that is free.
     """
     x, y = places
-    touches = outline.runs_into((np.zeros(len(TURNS)), np.zeros(len(TURNS)), side * TURNS), x, y, TOUCHING)
-    if not touches.any():
+    free = min(_free_turn(outline, places, side, way) for way in (0.0, rolls / 2.0, rolls))
+    if free == inf:
         return inf
-    free = float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
     on_the_spot = safe_speed(free, numbers.angular_deceleration, numbers.reaction)
     if linear < STEADY:
         return on_the_spot
     barred = outline.runs_into(arc(side * CURVES, CURVE), x, y, TOUCHING).any(axis=1)
     widest = float(CURVES[: barred.argmax() if barred.any() else len(CURVES)].max(initial=0.0))
     return max(on_the_spot, linear * widest)
+
+
+def _free_turn(outline: Outline, places: tuple[Floats, Floats], side: float, way: float) -> float:
+    """How far the robot may turn to one side so many m ahead, rad."""
+    still = np.zeros(len(TURNS))
+    touches = outline.runs_into((still + way, still, side * TURNS), *places, TOUCHING)
+    if not touches.any():
+        return inf
+    return float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
 
 
 def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:

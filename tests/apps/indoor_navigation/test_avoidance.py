@@ -87,6 +87,14 @@ def test_backward_it_goes_slowly_although_nothing_is_known_to_be_there() -> None
     assert avoid(NUMBERS, ROBOT, NOWHERE, NOWHERE, -0.1, 0.0).back == NUMBERS.blind
 
 
+def test_who_drives_turns_no_faster_than_there_is_room_where_it_comes_to_a_stand() -> None:
+    beside_where_it_stands = at((0.65, 0.28))
+    assert avoid(NUMBERS, ROBOT, beside_where_it_stands, NOWHERE, 0.0, 0.0).left is None
+    left = avoid(NUMBERS, ROBOT, beside_where_it_stands, NOWHERE, 0.5, 0.0).left
+    assert left is not None
+    assert left < 1.0
+
+
 def test_who_could_not_turn_lately_is_helped_to_more_room() -> None:
     beside_the_tail = at((-0.25, -0.24))
     assert avoid(NUMBERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0, turned=1.0).linear > 0.0
