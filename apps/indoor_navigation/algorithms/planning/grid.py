@@ -214,9 +214,9 @@ class Grid:
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Whoever has walked past where it was free, and is out of sight."""
-        is_short = near.hit_at - near.came < self._numbers.passing
+        is_short = (near.first_hit == PASSABLE) & (near.hit_at - near.came < self._numbers.passing)
         has_gone = is_short & (stamp - near.hit_at > self._numbers.gone)
-        near.evidence[has_gone & near.occupied & (near.first_hit == PASSABLE)] = 0
+        near.evidence[has_gone & near.occupied & ~near.fixed] = 0
 
     def _passed(self, rays: "_Rays") -> Cells:
         """The cells through which rays have passed. One that hits passes to a cell before its end."""

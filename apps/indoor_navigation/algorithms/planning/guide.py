@@ -215,8 +215,8 @@ class Guide:
         return self.distance(self.target.place) > self._numbers.near and self.off(self.heading()) > most
 
     def is_before_narrow_door(self) -> bool:
-        """Whether it goes through a narrow door next."""
-        return self.target.is_narrow
+        """Whether it goes through a narrow door next, and is not in it yet, where it could not turn."""
+        return self.target.is_narrow and self._door_around() is None
 
     def distance(self, place: Place) -> float:
         """From the robot, m."""
@@ -254,9 +254,12 @@ class Guide:
         number = self._door_around()
         if number is None:
             return None
-        door = self._memory.doors.doors[number]
-        out = self._passage.out_of(number, door, copysign(1.0, cos(self.pose[2] - door.normal)))
-        return out if ground.cost_of(self._memory.place, out.place) < BARRED else None
+        door, place = self._memory.doors.doors[number], self._memory.place
+        sense = copysign(1.0, cos(self.pose[2] - door.normal))
+        # With its middle behind the door it goes straight on; to go back to the middle line its tail has no room.
+        aside = door.aside(place) if sense * door.ahead(place) > 0.0 else 0.0
+        out = self._passage.out_of(number, door, sense, aside)
+        return out if ground.cost_of(place, out.place) < BARRED else None
 
     def _door_around(self) -> int | None:
         """The door that the robot is in."""

@@ -102,9 +102,9 @@ class Passage:
         within = max(self._room(door), LEAST) if self._room(door) < EASY else inf
         return SubTarget(*door.beside(0.0, -direction * self.before), axis=axis, within=within)
 
-    def out_of(self, number: int, door: KnownDoor, direction: float) -> SubTarget:
-        """Behind it."""
-        place = door.beside(0.0, direction * self.before)
+    def out_of(self, number: int, door: KnownDoor, direction: float, aside: float = 0.0) -> SubTarget:
+        """Behind it, so many m to the left of its middle line for who looks along its normal."""
+        place = door.beside(aside, direction * self.before)
         return SubTarget(*place, door=number, is_narrow=self._room(door) < EASY)
 
     def _room(self, door: KnownDoor) -> float:

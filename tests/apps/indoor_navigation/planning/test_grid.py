@@ -91,6 +91,17 @@ def test_what_has_stood_there_for_a_while_is_believed_to_stand_there_though_nobo
     assert occupied(grid, 3.05, 0.05)
 
 
+def test_what_did_not_yield_is_not_forgotten_however_short_it_was_seen() -> None:
+    grid = Grid(GridNumbers(passing=1.5, gone=1.5))
+    for stamp in np.arange(0.0, 1.0, 0.1):
+        grid.see(reading((5.05, 0.05, True), stamp=stamp))
+    for stamp in np.arange(1.0, 2.0, 0.1):
+        grid.see(reading((3.05, 0.05, True), stamp=stamp))
+    grid.take_for_walls(3.0, 0.0, 0.5)
+    grid.see(reading((-1.05, 0.05, True), stamp=20.0))
+    assert occupied(grid, 3.05, 0.05)
+
+
 def is_wall(grid: Grid, x: float, y: float) -> bool:
     return bool(grid.area.walls[grid.area.cell(x, y)])
 
