@@ -156,7 +156,7 @@ def _round_corner(way: Place, then: Place) -> Place:
 
 def slowing(error: float) -> float:
     """The part of its speed with which one goes who looks so far away from where it wants to, rad."""
-    return max(0.0, cos(error)) ** 2 if abs(error) < pi / 2.0 else 0.0
+    return max(0.0, cos(error)) if abs(error) < pi / 2.0 else 0.0
 
 
 class _Ways:
@@ -229,9 +229,7 @@ def _rolled_out(numbers: AttractionNumbers, bearing: float, distance: float) -> 
         turned = np.sign(error) * np.minimum(
             np.abs(error), np.minimum(numbers.gain * np.abs(error), numbers.angular) * duration
         )
-        forward = np.minimum(
-            PACE * duration * np.where(np.abs(error) < pi / 2.0, np.cos(error), 0.0) ** 2, distance - way
-        )
+        forward = np.minimum(PACE * duration * np.where(np.abs(error) < pi / 2.0, np.cos(error), 0.0), distance - way)
         middle = wanted - error + turned / 2.0
         error = error - turned
         place_x, place_y, way = place_x + forward * np.cos(middle), place_y + forward * np.sin(middle), way + forward
