@@ -33,6 +33,7 @@ class Driving:
         if self._comes_no_farther(now):
             return None
         situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        situation.end_making_way(now)
         wanted = situation.goal.heading if situation.is_there else None
         heading = wanted if wanted is not None else guide.heading()
         until = numbers.door_until if guide.is_before_narrow_door() else numbers.turn_until
@@ -50,6 +51,7 @@ class Driving:
         guide.advance()
         if self._has_arrived(now) or self._comes_no_farther(now) or self._is_barred(now):
             return None
+        situation.end_making_way(now)
         is_free = situation.state is not State.PASSING and situation.making_way.waiting is None
         if is_free and now >= situation.looked_at + numbers.look:
             situation.looked_at = now

@@ -12,8 +12,6 @@ from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import Event
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, Waiting
 
-LOOK_WAITING = 0.5  # s between two looks whether waiting has an end
-
 
 class Pausing:
     """Each of `replan` and `wait` returns an order, or None where another state has followed."""
@@ -68,12 +66,10 @@ class Pausing:
 
     def _sees_end_of(self, waiting: Waiting, now: float) -> bool:
         """A way is found that is worth it, or what bars it is found to be a wall."""
-        situation, numbers = self._situation, self._numbers
-        if now < situation.looked_at + LOOK_WAITING:
-            return False
-        if (found := situation.look(now, waiting.budget(now, numbers.detour, numbers.speed))) is not None:
+        situation, before = self._situation, self._situation.looked_at
+        if (found := situation.look_on(now, waiting)) is not None:
             self._machine.happens(Event.WAY_FOUND, now, f"a way of {found:.1f} m")
-        elif waiting.hopes and situation.guide.is_hopeless(now):
+        elif situation.looked_at > before and waiting.hopes and situation.guide.is_hopeless(now):
             self._machine.happens(Event.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
         else:
             return False

@@ -13,6 +13,7 @@ from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.state_machine import Change, StateMachine
 
 SAID = 64  # messages that wait to be fetched
+LOOK_WAITING = 0.5  # s between two looks whether waiting has an end
 
 
 class Situation:
@@ -61,6 +62,19 @@ class Situation:
         """Stand and wait."""
         self.waiting = waiting
         self.machine.happens(event, now, waiting.why)
+
+    def look_on(self, now: float, waiting: Waiting) -> float | None:
+        """Look now and then whether there is a way that is worth to end waiting, and take it. Its length, m, or None."""
+        if now < self.looked_at + LOOK_WAITING:
+            return None
+        return self.look(now, waiting.budget(now, self.numbers.detour, self.numbers.speed))
+
+    def end_making_way(self, now: float) -> None:
+        """If nobody is in the way any more."""
+        waiting = self.making_way.waiting
+        if waiting is not None and self.look_on(now, waiting) is not None:
+            self.making_way.end(now)
+            self.note("info", "nobody has to be made way for any more")
 
     def arrive(self, now: float) -> None:
         """The mission has ended as it should."""
