@@ -33,11 +33,12 @@ class Bystanders:
         self._at = np.concatenate((self._at[stays], np.full(np.count_nonzero(~is_known), stamp)))
 
     def about(self, stamp: float, rays: Rays) -> tuple[Floats, Floats]:
-        """x and y in odom of places about each who is still there, where the rest of a person would be."""
+        """x and y in odom of each who is still there, and of places about them, where the rest of a person would be."""
         hits_x, hits_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
         is_there = (stamp - self._at < KEPT) & (_nearest(self._x, self._y, hits_x, hits_y) < STILL_THERE)
         x, y = self._x[is_there], self._y[is_there]
-        return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+        about_x, about_y = (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+        return np.concatenate((x, about_x)), np.concatenate((y, about_y))
 
 
 def _nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:

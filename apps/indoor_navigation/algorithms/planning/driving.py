@@ -156,9 +156,9 @@ class Driving:
         return True
 
     def _backs(self, now: float, way_back: int | None, why: str) -> bool:
-        """Go back, unless that was of no use here, or somebody is being made way for."""
+        """Go back, unless that was of no use here."""
         is_held = self._held_at is not None and self._situation.guide.distance(self._held_at) < HELD
-        if way_back is None or is_held or self._situation.making_way.waiting is not None:
+        if way_back is None or is_held:
             return False
         self._back_to = way_back
         self._machine.happens(Event.HAS_TO_BACK, now, why)

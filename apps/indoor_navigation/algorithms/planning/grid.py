@@ -174,12 +174,8 @@ class Grid:
         rays = _Rays.of(reading, self._numbers)
         area = self.area
         passed = self._passed(rays)
-        hits = np.concatenate(
-            (
-                self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits]),
-                self._flat(reading.people_x, reading.people_y),
-            )
-        )
+        people = self._flat(reading.people_x, reading.people_y)
+        hits = np.concatenate((self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits]), people))
         kept = self._flat(*_seams(rays.end_x[rays.hits], rays.end_y[rays.hits]))
         votes = np.zeros(area.evidence.size, np.int8)
         votes[passed] = PASSED
@@ -188,7 +184,8 @@ class Grid:
         changed = np.flatnonzero(votes)
         evidence = area.evidence.reshape(-1)
         evidence[changed] = np.clip(evidence[changed] + votes[changed], LEAST, MOST)
-        self._date(changed[votes[changed] == HIT], changed[evidence[changed] <= SURELY_FREE], reading.stamp)
+        free = changed[evidence[changed] <= SURELY_FREE]
+        self._date(changed[votes[changed] == HIT], np.concatenate((free, self._unfixed(people))), reading.stamp)
         self._let_go(area.around(reading.pose[:2], margin=self._numbers.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
@@ -211,6 +208,10 @@ class Grid:
         first_hit[free], fixed[free] = PASSABLE, False
         first_hit[hit[np.isnan(first_hit[hit])]] = stamp
         fixed[hit] |= stamp - first_hit[hit] >= self._numbers.settled
+
+    def _unfixed(self, people: Cells) -> Cells:
+        """Where somebody stands who walked there is floor, though nobody has seen it, unless a wall was seen there."""
+        return people[~self.area.fixed.reshape(-1)[people]]
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Whoever has walked past where it was free, and is out of sight."""

@@ -112,7 +112,13 @@ class Memory:
         self._avoided.append((Strip(place, place, radius), until))
 
     def may_turn(self, place: Place, start: float, end: float) -> bool:
-        """Whether the robot may be able to turn here from one heading to another, rad, as far as cells can tell."""
+        """Whether the robot may be able to turn here from one heading to another, rad, as far as cells can tell.
+
+        In a door it is not, if its corners do not fit between the jambs, since cells are too coarse to tell that.
+        """
+        door = self.doors.around(place, self.outline.sweep)
+        if door is not None and self.doors.doors[door].width / 2.0 < self.outline.sweep:
+            return False
         near = self.grid.area.around(place, margin=self.outline.sweep)
         rows, columns = near.occupied.nonzero()
         x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)

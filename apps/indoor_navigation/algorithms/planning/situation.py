@@ -64,7 +64,7 @@ class Situation:
         self.machine.happens(event, now, waiting.why)
 
     def look_on(self, now: float, waiting: Waiting) -> float | None:
-        """Look now and then whether there is a way that is worth to end waiting, and take it. Its length, m, or None."""
+        """Look now and then whether there is a way that is worth it to wait no longer. Its length, m, or None."""
         if now < self.looked_at + LOOK_WAITING:
             return None
         return self.look(now, waiting.budget(now, self.numbers.detour, self.numbers.speed))

@@ -1,5 +1,6 @@
 """What rays leave behind in the grid."""
 
+from dataclasses import replace
 from math import inf, nan
 
 import numpy as np
@@ -79,6 +80,17 @@ def test_somebody_who_has_walked_out_of_sight_is_forgotten_where_the_floor_was_s
         assert occupied(grid, 3.05, 0.05) == is_there
     assert occupied(grid, 5.05, 0.05)
     assert occupied(grid, 0.05, 3.05)  # where nothing was known before, a wall may be
+
+
+def test_somebody_who_has_walked_out_of_sight_over_floor_that_was_not_seen_before_is_forgotten_as_well() -> None:
+    grid = Grid(GridNumbers(passing=1.5, gone=1.5))
+    x, y = np.array([3.05]), np.array([0.05])
+    for stamp in np.arange(0.0, 1.0, 0.1):
+        grid.see(replace(reading((3.05, 0.05, True), (0.05, 3.05, True), stamp=stamp), people_x=x, people_y=y))
+    assert occupied(grid, 3.05, 0.05)
+    grid.see(reading((-1.05, 0.05, True), stamp=3.0))
+    assert not occupied(grid, 3.05, 0.05)
+    assert occupied(grid, 0.05, 3.05)
 
 
 def test_what_has_stood_there_for_a_while_is_believed_to_stand_there_though_nobody_looks() -> None:
