@@ -24,7 +24,7 @@ class Bystanders:
         self._x = self._y = self._at = np.empty(0)
 
     def see(self, stamp: float, x: Floats, y: Floats) -> None:
-        """Something has moved to here, at s of any clock."""
+        """Something has moved to here, at s of any clock; or nothing has."""
         has_walked_on = (self._at < stamp - A_STEP) & (_nearest(self._x, self._y, x, y) < ON)
         is_known = _nearest(x, y, self._x, self._y) < APART
         stays = ~has_walked_on & (stamp - self._at < KEPT) & (self._at <= stamp)

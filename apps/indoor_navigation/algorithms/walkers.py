@@ -30,7 +30,9 @@ class Walkers:
         self._seen.clear()
 
     def see(self, stamp: float, x: Floats, y: Floats) -> None:
-        """Something has moved to here, at s of any clock."""
+        """Something has moved to here, at s of any clock; or nothing has."""
+        if not len(x):
+            return
         if self._seen and stamp < self._seen[-1][0]:
             self.forget()
         self._seen.append((stamp, x, y))
@@ -57,6 +59,22 @@ class Walkers:
 
 def _nearest(x: Floats, y: Floats, place: Place) -> float:
     return float(np.hypot(x - place[0], y - place[1]).min())
+
+
+class Motion:
+    """Compares each scan with the one before."""
+
+    def __init__(self) -> None:
+        self._before: LaserRead | None = None
+
+    def forget(self) -> None:
+        """The robot's pose was set anew, and the scan before says nothing any more."""
+        self._before = None
+
+    def look(self, scan: LaserRead) -> tuple[Floats, Floats]:
+        """x and y in odom of what has moved since the scan before."""
+        before, self._before = self._before, scan
+        return moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
 
 
 def moved(scan: LaserRead, before: LaserRead) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ from apps.indoor_navigation.algorithms.bystanders import Bystanders
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import Walkers, moved
+from apps.indoor_navigation.algorithms.walkers import Motion, Walkers
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Odometry, SonarRead
@@ -39,8 +39,7 @@ class ObstacleAvoiding(Embodied):
         self._senses = Senses(self.numbers.senses)
         self._surroundings = Surroundings()
         self._odometry: Odometry | None = None
-        self._before: LaserRead | None = None
-        self._walkers, self._bystanders = Walkers(), Bystanders()
+        self._motion, self._walkers, self._bystanders = Motion(), Walkers(), Bystanders()
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
 
@@ -52,7 +51,7 @@ class ObstacleAvoiding(Embodied):
             self._surroundings.forget()
             self._walkers.forget()
             self._bystanders.forget()
-            self._before = None
+            self._motion.forget()
         self._odometry = odometry
         if abs(odometry.angular) > TURNING:
             self._turned, self._turned_at = copysign(1.0, odometry.angular), odometry.stamp
@@ -66,12 +65,9 @@ class ObstacleAvoiding(Embodied):
     @hears(LaserRead)
     async def look(self, scan: LaserRead) -> None:
         """Avoid what the laser sees, and most of all what moves."""
-        if self._before is not None:
-            x, y = moved(scan, self._before)
-            if len(x):
-                self._walkers.see(scan.stamp, x, y)
-                self._bystanders.see(scan.stamp, x, y)
-        self._before = scan
+        x, y = self._motion.look(scan)
+        self._walkers.see(scan.stamp, x, y)
+        self._bystanders.see(scan.stamp, x, y)
         self._senses.take(scan)
         self._push()
 

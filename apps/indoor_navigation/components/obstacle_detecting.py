@@ -6,7 +6,7 @@ from math import inf
 from apps.indoor_navigation.algorithms.bystanders import Bystanders
 from apps.indoor_navigation.algorithms.obstacle_detection import DetectionNumbers, obstacles
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
-from apps.indoor_navigation.algorithms.walkers import moved
+from apps.indoor_navigation.algorithms.walkers import Motion
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
@@ -37,8 +37,7 @@ class ObstacleDetecting(Embodied):
         """Know nothing yet."""
         self._senses = Senses(self.numbers.senses)
         self._scanned_at = -inf
-        self._before: LaserRead | None = None
-        self._bystanders = Bystanders()
+        self._motion, self._bystanders = Motion(), Bystanders()
         self._dead_ends = 0
         self._said: tuple[str, ...] = ()
         await super().setup()
@@ -48,11 +47,7 @@ class ObstacleDetecting(Embodied):
         """The laser has seen something."""
         self._senses.take(scan)
         self._scanned_at = scan.stamp
-        if self._before is not None:
-            x, y = moved(scan, self._before)
-            if len(x):
-                self._bystanders.see(scan.stamp, x, y)
-        self._before = scan
+        self._bystanders.see(scan.stamp, *self._motion.look(scan))
         self._push()
 
     @hears(SonarRead)

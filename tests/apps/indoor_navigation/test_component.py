@@ -71,13 +71,6 @@ class Pair:
 
 
 @pytest.fixture
-def loop() -> Iterator[VirtualTimeLoop]:
-    loop = VirtualTimeLoop()
-    yield loop
-    loop.close()
-
-
-@pytest.fixture
 def pair(loop: VirtualTimeLoop) -> Iterator[Pair]:
     pair = Pair(loop)
     yield pair

@@ -1,20 +1,13 @@
 """The inbox: the newest message of each sender, and a loop that is woken only while somebody waits for it."""
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pytest
 
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.components.inbox import Inbox
 from bus import Sample
-
-
-@pytest.fixture
-def loop() -> Iterator[VirtualTimeLoop]:
-    loop = VirtualTimeLoop()
-    yield loop
-    loop.close()
 
 
 @pytest.fixture

@@ -237,28 +237,29 @@ def test_a_robot_that_is_held_for_ever_gives_up() -> None:
     assert "comes no farther at (1.00, 8.00)" in why(robot)
 
 
-def test_a_robot_that_has_no_room_to_turn_backs_to_where_it_has() -> None:
+def in_an_alley() -> Walker:
+    """A long robot that has gone into an alley, 1 m wide, which has no other end."""
     alley = House([]).box(0.0, 0.0, 8.0, 3.0)
     alley.walls += [(4.0, 1.0, 8.0, 1.0), (4.0, 2.0, 8.0, 2.0), (4.0, 0.0, 4.0, 1.0), (4.0, 2.0, 4.0, 3.0)]
     robot = walker(alley, (1.0, 1.5, 0.0))
     robot.navigator.memory.outline = LONG
     robot.go(5.5, 1.5)
     assert robot.run_to_end() == "done"
+    return robot
+
+
+def test_a_robot_that_has_no_room_to_turn_backs_to_where_it_has() -> None:
+    robot = in_an_alley()
     robot.go(1.0, 1.5, mission="m2")
     while robot.x > 4.0:
         robot.step()
-        assert abs(robot.heading) < 0.5  # the alley is 1 m wide
+        assert abs(robot.heading) < 0.5
     assert robot.run_to_end() == "done"
     assert "backing" in robot.states
 
 
 def test_a_robot_that_cannot_go_back_either_gives_up() -> None:
-    alley = House([]).box(0.0, 0.0, 8.0, 3.0)
-    alley.walls += [(4.0, 1.0, 8.0, 1.0), (4.0, 2.0, 8.0, 2.0), (4.0, 0.0, 4.0, 1.0), (4.0, 2.0, 4.0, 3.0)]
-    robot = walker(alley, (1.0, 1.5, 0.0))
-    robot.navigator.memory.outline = LONG
-    robot.go(5.5, 1.5)
-    assert robot.run_to_end() == "done"
+    robot = in_an_alley()
     robot.is_held = True
     robot.go(1.0, 1.5, mission="m2")
     assert robot.run_to_end() == "failed"
