@@ -23,7 +23,7 @@ STEPS = np.array([0.15, 0.15, 0.2, 0.2, 0.25, 0.3, 0.3, 0.35, 0.35, 0.4, 0.4, 0.
 PACE = 0.5  # m/s
 FAR = PACE * float(STEPS.sum())  # m, of the longest way
 ENOUGH = 1.0  # m; a way that is free so far may end
-LINEAR = SmoothNumbers(rate=0.3, rate_change=0.9, haste=2.5, ahead=0.2)
+LINEAR = SmoothNumbers(rate=0.4, rate_change=1.5, haste=4.0, ahead=0.2)
 ANGULAR = SmoothNumbers(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
 PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
 PASSED = 0.12  # m

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.rays import Rays
-from apps.indoor_navigation.algorithms.slender import BODY, RING
+from apps.indoor_navigation.algorithms.legs import bodies
+from apps.indoor_navigation.algorithms.rays import Rays, nearest
 from apps.indoor_navigation.data import Floats
 
 KEPT = 30.0  # s for which somebody is believed to stand where they were seen to move last
@@ -25,8 +25,8 @@ class Bystanders:
 
     def see(self, stamp: float, x: Floats, y: Floats) -> None:
         """Something has moved to here, at s of any clock; or nothing has."""
-        has_walked_on = (self._at < stamp - A_STEP) & (_nearest(self._x, self._y, x, y) < ON)
-        is_known = _nearest(x, y, self._x, self._y) < APART
+        has_walked_on = (self._at < stamp - A_STEP) & (nearest(self._x, self._y, x, y) < ON)
+        is_known = nearest(x, y, self._x, self._y) < APART
         stays = ~has_walked_on & (stamp - self._at < KEPT) & (self._at <= stamp)
         self._x = np.concatenate((self._x[stays], x[~is_known]))
         self._y = np.concatenate((self._y[stays], y[~is_known]))
@@ -35,12 +35,7 @@ class Bystanders:
     def about(self, stamp: float, rays: Rays) -> tuple[Floats, Floats]:
         """x and y in odom of each who is still there, and of places about them, where the rest of a person would be."""
         hits_x, hits_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
-        is_there = (stamp - self._at < KEPT) & (_nearest(self._x, self._y, hits_x, hits_y) < STILL_THERE)
+        is_there = (stamp - self._at < KEPT) & (nearest(self._x, self._y, hits_x, hits_y) < STILL_THERE)
         x, y = self._x[is_there], self._y[is_there]
-        about_x, about_y = (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+        about_x, about_y = bodies(x, y)
         return np.concatenate((x, about_x)), np.concatenate((y, about_y))
-
-
-def _nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
-    """Of each place, how far the nearest of some others is, m."""
-    return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))

@@ -11,6 +11,7 @@ from apps.indoor_navigation.data import Floats, LaserRead, ObstRead, SonarRead
 SONAR_RANGE = 3.0  # m; what a disc hears from farther away may be anywhere in its cone
 HALF_CONE = 0.45  # rad; sound goes astray about the axis as far as this
 AGREES = 0.2  # m by which a disc may hear something nearer than the laser sees it
+IN_VIEW = 0.02  # m between a ray and a place of which it knows better
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,3 +118,27 @@ def in_robot(pose: tuple[float, float, float], x: Floats, y: Floats) -> tuple[Fl
     c, s = cos(pose[2]), sin(pose[2])
     along, across = x - pose[0], y - pose[1]
     return c * along + s * across, c * across - s * along
+
+
+def inner(rays: Rays, edge: int) -> Rays:
+    """Without so many of the outermost ones on either side."""
+    chosen = np.zeros(len(rays.hits), bool)
+    chosen[edge : max(len(chosen) - edge, edge)] = True
+    return rays.where(chosen)
+
+
+def are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
+    """Which of some places a ray runs to or through. Of what is hidden behind something it says nothing."""
+    along_x, along_y = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
+    length = np.hypot(along_x, along_y)
+    scale = np.where(length > 0.0, length, np.inf)
+    unit_x, unit_y = along_x / scale, along_y / scale
+    from_x, from_y = x[:, None] - rays.origin_x, y[:, None] - rays.origin_y
+    ahead = from_x * unit_x + from_y * unit_y
+    across = np.abs(from_y * unit_x - from_x * unit_y)
+    return np.asarray(((ahead > 0.0) & (ahead < length + IN_VIEW) & (across < IN_VIEW)).any(axis=1))
+
+
+def nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
+    """Of each place, how far the nearest of some others is, m; infinitely far where there is none."""
+    return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))

@@ -7,16 +7,15 @@ must not turn as if it were gone.
 import numpy as np
 from numpy.typing import NDArray
 
+from apps.indoor_navigation.algorithms.legs import Legs
 from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.algorithms.rays import Rays, in_robot, unexplained
-from apps.indoor_navigation.algorithms.slender import about_slender
+from apps.indoor_navigation.algorithms.rays import Rays, are_in_view, in_robot, inner, unexplained
 from apps.indoor_navigation.data import Floats
 
 NEAR = 2.5  # m from the robot; what is farther away is of no concern yet
 KEPT = 60.0  # s for which something is believed to be where nobody looks
 BESIDE = 1.2  # m from the robot, likewise
-IN_VIEW = 0.02  # m between a ray and a place of which it knows better
-EDGE = 2  # rays on either side
+EDGE = 2  # rays on either side, beside which something is about to leave the view, and must be remembered
 APART = 0.025  # m between places that are remembered
 MOST = 300  # of them
 
@@ -31,6 +30,7 @@ class Surroundings:
         """The robot's pose was set anew, and places say nothing any more."""
         self._x = self._y = self._seen_at = np.empty(0)
         self._last = Rays.none()
+        self._legs = Legs()
 
     def see(self, stamp: float, rays: Rays) -> None:
         """Take all that sensors see at s of any clock, and let go what they prove to be gone."""
@@ -43,10 +43,11 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < BESIDE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~_are_in_view(_inner(rays.where(_is_of_eye(rays))), x, y)
+            is_kept = ~are_in_view(inner(rays.where(_is_of_eye(rays)), EDGE), x, y)
         chosen = _apart(x, y, np.flatnonzero(is_kept))[-MOST:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         self._last = self._explained(rays)
+        self._legs.see(stamp, self._last.where(_is_of_eye(self._last)))
 
     def _explained(self, rays: Rays) -> Rays:
         """Without the echoes of what is remembered: the frame of a door is beside a disc's axis, not on it."""
@@ -59,23 +60,12 @@ class Surroundings:
     def places(self, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
         """x and y in the frame of a robot that is at a pose in odom, no farther than `NEAR`."""
         hits = self._last.hits
-        ring_x, ring_y = about_slender(self._last.where(_is_of_eye(self._last)))
-        x = np.concatenate((self._last.end_x[hits], self._x, ring_x))
-        y = np.concatenate((self._last.end_y[hits], self._y, ring_y))
+        body_x, body_y = self._legs.bodies()
+        x = np.concatenate((self._last.end_x[hits], self._x, body_x))
+        y = np.concatenate((self._last.end_y[hits], self._y, body_y))
         x, y = in_robot(pose, x, y)
         is_near = x * x + y * y < NEAR * NEAR
         return x[is_near], y[is_near]
-
-
-def _inner(rays: Rays) -> Rays:
-    """Without the outermost ones: what is beside them is about to leave the view, and must be remembered."""
-    return Rays(
-        rays.origin_x[EDGE:-EDGE],
-        rays.origin_y[EDGE:-EDGE],
-        rays.end_x[EDGE:-EDGE],
-        rays.end_y[EDGE:-EDGE],
-        rays.hits[EDGE:-EDGE],
-    )
 
 
 def _apart(x: Floats, y: Floats, numbers: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -94,15 +84,3 @@ def _is_of_eye(rays: Rays) -> Truths:
         return rays.hits
     are = np.asarray((rays.origin_x == rays.origin_x[0]) & (rays.origin_y == rays.origin_y[0]))
     return are if are.sum() > 1 else np.zeros_like(are)
-
-
-def _are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
-    """Which of some places a ray of the eye runs to or through. Of what is hidden behind something it says nothing."""
-    along_x, along_y = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
-    length = np.hypot(along_x, along_y)
-    scale = np.where(length > 0.0, length, np.inf)
-    unit_x, unit_y = along_x / scale, along_y / scale
-    from_x, from_y = x[:, None] - rays.origin_x, y[:, None] - rays.origin_y
-    ahead = from_x * unit_x + from_y * unit_y
-    across = np.abs(from_y * unit_x - from_x * unit_y)
-    return np.asarray(((ahead > 0.0) & (ahead < length + IN_VIEW) & (across < IN_VIEW)).any(axis=1))

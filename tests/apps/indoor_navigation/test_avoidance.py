@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
 from apps.indoor_navigation.algorithms.braking import safe_speed
+from apps.indoor_navigation.algorithms.legs import BODY, Legs, slender
 from apps.indoor_navigation.algorithms.orientation import OrientationNumbers, turn
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays, unexplained
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
-from apps.indoor_navigation.algorithms.slender import BODY, about_slender
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import Walkers, moved
 from apps.indoor_navigation.data import Floats, LaserRead, Odometry, SonarRead, WorldCoord
@@ -168,20 +168,44 @@ def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) 
     assert np.diff(behind).max() < 0.08
 
 
-def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
+def leg_at(distance: float, first: int, count: int = 10) -> Rays:
     ranges = np.full(361, 4.0)
-    ranges[176:186] = 1.5
-    x, y = about_slender(laser_rays(scan(ranges), 120))
+    ranges[first : first + count] = distance
+    return laser_rays(scan(ranges), 120)
+
+
+def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
+    legs = Legs()
+    legs.see(0.0, leg_at(1.5, 176))
+    x, y = legs.bodies()
     assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY), abs=0.05)
-    assert len(about_slender(laser_rays(scan(np.full(361, 4.0)), 120))[0]) == 0
+    assert len(slender(laser_rays(scan(np.full(361, 4.0)), 120))[0]) == 0
 
 
 def test_a_leg_half_behind_the_other_one_is_a_leg_as_well() -> None:
     ranges = np.full(361, 4.0)
     ranges[170:190], ranges[190:204] = 0.8, 1.1
-    x, _ = about_slender(laser_rays(scan(ranges), 120))
-    assert len(x) == 16
-    assert x.max() > 1.1 + BODY / 2.0
+    x, _ = slender(laser_rays(scan(ranges), 120))
+    assert np.sort(x) == pytest.approx([0.8, 1.1], abs=0.1)
+
+
+def test_what_was_a_leg_is_one_for_a_while_though_it_looks_like_something_else() -> None:
+    legs = Legs()
+    legs.see(0.0, leg_at(1.0, 176))
+    both = leg_at(1.0, 176, 40)
+    for stamp, is_believed in ((0.1, True), (0.9, True), (1.5, False)):
+        legs.see(stamp, both)
+        assert bool(len(legs.bodies()[0])) == is_believed
+
+
+def test_a_leg_that_left_the_view_beside_the_robot_is_believed_and_one_that_walked_on_is_not() -> None:
+    legs = Legs()
+    legs.see(0.0, leg_at(1.0, 40))
+    nothing_ahead = laser_rays(scan(np.full(361, 4.0), pose=(0.9, 0.0, 0.0)), 120)
+    legs.see(1.0, nothing_ahead)
+    assert len(legs.bodies()[0]) == 8
+    legs.see(1.1, laser_rays(scan(np.full(361, 4.0)), 120))
+    assert len(legs.bodies()[0]) == 0
 
 
 def test_who_walks_away_is_not_thought_to_come() -> None:

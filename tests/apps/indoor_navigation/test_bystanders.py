@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from apps.indoor_navigation.algorithms.bystanders import KEPT, Bystanders
+from apps.indoor_navigation.algorithms.legs import BODY
 from apps.indoor_navigation.algorithms.rays import Rays
-from apps.indoor_navigation.algorithms.slender import BODY
 from apps.indoor_navigation.data import Floats
 
 

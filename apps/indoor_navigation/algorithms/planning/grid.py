@@ -2,8 +2,8 @@
 
 A hit speaks louder than a ray that passes, but a few rays that pass end what hits have begun, so that a person who has
 walked on is forgotten at once, and a room may change. What stands where it was free before may go again, and so may
-what was not seen for long: who walks about is seen for the first time somewhere, too. Who has been in a place for a
-moment only, and is out of sight now, has walked on as well.
+what was not seen for long: who walks about is seen for the first time somewhere, too. And who walked and is out of
+sight has walked on, as far as one knows.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ SURELY_FREE = -3  # a cell that has been so is no wall, whatever stands there la
 NEVER, PASSABLE = np.nan, np.inf  # when it was hit first: not yet; never mind, since it was surely free
 MOST, LEAST = 8, -4
 MARGIN = 5.0  # m that the area grows beyond what made it grow
-ANEW = 0.5  # s without a hit, after which the next one is of something else
+THEIRS = 0.5  # s since somebody was in a place, in which what is hit there is theirs
 SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
 
 
@@ -36,8 +36,7 @@ class GridNumbers:
     resolution: edge of a cell. reach: beyond which no ray is believed. lone_reach: likewise, of a ray that shares its
     origin with no other: so sonar sees, which is surer of distances than of directions. largest: edge of the area.
     settled: s after the first hit, from which on another one tells that somebody who walks about is not there.
-    passing: s that somebody who walks about is in one place, at most. gone: s after the last hit, when they are not
-    there any more, though nobody looks.
+    gone: s after the last hit, when somebody who walks about is not there any more, though nobody looks.
     """
 
     resolution: float = 0.1
@@ -45,7 +44,6 @@ class GridNumbers:
     lone_reach: float = 1.0
     largest: float = 200.0
     settled: float = 3.0
-    passing: float = 1.5
     gone: float = 1.5
 
 
@@ -53,7 +51,7 @@ class Area(NamedTuple):
     """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
 
     first_hit: s, or NEVER, or PASSABLE. fixed: cells where something stood for long, and which were never free before.
-    came, hit_at: s, when what was hit last was hit for the first and for the last time.
+    hit_at, theirs_at: s, when something was there last, and when somebody was who walked there.
     """
 
     x: float
@@ -62,14 +60,15 @@ class Area(NamedTuple):
     evidence: Evidence
     first_hit: Floats
     fixed: Flags
-    came: Floats
     hit_at: Floats
+    theirs_at: Floats
 
     @classmethod
     def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
         """With so much evidence in each cell, and no more to know; what is occupied stands there for good."""
-        nothing = np.zeros(evidence.shape)
-        return cls(x, y, resolution, evidence, nothing + NEVER, evidence >= OCCUPIED, nothing, nothing - np.inf)
+        long_ago = np.full(evidence.shape, -np.inf)
+        never = np.full(evidence.shape, NEVER)
+        return cls(x, y, resolution, evidence, never, evidence >= OCCUPIED, long_ago, long_ago.copy())
 
     @property
     def occupied(self) -> Flags:
@@ -105,8 +104,8 @@ class Area(NamedTuple):
             self.evidence[here],
             self.first_hit[here],
             self.fixed[here],
-            self.came[here],
             self.hit_at[here],
+            self.theirs_at[here],
         )
 
     def around(self, *places: Place, margin: float) -> "Area":
@@ -162,8 +161,8 @@ class Grid:
             np.pad(area.evidence, pad),
             np.pad(area.first_hit, pad, constant_values=NEVER),
             np.pad(area.fixed, pad),
-            np.pad(area.came, pad),
             np.pad(area.hit_at, pad, constant_values=-np.inf),
+            np.pad(area.theirs_at, pad, constant_values=-np.inf),
         )
         return True
 
@@ -186,6 +185,7 @@ class Grid:
         evidence[changed] = np.clip(evidence[changed] + votes[changed], LEAST, MOST)
         free = changed[evidence[changed] <= SURELY_FREE]
         self._date(changed[votes[changed] == HIT], np.concatenate((free, self._unfixed(people))), reading.stamp)
+        area.theirs_at.reshape(-1)[self._about(reading.people_x, reading.people_y)] = reading.stamp
         self._let_go(area.around(reading.pose[:2], margin=self._numbers.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
@@ -202,9 +202,7 @@ class Grid:
     def _date(self, hit: Cells, free: Cells, stamp: float) -> None:
         """Note since when something is there."""
         first_hit, fixed = self.area.first_hit.reshape(-1), self.area.fixed.reshape(-1)
-        came, hit_at = self.area.came.reshape(-1), self.area.hit_at.reshape(-1)
-        came[hit[np.abs(stamp - hit_at[hit]) > ANEW]] = stamp
-        hit_at[hit] = stamp
+        self.area.hit_at.reshape(-1)[hit] = stamp
         first_hit[free], fixed[free] = PASSABLE, False
         first_hit[hit[np.isnan(first_hit[hit])]] = stamp
         fixed[hit] |= stamp - first_hit[hit] >= self._numbers.settled
@@ -213,11 +211,16 @@ class Grid:
         """Where somebody stands who walked there is floor, though nobody has seen it, unless a wall was seen there."""
         return people[~self.area.fixed.reshape(-1)[people]]
 
+    def _about(self, x: Floats, y: Floats) -> Cells:
+        """The cells at these places and beside them."""
+        edge = self._numbers.resolution
+        beside = [self._flat(x + right * edge, y + up * edge) for right in (-1, 0, 1) for up in (-1, 0, 1)]
+        return np.concatenate(beside)
+
     def _let_go(self, near: Area, stamp: float) -> None:
-        """Whoever has walked past where it was free, and is out of sight."""
-        is_short = (near.first_hit == PASSABLE) & (near.hit_at - near.came < self._numbers.passing)
-        has_gone = is_short & (stamp - near.hit_at > self._numbers.gone)
-        near.evidence[has_gone & near.occupied & ~near.fixed] = 0
+        """Who walks about and is out of sight."""
+        are_theirs = near.hit_at - THEIRS < near.theirs_at
+        near.evidence[are_theirs & (stamp - near.hit_at > self._numbers.gone) & near.occupied & ~near.fixed] = 0
 
     def _passed(self, rays: "_Rays") -> Cells:
         """The cells through which rays have passed. One that hits passes to a cell before its end."""
