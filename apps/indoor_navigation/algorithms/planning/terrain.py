@@ -32,7 +32,7 @@ class CostNumbers:
     margin: float = 0.0
     comfort: float = 0.35
     tight: float = 4.0
-    squeeze: float = 30.0
+    squeeze: float = 20.0
     unknown: float = 1.3
     off_ways: float = 2.0
     wall: float = 15.0
