@@ -91,7 +91,7 @@ class PathPlanning(Component):
 
     @answers_query("picture")
     def draw(self) -> dict[str, Any]:
-        """All that there is to draw; `grid.undrawn` unpacks the grid."""
+        """All that there is to draw; `area.undrawn` unpacks the grid."""
         picture = self._navigator.picture()
         return {**picture, "since": self._now - picture["since"]}
 

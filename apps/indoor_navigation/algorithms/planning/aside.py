@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.planning.grid import PASSED
+from apps.indoor_navigation.algorithms.planning.area import PASSED
 from apps.indoor_navigation.algorithms.planning.search import Way, costs_to, find_way
 from apps.indoor_navigation.algorithms.planning.terrain import Strip, Terrain, covered
 from apps.indoor_navigation.data import Place

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.planning.area import drawn
 from apps.indoor_navigation.algorithms.planning.breadcrumbs import Breadcrumbs
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapNumbers
-from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers, drawn
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers
 from apps.indoor_navigation.algorithms.planning.terrain import CostNumbers, Hints, Strip, Terrain, terrain
 from apps.indoor_navigation.data import DLEData, ObstRead, Place
 from geometry import wrap_angle

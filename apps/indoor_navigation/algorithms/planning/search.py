@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.planning.grid import Flags
+from apps.indoor_navigation.algorithms.planning.area import Flags
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import Floats, Place
 

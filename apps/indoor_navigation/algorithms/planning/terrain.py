@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.algorithms.planning.grid import Area, Flags
+from apps.indoor_navigation.algorithms.planning.area import Area, Flags
 from apps.indoor_navigation.data import Floats, Place
 
 BARRED = 1e6  # cost of a cell where the robot does not fit

@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.planning.grid import Area
+from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import Order
 from apps.indoor_navigation.algorithms.planning.search import find_way, length

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers, drawn, undrawn
+from apps.indoor_navigation.algorithms.planning.area import drawn, undrawn
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers
 from apps.indoor_navigation.data import ObstRead
 
 Ray = tuple[float, float, bool]  # end, and whether it hits

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.algorithms.planning.grid import Area
+from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.search import NO_WAY, Way, costs_to, find_way, length
 from apps.indoor_navigation.algorithms.planning.terrain import (
     BARRED,

@@ -1,0 +1,121 @@
+"""A part of the floor, cell by cell: what speaks for an obstacle there, and since when."""
+
+from math import ceil, floor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from apps.indoor_navigation.data import Floats, Place
+
+Evidence = NDArray[np.int8]
+Flags = NDArray[np.bool_]
+
+OCCUPIED = 2  # evidence; an obstacle from here on
+PASSED = -1  # where one ray has passed, and free below
+NEVER, PASSABLE = np.nan, np.inf  # when it was hit first: not yet; never mind, since it was surely free
+
+
+class Area(NamedTuple):
+    """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
+
+    first_hit: s, or NEVER, or PASSABLE. fixed: cells where something stood for long, and which were never free before.
+    hit_at, theirs_at: s, when something was there last, and when somebody was who walked there.
+    """
+
+    x: float
+    y: float
+    resolution: float
+    evidence: Evidence
+    first_hit: Floats
+    fixed: Flags
+    hit_at: Floats
+    theirs_at: Floats
+
+    @classmethod
+    def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
+        """With so much evidence in each cell, and no more to know; what is occupied stands there for good."""
+        long_ago = np.full(evidence.shape, -np.inf)
+        never = np.full(evidence.shape, NEVER)
+        return cls(x, y, resolution, evidence, never, evidence >= OCCUPIED, long_ago, long_ago.copy())
+
+    @property
+    def occupied(self) -> Flags:
+        """Where an obstacle is."""
+        return self.evidence >= OCCUPIED
+
+    @property
+    def walls(self) -> Flags:
+        """Where an obstacle is that is not expected to go."""
+        return self.occupied & self.fixed
+
+    @property
+    def unknown(self) -> Flags:
+        """Where nothing is known."""
+        return (self.evidence > PASSED) & (self.evidence < OCCUPIED)
+
+    def cell(self, x: float, y: float) -> tuple[int, int]:
+        """Row and column of a place, be it in the area or not."""
+        return floor((y - self.y) / self.resolution), floor((x - self.x) / self.resolution)
+
+    def place(self, row: int, column: int) -> Place:
+        """The middle of a cell."""
+        return self.x + (column + 0.5) * self.resolution, self.y + (row + 0.5) * self.resolution
+
+    def window(self, rows: slice, columns: slice) -> "Area":
+        """A part of it, which shares its memory."""
+        x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
+        here = rows, columns
+        return Area(
+            x,
+            y,
+            self.resolution,
+            self.evidence[here],
+            self.first_hit[here],
+            self.fixed[here],
+            self.hit_at[here],
+            self.theirs_at[here],
+        )
+
+    def around(self, *places: Place, margin: float) -> "Area":
+        """The part that holds these places with a margin, m, as far as the area goes."""
+        cells = np.array([self.cell(*place) for place in places])
+        wide = ceil(margin / self.resolution)
+        low = np.maximum(cells.min(axis=0) - wide, 0)
+        high = np.minimum(cells.max(axis=0) + wide + 1, self.evidence.shape)
+        return self.window(slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1])))
+
+    def known(self) -> "Area":
+        """The smallest part that holds all that is known."""
+        known = self.evidence != 0
+        rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+        if not len(rows):
+            return self.window(slice(0, 0), slice(0, 0))
+        return self.window(slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1))
+
+
+def drawn(area: Area) -> dict[str, Any]:
+    """For a picture: the known part, run-length coded row by row from the lowest y.
+
+    `runs` are pairs of a value and a length; the values are 0 unknown, 1 free, 2 obstacle.
+    """
+    known = area.known()
+    values = np.where(known.occupied, 2, np.where(known.unknown, 0, 1)).astype(np.int8)
+    flat = values.ravel()
+    starts = np.flatnonzero(np.diff(flat, prepend=-1)) if flat.size else np.zeros(0, np.intp)
+    lengths = np.diff(starts, append=flat.size)
+    return {
+        "x": known.x,
+        "y": known.y,
+        "resolution": known.resolution,
+        "rows": values.shape[0],
+        "columns": values.shape[1],
+        "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
+    }
+
+
+def undrawn(picture: dict[str, Any]) -> NDArray[np.int8]:
+    """The values of the cells of a picture, in rows of rising y."""
+    runs = np.array(picture["runs"], np.int64).reshape(-1, 2)
+    flat = np.repeat(runs[:, 0], runs[:, 1]).astype(np.int8)
+    return flat.reshape(picture["rows"], picture["columns"])
