@@ -6,10 +6,8 @@ from apps.indoor_navigation.algorithms.legs import bodies
 from apps.indoor_navigation.algorithms.rays import Rays, nearest
 from apps.indoor_navigation.data import Floats
 
-KEPT = 30.0  # s for which somebody is believed to stand where they were seen to move last
-A_STEP = 1.0  # s, and
-ON = 1.2  # m about who moves, within which what moved longer ago was the same person
-STILL_THERE = 0.25  # m from where something moved to what is seen now
+KEPT = 15.0  # s for which somebody is believed to stand where they were seen to move last
+STILL_THERE = 0.15  # m from where something moved to what is seen now; nobody walks so near to a wall
 APART = 0.1  # m between places that are remembered
 
 
@@ -25,12 +23,9 @@ class Bystanders:
 
     def see(self, stamp: float, x: Floats, y: Floats) -> None:
         """Something has moved to here, at s of any clock; or nothing has."""
-        has_walked_on = (self._at < stamp - A_STEP) & (nearest(self._x, self._y, x, y) < ON)
-        is_known = nearest(x, y, self._x, self._y) < APART
-        stays = ~has_walked_on & (stamp - self._at < KEPT) & (self._at <= stamp)
-        self._x = np.concatenate((self._x[stays], x[~is_known]))
-        self._y = np.concatenate((self._y[stays], y[~is_known]))
-        self._at = np.concatenate((self._at[stays], np.full(np.count_nonzero(~is_known), stamp)))
+        stays = (stamp - self._at < KEPT) & (self._at <= stamp) & (nearest(self._x, self._y, x, y) >= APART)
+        self._x, self._y = np.concatenate((self._x[stays], x)), np.concatenate((self._y[stays], y))
+        self._at = np.concatenate((self._at[stays], np.full(len(x), stamp)))
 
     def about(self, stamp: float, rays: Rays) -> tuple[Floats, Floats]:
         """x and y in odom of each who is still there, and of places about them, where the rest of a person would be."""

@@ -37,8 +37,16 @@ def test_who_walks_on_leaves_nobody_behind_beside_the_wall() -> None:
     wall = seen(*((0.1 * step, 1.2) for step in range(60)))
     for step in range(40):
         people.see(0.1 * step, *at((0.1 * step, 1.0)))
-    x, _ = people.about(4.0, wall)
-    assert x.min() > 3.9 - 1.2 - BODY
+    assert len(people.about(4.0, wall)[0]) == 0
+
+
+def test_who_stands_is_not_forgotten_when_somebody_else_walks_past() -> None:
+    people = Bystanders()
+    people.see(0.0, *at((2.0, 1.0)))
+    for step in range(30):
+        people.see(2.0 + 0.1 * step, *at((0.1 * step, 1.5)))
+    x, y = people.about(5.0, seen((2.0, 1.0)))
+    assert (x[0], y[0]) == (2.0, 1.0)
 
 
 def test_nobody_is_believed_to_stand_for_ever() -> None:
