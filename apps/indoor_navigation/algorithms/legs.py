@@ -55,7 +55,7 @@ def bodies(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def slender(rays: Rays) -> tuple[Floats, Floats]:
-    """x and y in odom of each.
+    """x and y in odom of each slender thing that stands alone.
 
     Args:
         rays: Of one scanner, in the order of their angles.
@@ -63,8 +63,8 @@ def slender(rays: Rays) -> tuple[Floats, Floats]:
     depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
     gaps = np.flatnonzero(np.abs(np.diff(depth)) > ALONE)
     starts, ends = gaps[:-1] + 1, gaps[1:]
-    inner = (starts >= EDGE) & (ends < len(depth) - EDGE)
-    starts, ends = starts[inner], ends[inner]
+    is_inner = (starts >= EDGE) & (ends < len(depth) - EDGE)
+    starts, ends = starts[is_inner], ends[is_inner]
     # On average a thing is one ray wider than what lies between the first and the last that meet it.
     wider = (ends - starts + 1) / np.maximum(ends - starts, 1)
     is_slender = rays.hits[starts] & (_apart(rays, starts, ends) * wider < SLENDER)

@@ -66,10 +66,12 @@ class Pausing:
 
     def _sees_end_of(self, waiting: Waiting, now: float) -> bool:
         """A way is found that is worth it, or what bars it is found to be a wall."""
-        situation, before = self._situation, self._situation.looked_at
-        if (found := situation.look_on(now, waiting)) is not None:
+        situation = self._situation
+        if not situation.is_time_to_look(now):
+            return False
+        if (found := situation.look_past(waiting, now)) is not None:
             self._machine.happens(Event.WAY_FOUND, now, f"a way of {found:.1f} m")
-        elif situation.looked_at > before and waiting.hopes and situation.guide.is_hopeless(now):
+        elif waiting.hopes and situation.guide.is_hopeless(now):
             self._machine.happens(Event.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
         else:
             return False

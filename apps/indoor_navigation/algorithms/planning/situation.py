@@ -63,16 +63,18 @@ class Situation:
         self.waiting = waiting
         self.machine.happens(event, now, waiting.why)
 
-    def look_on(self, now: float, waiting: Waiting) -> float | None:
-        """Look now and then whether there is a way that is worth it to wait no longer. Its length, m, or None."""
-        if now < self.looked_at + LOOK_WAITING:
-            return None
+    def is_time_to_look(self, now: float) -> bool:
+        """Whether to look once more if waiting has an end."""
+        return now >= self.looked_at + LOOK_WAITING
+
+    def look_past(self, waiting: Waiting, now: float) -> float | None:
+        """Look for a way that is worth it to wait no longer, and take it. Its length, m, or None."""
         return self.look(now, waiting.budget(now, self.numbers.detour, self.numbers.speed))
 
     def end_making_way(self, now: float) -> None:
         """If nobody is in the way any more."""
         waiting = self.making_way.waiting
-        if waiting is not None and self.look_on(now, waiting) is not None:
+        if waiting is not None and self.is_time_to_look(now) and self.look_past(waiting, now) is not None:
             self.making_way.end(now)
             self.note("info", "nobody has to be made way for any more")
 
