@@ -155,7 +155,7 @@ def robot_parser() -> Parser:
     def take(data: bytes) -> None:
         for event in decoder.receive(data, 0.0):
             if isinstance(event, Frame):
-                with suppress(DecodeError):
+                with suppress(DecodeError):  # the one that is allowed: garbage is refused
                     decode_packet(event.payload, model, codec)
 
     sip = example_sip(codec)
@@ -179,9 +179,9 @@ def laser_parser() -> Parser:
         for event in decoder.receive(data, 0.0):
             if isinstance(event, lms_framing.Telegram):
                 for read in (lms.read_status, lms.read_variant, lms.Configuration.unpack):
-                    with suppress(DecodeError):
+                    with suppress(DecodeError):  # likewise
                         read(event.data)
-                with suppress(DecodeError):
+                with suppress(DecodeError):  # likewise
                     scan = lms.read_scan(event)
                     scan.ranges(1), scan.flags(1)
 
@@ -206,7 +206,7 @@ def laser_host_parser() -> Parser:
         for event in decoder.receive(data, 0.0):
             if isinstance(event, lms_framing.Telegram):
                 lms.read_segment(event.data)
-                with suppress(DecodeError):
+                with suppress(DecodeError):  # likewise
                     lms.Configuration.unpack(event.data)
 
     contents = (

@@ -137,7 +137,7 @@ class ControlSocket:
     def _send(self, client: _Client) -> bool:
         """Send what goes now; False when the client is gone."""
         try:
-            with contextlib.suppress(BlockingIOError):
+            with contextlib.suppress(BlockingIOError):  # the rest goes when there is room
                 del client.unsent[: client.connection.send(client.unsent)]
         except OSError:
             self._let_go(client)

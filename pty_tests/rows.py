@@ -138,6 +138,7 @@ ELSEWHERE: Mapping[str, tuple[int, ...]] = {
 }
 """Modules of the suite that judge the other commands; the last are a simulator's, or put the controller out of use."""
 
+# Bytes in rows, as in the tables.
 PACKETS: Mapping[str, tuple[int, ...]] = {
     "test_handshake": (0x00, 0x01, 0x02),
     "test_stream": (0x20, 0x32, 0x33, 0x90, 0xF0),

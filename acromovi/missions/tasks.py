@@ -182,7 +182,7 @@ class _Chooser:
         ease = next(ease for ease in AT_EASE if shortest_path(world, *ends, radius=self._half + ease) is not None)
         bounded = _between(world, *ends)
         for count in range(MOST_OBSTACLES, 0, -1):
-            with suppress(WorldError):
+            with suppress(WorldError):  # no room for so many: try fewer
                 radius = self._half + ease
                 fuller = with_obstacles(bounded, seed, count, radius=radius, keep_clear=self._doors)
                 return replace(fuller, places=world.places)

@@ -35,7 +35,7 @@ class Kept:
 
     def send(self, number: signal.Signals) -> None:
         """Send it a signal, if it is still there."""
-        with suppress(ProcessLookupError):
+        with suppress(ProcessLookupError):  # it has ended
             signal.pidfd_send_signal(self.descriptor, number)
 
     def has_ended(self, within: float = 0.0) -> bool:
@@ -57,7 +57,7 @@ def main() -> None:
     for line in sys.stdin:
         kept = _without_ended(kept)
         stage, pid = map(int, line.split())
-        with suppress(ProcessLookupError):
+        with suppress(ProcessLookupError):  # it has ended before it could be kept
             kept.append(Kept(stage, pid))
     end_in_order(kept)
     shutil.rmtree(Path(sys.argv[1]), ignore_errors=True)

@@ -110,10 +110,10 @@ class Processes:
         """Have the keeper end all of them in order, and wait for that."""
         assert self._keeper.stdin is not None
         self._keeper.stdin.close()
-        with suppress(TimeoutError):
+        with suppress(TimeoutError):  # then it is killed
             async with asyncio.timeout(KEEPER_TIME):
                 await self._keeper.wait()
-        with suppress(ProcessLookupError, PermissionError):
+        with suppress(ProcessLookupError, PermissionError):  # all have ended
             os.killpg(self._keeper.pid, signal.SIGKILL)  # what a keeper that was killed itself has left behind
         await self._keeper.wait()
 

@@ -64,7 +64,7 @@ class RobotAgents:
             while True:
                 self._changed.clear()
                 pause = await self._follow()
-                with suppress(TimeoutError):
+                with suppress(TimeoutError):  # nothing has changed: look again
                     async with asyncio.timeout(pause):
                         await self._changed.wait()
 

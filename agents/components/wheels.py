@@ -244,7 +244,7 @@ class Wheels(Component):
     async def _next(self, within: float) -> None:
         """Wait for a pose or for the end of a motion, at most so many seconds."""
         self._news.clear()
-        with suppress(TimeoutError):
+        with suppress(TimeoutError):  # no news is an answer as well
             async with asyncio.timeout(within):
                 await self._news.wait()
 

@@ -52,7 +52,7 @@ class Driving:
         if task is None or task.done():
             return
         task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):
+        with contextlib.suppress(asyncio.CancelledError):  # it was cancelled just now, as it is meant to be
             await task
         halt = messages.twist(0.0, 0.0)  # the stream may not have begun, and the robot drives as it was asked to
         self._stage.agent.bus.send(keys.CMD_VEL.key(self._robot), halt, self._token.encode())

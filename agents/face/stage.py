@@ -69,7 +69,7 @@ class Stage:
 
     def last(self, work: Coroutine[Any, Any, object]) -> None:
         """The same for what must be tried even when the program is to end, whose reason counts for more than this."""
-        with suppress(RobotError, TimeoutError):
+        with suppress(RobotError, TimeoutError):  # the program's own reason to end counts for more
             self._wait(_in_time(work))
 
     def suspend(self) -> None:

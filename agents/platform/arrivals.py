@@ -126,7 +126,7 @@ class Arrivals:
                 await self._let_go(arrival)
 
     async def _lives_on(self, arrival: _Arrival) -> bool:
-        with contextlib.suppress(BusError, TimeoutError):
+        with contextlib.suppress(BusError, TimeoutError):  # where nobody answers it does not live
             asked = query(self._container.bus, arrival.origin, {"do": "list"}, ANSWER_TIME)
             return any(row["name"] == str(arrival.agent.name) for row in (await asked)[0].value["agents"])
         return False

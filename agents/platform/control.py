@@ -134,7 +134,7 @@ class Control:
         try:
             self._container.agent(named_in(given)).call(table_of(given, "message"), conversation)
         except AgentError as err:
-            with contextlib.suppress(BusUnavailable):
+            with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
                 conversation.refuse(str(err))
 
     async def _do(self, given: Given, orders: Mapping[str, Order]) -> dict[str, Any]:

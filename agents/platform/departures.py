@@ -175,13 +175,13 @@ class Departures:
         has_ended = False
 
         def hear(answer: Answer) -> None:
-            with contextlib.suppress(BusUnavailable):
+            with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
                 conversation.reply(answer.value)
 
         def end(error: BusError | None) -> None:
             nonlocal has_ended
             has_ended = True
-            with contextlib.suppress(BusUnavailable):
+            with contextlib.suppress(BusUnavailable):  # likewise
                 if isinstance(error, Refused):
                     conversation.refuse(error.why)
             conversation.close()
@@ -196,7 +196,7 @@ class Departures:
     def _forsake(self, name: AgentName, there: ContainerName) -> None:
         """Tell the other container that the agent does not come, if it is there to hear it."""
         order: Order = {"do": "forsake", "name": str(name), "from": self._container.called.control_key}
-        with contextlib.suppress(BusError):
+        with contextlib.suppress(BusError):  # it is not there, and waits for nobody
             self._container.bus.ask(there.control_key, order, lambda answer: None, lambda error: None, ORDER_TIME)
 
     async def _lives(self, name: AgentName, there: ContainerName) -> bool:
@@ -207,7 +207,7 @@ class Departures:
         loop = asyncio.get_running_loop()
         until = loop.time() + MEET_AGAIN_TIME
         while True:
-            with contextlib.suppress(BusError, TimeoutError):
+            with contextlib.suppress(BusError, TimeoutError):  # asked again below
                 listed = (await query(self._container.bus, there.description_key, None, ORDER_TIME))[0].value
                 return any(row["name"] == str(name) and row["state"] != State.TRANSIT for row in listed["agents"])
             if loop.time() >= until:

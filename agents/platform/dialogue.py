@@ -148,7 +148,7 @@ class Dialogue:
             conversation_id=self.opening.conversation_id,
         )
         self._home.trace(more)
-        with contextlib.suppress(BusError):
+        with contextlib.suppress(BusError):  # who cannot be reached notices by its own time limit
             self._home.bus.send(self.peer.acl_key, more.to_dict(), new_label())
 
     def _read(self, value: Mapping[str, Any]) -> AclMessage:

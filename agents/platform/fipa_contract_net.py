@@ -79,7 +79,7 @@ async def call_for(dialogues: Sequence[Dialogue], choose: Choose, bids_within: f
 
 
 async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
-    with contextlib.suppress(TimeoutError):
+    with contextlib.suppress(TimeoutError):  # who has not answered by then makes no offer
         async with asyncio.timeout(within):
             for caller in callers:
                 await caller.answered.wait()

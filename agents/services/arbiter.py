@@ -163,10 +163,10 @@ class Arbiter(Agent):
         for grant in self._book.held_against(wish):
             self._keeper.warn(grant, notice, str(wish.holder))
         for holder, _ in others:  # from another arbiter, or from before this one began
-            with suppress(NameNotValid):
+            with suppress(NameNotValid):  # no agent holds it, and none can be told
                 name = AgentName.parse(holder)
                 self._keeper.inform(name, "", wish.place, LeaseEvent.PREEMPTED, notice, str(wish.holder))
-        with suppress(TimeoutError):
+        with suppress(TimeoutError):  # the notice is over, and they lose it now
             async with asyncio.timeout(notice):
                 while (others or self._book.held_against(wish)) and not claim.outbid_by:
                     await claim.stirred.wait()
@@ -191,7 +191,7 @@ class Arbiter(Agent):
         return Grant(new_id(), wish, token, wish.seconds, asked_at + wish.seconds)
 
     async def _undo(self, wish: Wish, taking: asyncio.Future[str]) -> None:
-        with suppress(Refused, GatewayAway):
+        with suppress(Refused, GatewayAway):  # it was never taken, or is gone with its gateway
             await self._keeper.take_back(Grant("", wish, await taking, 0.0, self._own_loop.time() + wish.seconds))
 
     async def _adopt(self, lease: str, token: str, place: Place, seconds: float) -> Grant:
@@ -206,7 +206,7 @@ class Arbiter(Agent):
 
     async def _await_life(self, holder: AgentName) -> None:
         """Refuse a holder that nobody would notice dying: one that does not live, or lies about its name."""
-        with suppress(TimeoutError):
+        with suppress(TimeoutError):  # whether it lives is asked below
             async with asyncio.timeout(TIME_TO_APPEAR):
                 while not self._directory.knows(holder):
                     await asyncio.sleep(TIME_TO_APPEAR / 10)

@@ -135,7 +135,7 @@ class Keeper(Closeable):
     async def _expire(self, grant: Grant) -> None:
         """End it, unless its holder has renewed it at the gateway, past an arbiter that did not answer in time."""
         left = 0.0
-        with suppress(GatewayAway):
+        with suppress(GatewayAway):  # nobody can have renewed it there
             left = await self._gateways.time_left(grant.place, str(grant.holder))
         if left > 0.0 and grant.id in self._book.grants:
             grant.expires_at = self._loop.time() + left
@@ -145,7 +145,7 @@ class Keeper(Closeable):
 
     async def _make_sure(self, grant: Grant) -> None:
         left = grant.expires_at - self._loop.time()
-        with suppress(GatewayAway):
+        with suppress(GatewayAway):  # the lease ends at its time
             if left > 0.0:
                 await self._last(grant, left)
 

@@ -219,7 +219,7 @@ class Loader(Agent):
 
     async def _let_go(self, load: Load) -> None:
         """Somebody else sees to it from now on, or nobody is to; it is to end in peace before its process does."""
-        with suppress(TimeoutError):
+        with suppress(TimeoutError):  # it has had its time to end in peace
             async with asyncio.timeout(ANSWER_TIME):
                 while self._directory.knows(load.name):
                     await asyncio.sleep(CALM)

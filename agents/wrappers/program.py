@@ -116,7 +116,7 @@ class Program:
         if self._writer is not None:
             self._writer.close()
         if self._process is not None and self._process.returncode is None:
-            with contextlib.suppress(ProcessLookupError):
+            with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
                 self._process.terminate()
             try:
                 async with asyncio.timeout(ENDING_TIME):
@@ -162,7 +162,7 @@ class Program:
 
     async def _hear(self) -> None:
         assert self._reader is not None
-        with contextlib.suppress(ConnectionError):
+        with contextlib.suppress(ConnectionError):  # it has hung up, and whoever keeps it running says so
             while data := await self._reader.read(PORTION):
                 for event in self._codec.receive(data):
                     self._heard(event)

@@ -195,7 +195,7 @@ async def until_it_arrives(console: Agent, peer: AgentName, where: str) -> None:
     """Wait until an agent is being set up in a container."""
     async with asyncio.timeout(20.0):
         while True:
-            with suppress(TimeoutError):
+            with suppress(TimeoutError):  # not there yet: asked again until the deadline above
                 listed = await console.query(f"{where}/containers/{where}/description")
                 if [row["name"] for row in listed["agents"]] == [str(peer)]:
                     return

@@ -147,7 +147,7 @@ def test_stop_holds_against_a_stream_until_it_has_paused(bench: "Bench") -> None
     bench.connect()
 
     def stream() -> None:
-        with suppress(CommandRefused):
+        with suppress(CommandRefused):  # the stop holds: that is what is seen below
             bench.driver.set_velocity(0.3, 0.0, bench.now)
 
     bench.run(1.0, stream)
@@ -166,7 +166,7 @@ def test_estop_under_a_stream_of_velocities_stays_a_stop_until_off_and_enable(be
     driver = bench.driver
 
     def stream() -> None:
-        with suppress(CommandRefused):
+        with suppress(CommandRefused):  # likewise
             driver.set_velocity(0.5, 0.0, bench.now)
 
     bench.run(ASKED, stream)

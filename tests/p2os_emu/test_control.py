@@ -154,7 +154,7 @@ def say_until_shut_out(office: Office, visitor: socket.socket, data: bytes) -> i
     """How many bytes the office took before it let the visitor go."""
     visitor.settimeout(DEADLINE)
     taken = 0
-    with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the office has let the visitor go
         while taken < 1 << 24:
             taken += visitor.send(data)
             office.turn()

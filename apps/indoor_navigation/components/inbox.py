@@ -44,7 +44,7 @@ class Inbox:
             self._news.clear()
             self._is_awaited = not self._unread
         if self._is_awaited:
-            with suppress(TimeoutError):
+            with suppress(TimeoutError):  # the deadline: the caller looks what there is
                 async with asyncio.timeout_at(deadline):
                     await self._news.wait()
 

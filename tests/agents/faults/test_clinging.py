@@ -16,7 +16,7 @@ async def cling() -> str:
     loop = asyncio.get_running_loop()
     until = loop.time() + LONG
     while loop.time() < until:
-        with contextlib.suppress(asyncio.CancelledError):
+        with contextlib.suppress(asyncio.CancelledError):  # it clings: that is the fault
             await asyncio.sleep(until - loop.time())
     return "at last"
 

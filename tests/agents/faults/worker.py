@@ -30,7 +30,7 @@ class Worker(Agent):
     async def cling(self) -> None:
         with self._working():
             while not self.may_go.is_set():
-                with suppress(asyncio.CancelledError):
+                with suppress(asyncio.CancelledError):  # it clings: that is the fault
                     await self.may_go.wait()
 
     @request("look")

@@ -58,7 +58,7 @@ class Gateway:
 
     def moves(self, element: str, token: str) -> bool:
         """Whether a command with this token passes."""
-        with suppress(CommandRefused):
+        with suppress(CommandRefused):  # then it does not move
             self.leases.check(element, token)
             return True
         return False
@@ -76,7 +76,7 @@ class Gateway:
             conversation.refuse(refusal.why)
 
     def _reply(self, conversation: Conversation, answer: dict[str, Any]) -> None:
-        with suppress(BusUnavailable), conversation:
+        with suppress(BusUnavailable), conversation:  # a bus that a test has cut
             conversation.reply(answer)
 
     def _serve(self, given: dict[str, Any]) -> dict[str, Any]:
