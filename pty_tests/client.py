@@ -246,7 +246,7 @@ class Client:
                     self.write(frame(bytes([number])))
                     answer = self.next(number, 1.0, pulse=False)
             except Silence:
-                continue
+                continue  # it does not answer yet: once more
             self._splitter.forget()  # the stream may have been joined in the middle
             return identity(answer)
         raise Silence("no handshake in five tries")

@@ -25,7 +25,7 @@ class Ear(Closeable):
             self._in_order.add(self._came.get(timeout=timeout), time.monotonic())
             self._drain()
         except queue.Empty:
-            pass
+            pass  # nothing has come; what is due is told all the same
         return self._in_order.due(time.monotonic())
 
     def rest(self) -> list[Heard]:

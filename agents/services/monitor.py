@@ -197,7 +197,7 @@ class Monitor(Agent):
             try:
                 description = await self.query(DESCRIPTION.key(robot), None, DESCRIPTION_TIME)
             except (BusError, TimeoutError):
-                continue
+                continue  # asked again
             if robot in self._watching.robots:
                 self._watch_streams(robot, self._steady(robot, description))
             return

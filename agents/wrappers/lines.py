@@ -115,6 +115,6 @@ def _value(text: str) -> Any:
         try:
             number = kind(text)
         except ValueError:
-            continue
+            continue  # no such number
         return number if math.isfinite(number) else text
     return text

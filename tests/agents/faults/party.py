@@ -79,7 +79,7 @@ async def _subscribe(me: Agent, peer: AgentName) -> Ending:
             async for _ in values:
                 pass
     except RequestNotDone:
-        pass
+        pass  # how it ended is looked at below
     assert values.outcome is not None
     return values.outcome.ending
 

@@ -38,7 +38,7 @@ async def _cancel(me: Agent, peer: AgentName) -> Ending:
         async with asyncio.timeout(BEFORE_LEAVING):
             await asking
     except TimeoutError:
-        pass
+        pass  # as meant: it is left in the midst of it
     finally:
         ended = await asking.cancel()  # which leaves the end as it is, if it has come
     return ended.ending
@@ -58,7 +58,7 @@ async def _subscribe(me: Agent, peer: AgentName) -> Ending:
             async for _ in values:
                 pass
     except RequestNotDone:
-        pass
+        pass  # how it ended is looked at below
     assert values.outcome is not None
     return values.outcome.ending
 
@@ -69,7 +69,7 @@ async def _unsubscribe(me: Agent, peer: AgentName) -> Ending:
             async for _ in values:
                 return Ending.CANCELLED
     except RequestNotDone:
-        pass
+        pass  # how it ended is looked at below
     assert values.outcome is not None
     return values.outcome.ending
 

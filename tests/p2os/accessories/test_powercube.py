@@ -113,7 +113,7 @@ def test_any_data_is_read_or_refused(data: bytes) -> None:
         try:
             read(data)
         except DecodeError:
-            continue
+            continue  # refused, as it may be
 
 
 @given(st.floats(width=32).filter(isfinite), st.sampled_from([kind for kind in MotionKind if kind != 0x16]))
