@@ -64,6 +64,7 @@ class RobotOnBus(Subscription):
         self._orders = Orders(name, bus, commander, new_token, wall_clock, cable_faces)
         self._streams = Streams(name, bus, driver, model, cable_faces)
         self._elements = ElementTokens(name, bus)
+        self._has_answered = False  # and takes orders; before its first SIP it refuses them
         faces = [kind(name, model) for kind in FACES]
         self._present = partial(present, driver, model, settings, faces, cable_faces)
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
@@ -92,7 +93,9 @@ class RobotOnBus(Subscription):
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event in events:
                 self._streams.publish(event, stamp_ns)
-            self._elements.follow(self._present())
+            self._has_answered |= self._driver.is_connected
+            if self._has_answered:  # whoever acts on a token finds a robot that obeys
+                self._elements.follow(self._present())
             if now >= self._orders.leases.deadline:
                 self._orders.settle()
             if self._orders.lease_has_changed:

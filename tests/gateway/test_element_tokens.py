@@ -53,6 +53,13 @@ def test_the_tokens_are_those_of_the_elements_that_are_described(make_lockstep: 
     assert len(shown.changes) == len(shown.elements)  # each came once
 
 
+def test_no_token_comes_before_the_robot_takes_orders(make_lockstep: Callable[[str], Lockstep]) -> None:
+    lockstep = make_lockstep("no-laser")
+    shown = Shown(lockstep)
+    lockstep.run_until(lambda: bool(shown.elements), 5.0)
+    lockstep.bus().query(keys.DRIVE.key("happy"), {"linear": 0.1, "angular": 0.0})  # raises if it is refused
+
+
 def test_a_laser_that_is_unplugged_goes_and_comes_back_with_its_cable(make_lockstep: Callable[[str], Lockstep]) -> None:
     lockstep = make_lockstep("laser")
     shown = Shown(lockstep)
