@@ -19,8 +19,8 @@ def describe(
 ) -> dict[str, Any]:
     """Describe one robot.
 
-    Lengths in m, angles in rad, in `<name>/base_link`. `emulated` is false unless the settings say that it is true:
-    what is not known is treated as real.
+    Lengths in m, angles in rad, in `<name>/base_link`. The limits of acceleration are there once they are known.
+    `emulated` is false unless the settings say that it is true: what is not known is treated as real.
     """
     model, identity = driver.model, driver.identity
     if model is None or identity is None:
@@ -35,7 +35,7 @@ def describe(
         "connected": driver.is_connected,
         "elements": [*_elements(name, driver, model, settings), *_cabled(name, cable_faces)],
         "geometry": _geometry(model),
-        "limits": {"linear": driver.max_linear, "angular": driver.max_angular},
+        "limits": {"linear": driver.max_linear, "angular": driver.max_angular, **(driver.accelerations or {})},
         "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
         "serial": configuration.serial,
         "sip_cycle": configuration.sip_cycle or model.flash.sip_cycle,

@@ -13,7 +13,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from math import inf
 
+from gateway import accelerations
 from gateway.connector import CLOSE, STOP, Connector
+from gateway.elements.configuration import ControllerConfiguration
 from gateway.elements.element import Element
 from gateway.elements.gyro import Gyro
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
@@ -89,6 +91,13 @@ class Driver(Helm):
         self.damaged: Counter[str] = Counter()
         self.implausible: Counter[str] = Counter()
         self.lost: Counter[str] = Counter()
+
+    @property
+    def accelerations(self) -> dict[str, float] | None:
+        """How hard the robot speeds up and brakes, m/s² and rad/s²; None as long as it may still say so itself."""
+        if self.model is None or (self.configuration is None and self.lookup(ControllerConfiguration).is_awaited):
+            return None
+        return accelerations.known(self._settings.limits, self.model, self.configuration)
 
     # The port's side.
 
@@ -255,6 +264,8 @@ class Driver(Helm):
         self._sip_at = now
         self._events.append(HandshakeCompleted(identity, model, self.baud))
         self._outbox.put("open", encode_command(Command.OPEN))
+        for name, frame in accelerations.told(self._settings.limits):
+            self._outbox.put(name, frame)
         self._motion.begin_link(now)
         for element in self._elements.values():
             element.begin_link(model, now)

@@ -1,7 +1,7 @@
 """What a person can set for one gateway, in a TOML file given with `--config`."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from math import pi
 from pathlib import Path
@@ -45,13 +45,21 @@ class OdometryErrors:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Speeds that no command exceeds, below those of the model and of the robot's own configuration."""
+    """How fast the robot moves, and how hard it speeds up and brakes.
+
+    linear_m_s, angular_rad_s: no command exceeds them; below those of the model and of the robot's own configuration.
+    The others are told to the robot when it is connected; left out, it keeps its own.
+    """
 
     linear_m_s: float | None = None
     angular_rad_s: float | None = None
+    acceleration_m_s2: float | None = None
+    deceleration_m_s2: float | None = None
+    angular_acceleration_rad_s2: float | None = None
+    angular_deceleration_rad_s2: float | None = None
 
     def __post_init__(self) -> None:
-        _check_above_zero("limits", self, ("linear_m_s", "angular_rad_s"))
+        _check_above_zero("limits", self, [each.name for each in fields(self)])
 
 
 class PtzChoice(StrEnum):

@@ -29,6 +29,11 @@ class AskedElement(Element):
     _asks_left = 0
     _streams = False
 
+    @property
+    def is_awaited(self) -> bool:
+        """It is still being asked."""
+        return self._asks_left > 0
+
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask."""
         self._asks_left = self.times

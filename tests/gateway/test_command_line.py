@@ -124,6 +124,7 @@ def test_unknown_model_names_the_nearest(complain: Complain) -> None:
         ("model = 'p3dz'", "did you mean"),
         ("model = ", "is not TOML"),
         ("[limits]\nlinear_m_s = -0.5", "limits.linear_m_s must be above 0, not -0.5"),
+        ("[limits]\nacceleration_m_s2 = 0", "limits.acceleration_m_s2 must be above 0, not 0"),
         ("[calibration]\ngyro = nan", "calibration.gyro must be a number, not nan"),
         ("[camera]\nfield_of_view_rad = 60.0", "camera.field_of_view_rad must be between 0 and pi, not 60.0"),
     ],
