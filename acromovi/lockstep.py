@@ -50,6 +50,7 @@ class Lockstep:
         fits: Mapping[str, str] | None = None,
         seed: int = 0,
         perfect: bool = False,
+        settings: Settings = SETTINGS,
     ) -> None:
         """Put the robots on their places and open the bus; their drivers connect within the first second of `run`.
 
@@ -59,6 +60,7 @@ class Lockstep:
             fits: Name to accessories, as `{"happy": "gyro,laser"}`.
             seed: Of every imperfection and every chance.
             perfect: No imperfections of body and sensors.
+            settings: Of every robot's driver.
         Raises:
             ConfigError: There is no such model.
             FitError: There is no such accessory, or it does not go onto this robot.
@@ -75,7 +77,7 @@ class Lockstep:
             model, fit = read_fit(filter(None, parts.split(",")), configs.load(RobotModel, "robots", model_name))
             link, cables = MemoryLink(), {part: MemoryLink() for part in fit.cables}
             self._emulator.add(name, model, link, fit=fit, cables=cables)
-            self._hosts[name] = _Host(name, model, link, cables, self.bus(), lambda: self.time, seed)
+            self._hosts[name] = _Host(name, model, link, cables, self.bus(), lambda: self.time, seed, settings)
 
     @property
     def time(self) -> float:
@@ -167,8 +169,8 @@ class Lockstep:
 class _Element:
     """The host's end of the cable of an accessory that has one of its own."""
 
-    def __init__(self, part: str, link: MemoryLink, clock: Callable[[], float]) -> None:
-        self.driver = CABLES[part].make(False, SETTINGS)
+    def __init__(self, part: str, link: MemoryLink, clock: Callable[[], float], settings: Settings) -> None:
+        self.driver = CABLES[part].make(False, settings)
         self._link = link
         self._clock = clock
         self.driver.port_opened(clock())
@@ -202,9 +204,11 @@ class _Host:
         bus: Bus,
         clock: Callable[[], float],
         seed: int,
+        settings: Settings,
     ) -> None:
         self._name = name
-        self._elements = {part: _Element(part, cables[part], clock) for part in cables if part in CABLES}
+        self._settings = settings
+        self._elements = {part: _Element(part, cables[part], clock, settings) for part in cables if part in CABLES}
         self._faces: dict[str, CableFace[ElementDriver]] = {}
         self.heard = bytearray()
         self._link = link
@@ -212,7 +216,7 @@ class _Host:
         self._clock = clock
         self._tokens = itertools.count(1)
         rng = random.Random(f"{seed} {name} driver")
-        self._driver = Driver(lambda identity: model, NO_RATE, SETTINGS, rng)
+        self._driver = Driver(lambda identity: model, NO_RATE, settings, rng)
         self._robot: RobotOnBus | None = None
         self._driver.port_opened(clock())
         self._flush()
@@ -228,7 +232,7 @@ class _Host:
             if self._driver.model is None:
                 return
             self._faces = {
-                part: CABLE_FACES[part](self._name, self._driver.model, SETTINGS, element.driver, element)
+                part: CABLE_FACES[part](self._name, self._driver.model, self._settings, element.driver, element)
                 for part, element in self._elements.items()
             }
             self._robot = RobotOnBus(
@@ -236,7 +240,7 @@ class _Host:
                 self._bus,
                 self._driver,
                 self,
-                SETTINGS,
+                self._settings,
                 cable_faces=list(self._faces.values()),
                 new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,

@@ -10,7 +10,7 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.attraction import Speeds
+from apps.indoor_navigation.algorithms.attraction import AttractionNumbers, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.components.goto import Goto, Steering
 from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
@@ -80,6 +80,6 @@ class FreeSpaceBlock:
 class BlockGoto(Goto):
     """Goto by that method: `BlockGoto("goto@happy", properties)` in place of the wiring's own."""
 
-    def steering(self, outline: Outline) -> Steering:
-        """By blocks."""
+    def steering(self, numbers: AttractionNumbers, outline: Outline) -> Steering:
+        """By blocks, and with numbers of its own."""
         return FreeSpaceBlock(outline)

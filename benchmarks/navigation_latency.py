@@ -117,7 +117,7 @@ class _Robot:
             "name": ROBOT,
             "model": MODEL,
             "geometry": {**size, "sonar": discs},
-            "limits": {"linear": 1.0, "angular": 2.0},
+            "limits": {"linear": 1.0, "angular": 2.0, "deceleration": 0.3},
             "elements": [{"name": "base"}, {"name": "laser", "geometry": place}],
         }
         self._bus = bus

@@ -1,10 +1,10 @@
 """One robot in a world with its navigation, all under one virtual clock: what a mission is played on."""
 
 from collections.abc import Awaitable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Self, TypeVar
 
-from acromovi.lockstep import Lockstep
+from acromovi.lockstep import SETTINGS, Lockstep
 from agents.platform import AgentName, Container, Kinds, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, query_key, send_key
@@ -12,11 +12,15 @@ from apps.indoor_navigation.data import GoalPoint, LogMessage
 from apps.indoor_navigation.wiring import Wiring, load_wiring
 from bus import BusError, Sample, keys
 from bus.messages import decode, decode_json, heading
+from gateway.settings import Limits
 from geometry import Point, Pose2D
 from p2os_emu.emulator import STEP
 from p2os_emu.world import WorldSpec
 
 T = TypeVar("T")
+
+# Brisker than what the robots leave the factory with, and well below what their controllers allow.
+BRISK = Limits(acceleration_m_s2=0.8, deceleration_m_s2=0.8)
 
 ROBOT = "happy"
 PERIOD = 6  # steps between two samples: 20 Hz
@@ -81,7 +85,10 @@ class Course:
         self.track = Track()
         self.reports: list[str] = []
         self.told: list[LogMessage] = []
-        self.lockstep = Lockstep(world, {ROBOT: model}, fits={ROBOT: fit}, seed=seed, perfect=perfect)
+        settings = replace(SETTINGS, limits=BRISK)
+        self.lockstep = Lockstep(
+            world, {ROBOT: model}, fits={ROBOT: fit}, seed=seed, perfect=perfect, settings=settings
+        )
         self.loop = VirtualTimeLoop()
         self.start = self.lockstep.truth(ROBOT)
         self._bus = self.lockstep.bus()

@@ -23,7 +23,7 @@ STEPS = np.array([0.15, 0.15, 0.2, 0.2, 0.25, 0.3, 0.3, 0.35, 0.35, 0.4, 0.4, 0.
 PACE = 0.5  # m/s
 FAR = PACE * float(STEPS.sum())  # m, of the longest way
 ENOUGH = 1.0  # m; a way that is free so far may end
-LINEAR = SmoothNumbers(rate=0.4, rate_change=1.5, haste=4.0, ahead=0.2)
+LINEAR = SmoothNumbers(rate=0.9, rate_change=3.5, haste=4.0, ahead=0.2)
 ANGULAR = SmoothNumbers(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
 PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
 PASSED = 0.12  # m
@@ -40,9 +40,9 @@ class AttractionNumbers:
 
     gain: 1/s, of the turn towards the chosen direction. angular: the fastest, rad/s. margin: m that stay free on each
     side. comfort: m of clearance that it likes, and from which on it goes at full speed. slowest: m/s, with no more
-    than the margin. deceleration: m/s² to stand at the target. reaction: s until the wheels obey. there: m from the
-    target that are near enough. detour, tightness, unsteadiness, block: what costs how much, beside 1 for a m of way:
-    clearance below comfort, a rad away from the direction chosen last, a way that ends too soon.
+    than the margin. deceleration: m/s² at most, to stand at the target. reaction: s until the wheels obey. there: m
+    from the target that are near enough. detour, tightness, unsteadiness, block: what costs how much, beside 1 for a m
+    of way: clearance below comfort, a rad away from the direction chosen last, a way that ends too soon.
     """
 
     gain: float = 1.4

@@ -31,10 +31,10 @@ BEHIND = -0.3  # m; walkers farther behind the axle than that are theirs to mind
 class AvoidanceNumbers:
     """When and how strongly it pushes.
 
-    margin: m that always stay free. deceleration, angular_deceleration: of the robot. reaction: s from what a sensor
-    sees until the wheels begin to slow down. walker: m/s at which people may come. reach: m within which things push.
-    push: rad/s of the strongest push. weight: its, beside goto's 1. guard_weight: when turning would touch something.
-    blind: m/s at most where no laser looks, which is behind the robot, and everywhere if there is none.
+    margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that are counted on. reaction:
+    s from what a sensor sees until the wheels begin to slow down. walker: m/s at which people may come. reach: m within
+    which things push. push: rad/s of the strongest push. weight: its, beside goto's 1. guard_weight: when turning would
+    touch something. blind: m/s at most where no laser looks, which is behind the robot, everywhere without one.
     """
 
     margin: float = 0.045

@@ -50,13 +50,15 @@ class Goto(Embodied):
         self._seen_at = float("-inf")
         await super().setup()
 
-    def embody(self, outline: Outline) -> None:
+    def embody(self, outline: Outline, deceleration: float) -> None:
         """From now on it can steer."""
-        self._steering = {GO: self.steering(outline), BACK: self.steering(outline.reversed)}
+        numbers: AttractionNumbers = self.numbers.attraction
+        numbers = replace(numbers, deceleration=min(numbers.deceleration, deceleration))
+        self._steering = {aim: self.steering(numbers, each) for aim, each in ((GO, outline), (BACK, outline.reversed))}
 
-    def steering(self, outline: Outline) -> Steering:
+    def steering(self, numbers: AttractionNumbers, outline: Outline) -> Steering:
         """What steers a robot with this outline."""
-        return Attraction(self.numbers.attraction, outline)
+        return Attraction(numbers, outline)
 
     @is_told(WorldCoord)
     async def go(self, target: WorldCoord) -> None:

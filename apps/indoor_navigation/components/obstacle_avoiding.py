@@ -1,12 +1,13 @@
 """Keep the robot from touching anything, whatever the others want."""
 
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 from math import copysign, inf
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
 from apps.indoor_navigation.algorithms.bystanders import Bystanders
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
@@ -42,6 +43,11 @@ class ObstacleAvoiding(Embodied):
         self._motion, self._walkers, self._bystanders = Motion(), Walkers(), Bystanders()
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
+
+    def embody(self, outline: Outline, deceleration: float) -> None:
+        """From now on it can avoid."""
+        numbers: AvoidanceNumbers = self.numbers.avoidance
+        self._avoidance = replace(numbers, deceleration=min(numbers.deceleration, deceleration))
 
     @hears(Odometry)
     async def follow(self, odometry: Odometry) -> None:
@@ -80,13 +86,13 @@ class ObstacleAvoiding(Embodied):
             return  # blind; the fuser holds the robot when nothing comes
         self._surroundings.see(stamp, rays)
         push = avoid(
-            self.numbers.avoidance,
+            self._avoidance,
             self.outline,
             self._places(stamp, pose, rays),
             in_robot(pose, *self._walkers.places(stamp)),
             self._odometry.linear,
             self._odometry.angular,
-            approach=self._walkers.approach(pose[:2], self.numbers.avoidance.walker),
+            approach=self._walkers.approach(pose[:2], self._avoidance.walker),
             turned=self._turned if self._odometry.stamp - self._turned_at < TURN_AGE else 0.0,
             has_laser=self._senses.laser is not None,
         )

@@ -111,7 +111,7 @@ class RobotBaseServer(Component):
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:
-        """Name, model, size in m and limits in m/s and rad/s."""
+        """Name, model, size in m and limits in m/s, rad/s and m/s²."""
         if self._about is None:
             raise Refused(f"nobody has said yet what {self.robot} is; see whether its p2os-gateway runs")
         return self._about
@@ -195,7 +195,7 @@ def described(told: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D
         "rear": float(size["length_rear"]),
         "width": float(size["width"]),
         "radius": float(size["radius"]),
-        "limits": {name: float(most) for name, most in dict(told["limits"]).items()},
+        "limits": {name: float(told["limits"][name]) for name in ("linear", "angular", "deceleration")},
     }
     discs = {int(disc["number"]): Pose2D(disc["x"], disc["y"], disc["heading"]) for disc in size["sonar"]}
     return about, discs

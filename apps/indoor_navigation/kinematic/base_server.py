@@ -58,7 +58,7 @@ class KinematicBaseServer(Component):
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:
-        """Name, model, size in m and limits in m/s and rad/s."""
+        """Name, model, size in m and limits in m/s, rad/s and m/s²."""
         body = self.numbers.body
         return {
             "name": self.robot,
@@ -67,7 +67,7 @@ class KinematicBaseServer(Component):
             "rear": body.radius,
             "width": 2.0 * body.radius,
             "radius": body.radius,
-            "limits": {"linear": body.linear, "angular": body.angular},
+            "limits": {"linear": body.linear, "angular": body.angular, "deceleration": body.acceleration},
         }
 
     async def _roll(self) -> None:

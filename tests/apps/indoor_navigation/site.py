@@ -44,7 +44,7 @@ DESCRIPTION = {
             {"number": 3, "x": 0.17, "y": 0.03, "heading": 0.0},
         ],
     },
-    "limits": {"linear": 2.2, "angular": 8.7},
+    "limits": {"linear": 2.2, "angular": 8.7, "deceleration": 0.6},
     "elements": [
         {"name": "base"},
         {"name": "laser", "geometry": {"x": 0.02, "y": 0.01, "z": 0.2, "heading": 0.1, "flipped": False}},

@@ -1,4 +1,4 @@
-"""A component that must know how large the robot is, and a base that is slow to say so."""
+"""A component that must know what the robot is, and a base that is slow to say so."""
 
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Role, query_key
@@ -6,7 +6,7 @@ from apps.indoor_navigation.components.embodied import Embodied
 from bus import Conversation
 from tests.apps.indoor_navigation.site import ROBOT, Site
 
-BODY = {"front": 0.21, "rear": 0.3, "width": 0.42}
+BODY = {"front": 0.21, "rear": 0.3, "width": 0.42, "limits": {"deceleration": 0.5}}
 
 
 class Body(Embodied):

@@ -124,7 +124,7 @@ def test_the_robot_is_described(site: Site, robot: Robot) -> None:
         "rear": 0.301,
         "width": 0.425,
         "radius": 0.25,
-        "limits": {"linear": 2.2, "angular": 8.7},
+        "limits": {"linear": 2.2, "angular": 8.7, "deceleration": 0.6},
     }
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from agents.platform.virtual_time import VirtualTimeLoop
+from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.component import query_key, send_key
 from apps.indoor_navigation.components.goto import Goto
 from apps.indoor_navigation.components.obstacle_avoiding import ObstacleAvoiding
@@ -18,14 +19,28 @@ from tests.apps.indoor_navigation.site import ROBOT, Site
 
 BASE, LASER = "robot_base_server", "laser_server"
 ASKS = {"robot": BASE}
-BODY = {"name": ROBOT, "model": "p2dx", "front": 0.21, "rear": 0.3, "width": 0.42, "radius": 0.25, "limits": {}}
+BODY = {
+    "name": ROBOT,
+    "model": "p2dx",
+    "front": 0.21,
+    "rear": 0.3,
+    "width": 0.42,
+    "radius": 0.25,
+}
 
 
 @pytest.fixture
-def site() -> Iterator[Site]:
+def deceleration() -> float:
+    """Of the robot, m/s²."""
+    return 0.3
+
+
+@pytest.fixture
+def site(deceleration: float) -> Iterator[Site]:
     loop = VirtualTimeLoop()
     site = Site(loop)
-    site.bus.serve(query_key(ROBOT, BASE, "robot"), lambda arguments: dict(BODY))
+    body = {**BODY, "limits": {"deceleration": deceleration}}
+    site.bus.serve(query_key(ROBOT, BASE, "robot"), lambda arguments: body)
     yield site
     site.close()
     loop.close()
@@ -40,8 +55,8 @@ def goto(site: Site) -> None:
     site.run(0.1)
 
 
-def avoiding(site: Site) -> None:
-    wires = hears((BASE, "Odometry"), (BASE, "SonarRead"), (LASER, "LaserRead"))
+def avoiding(site: Site, **numbers: Any) -> None:
+    wires = hears((BASE, "Odometry"), (BASE, "SonarRead"), (LASER, "LaserRead"), numbers=numbers)
     site.start(ObstacleAvoiding(f"obstacle_avoiding@{ROBOT}", wires))
     site.run(0.1)
 
@@ -159,6 +174,17 @@ def test_avoidance_answers_a_reading_at_once_and_with_its_stamp(site: Site) -> N
     assert [each.stamp for each in wanted] == [pytest.approx(stamp)]
     assert wanted[-1].limit is not None
     assert wanted[-1].limit < 0.05
+
+
+@pytest.mark.parametrize(("deceleration", "used"), [(0.1, 0.088), (0.3, 0.264), (0.6, 0.5), (3.0, 0.5)])
+def test_avoidance_counts_on_no_more_braking_than_the_robot_has_and_its_numbers_allow(site: Site, used: float) -> None:
+    avoiding(site, avoidance={"deceleration": 0.5, "reaction": 0.35})
+    wanted = site.pushed("obstacle_avoiding", MotionCmd)
+    for _ in range(5):
+        stand(site)
+        see(site, 0.7)
+    way = 0.36  # of the 0.7 m to the wall, without the robot's front, its margin, and what a step of its search leaves
+    assert wanted[-1].limit == pytest.approx(safe_speed(way, used, 0.35), abs=0.005)
 
 
 def test_avoidance_is_silent_without_sensors_so_that_the_fuser_holds_the_robot(site: Site) -> None:
