@@ -6,7 +6,7 @@ from apps.indoor_navigation.algorithms.legs import bodies
 from apps.indoor_navigation.algorithms.rays import Rays, nearest
 from apps.indoor_navigation.data import Floats
 
-KEPT = 15.0  # s for which somebody is believed to stand where they were seen to move last
+KEPT = 30.0  # s for which somebody is believed to stand where they were seen to move last
 STILL_THERE = 0.15  # m from where something moved to what is seen now; nobody walks so near to a wall
 APART = 0.1  # m between places that are remembered
 

@@ -3,7 +3,7 @@
 What is on the way is gone round, or waited for as long as a detour would take.
 """
 
-from math import inf, pi
+from math import copysign, inf, pi
 
 from apps.indoor_navigation.algorithms.planning.guide import spoken
 from apps.indoor_navigation.algorithms.planning.orders import Order
@@ -11,9 +11,11 @@ from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import Event, State
 from apps.indoor_navigation.algorithms.planning.waiting import Waiting
 from apps.indoor_navigation.data import Place
+from geometry import wrap_angle
 
 ASTERN = 1.0  # rad from straight back
-HELD = 0.5  # m from where it could not go back, within which it is not tried again
+PART = 2.0  # rad of a turn the longer way round that are shown at once
+HELD = 0.5  # m from where it was of no use to go back, within which it is not tried again
 
 
 class Driving:
@@ -26,19 +28,25 @@ class Driving:
         self._machine = situation.machine
         self._progress = situation.progress
         self._back_to = 0  # the breadcrumb
-        self._held_at: Place | None = None  # where it could not go back
+        self._backed_from: Place | None = None
+        self._held_at: Place | None = None  # from where it was of no use to go back
+        self._faced_at: Place | None = None  # where it turned to look straight at what it is to go to
+        self._barred_side = 0.0  # 1 for left, -1 for right: where the present turn came no farther
 
     def turn(self, now: float) -> Order | None:
         """On its place, to the way, or at the end to the heading that is wanted."""
-        if self._comes_no_farther(now):
-            return None
         situation, guide, numbers = self._situation, self._situation.guide, self._numbers
-        situation.end_making_way(now)
         wanted = situation.goal.heading if situation.is_there else None
         heading = wanted if wanted is not None else guide.heading()
-        until = numbers.door_until if guide.is_before_narrow_door() else numbers.turn_until
+        if not self._barred_side and self._progress.is_held(guide.pose, now):
+            self._bar_side(heading)
+        if self._comes_no_farther(now):
+            return None
+        situation.end_making_way(now)
+        is_exact = guide.is_before_narrow_door() or self._has_faced()
+        until = numbers.door_until if is_exact else numbers.turn_until
         if guide.off(heading) > (numbers.heading if wanted is not None else until):
-            return Order("turn", heading=heading)
+            return Order("turn", heading=self._round(heading))
         if wanted is not None:
             situation.arrive(now)
         else:
@@ -48,8 +56,9 @@ class Driving:
     def go(self, now: float) -> Order | None:
         """On the way, and through a door."""
         situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        self._barred_side = 0.0
         guide.advance()
-        if self._has_arrived(now) or self._comes_no_farther(now) or self._is_barred(now):
+        if self._has_arrived(now) or self._faces(now) or self._comes_no_farther(now) or self._is_barred(now):
             return None
         situation.end_making_way(now)
         is_free = situation.state is not State.PASSING and situation.making_way.waiting is None
@@ -72,15 +81,44 @@ class Driving:
             return None
         x, y = crumbs.towards(self._back_to)
         if guide.off(guide.direction((x, y)) + pi) > ASTERN:
-            self._held_at = self._memory.place
+            self._held_at = self._backed_from
             self._machine.happens(Event.HAS_BACKED, now, "the way back does not lead straight back")
             return None
         if self._progress.is_stuck(guide.pose, now):
-            self._held_at = self._memory.place
+            self._held_at = self._backed_from
             if not self._situation.has_tried_enough(now):
                 self._machine.happens(Event.CAME_NO_FARTHER, now, "the robot cannot go back")
             return None
         return Order("back", x, y, speed=self._numbers.back_speed)
+
+    def _faces(self, now: float) -> bool:
+        """Where each way on that goto sees bends into something, turn on the spot first: straight on there may be one.
+
+        Once about one place.
+        """
+        guide, place = self._situation.guide, self._memory.place
+        if self._has_faced() or not self._progress.is_held(guide.pose, now):
+            return False
+        if not guide.is_off_way(self._numbers.door_until) or not self._memory.may_turn_to(place, guide.target.place):
+            return False
+        self._faced_at = place
+        self._machine.happens(Event.HAS_TO_TURN, now, "to look where it is to go")
+        return True
+
+    def _has_faced(self) -> bool:
+        return self._faced_at is not None and self._situation.guide.distance(self._faced_at) < HELD
+
+    def _bar_side(self, heading: float) -> None:
+        """The shorter turn to a heading comes no farther: it turns the other way round from now on."""
+        self._barred_side = copysign(1.0, wrap_angle(heading - self._situation.guide.pose[2]))
+        self._progress.go_on()
+        self._situation.note("info", "turning the other way round")
+
+    def _round(self, heading: float) -> float:
+        """To which heading to turn at once; to each it is the shorter way round."""
+        present = self._situation.guide.pose[2]
+        is_barred = wrap_angle(heading - present) * self._barred_side > 0.0
+        return wrap_angle(present - self._barred_side * PART) if is_barred else heading
 
     def _has_arrived(self, now: float) -> bool:
         """At the goal, or at the end of a way that ends short of it."""
@@ -160,7 +198,7 @@ class Driving:
         is_held = self._held_at is not None and self._situation.guide.distance(self._held_at) < HELD
         if way_back is None or is_held:
             return False
-        self._back_to = way_back
+        self._back_to, self._backed_from = way_back, self._memory.place
         self._machine.happens(Event.HAS_TO_BACK, now, why)
         return True
 

@@ -65,17 +65,22 @@ class Progress:
             self._turned_at, self._turns = place, 0
         self._turns += 1
 
-    def is_stuck(self, pose: Pose, now: float) -> bool:
-        """Whether it has come no farther for too long. Asked while it is to move, and only then."""
+    def is_held(self, pose: Pose, now: float) -> bool:
+        """Whether it has neither gone nor turned for too long. Asked while it is to move, and only then."""
         numbers, anchor = self._numbers, self._anchor
         if anchor is None or _apart(pose, anchor) > numbers.step or abs(wrap_angle(pose[2] - anchor[2])) > numbers.turn:
             self._anchor, self._anchored_at = pose, now
+        return now - self._anchored_at > numbers.stuck
+
+    def is_stuck(self, pose: Pose, now: float) -> bool:
+        """Whether it has come no farther for too long, whatever it did. Asked likewise."""
+        numbers, is_held = self._numbers, self.is_held(pose, now)
         if self._neighbourhood is None or _apart(pose, self._neighbourhood) > numbers.around:
             self._neighbourhood, self._around_for = pose[:2], 0.0
         self._around_for += max(now - self._checked_at, 0.0)
         self._checked_at = now
         return (
-            now - self._anchored_at > numbers.stuck
+            is_held
             or now - max(self._anchored_at, self._dead_end_since) > numbers.dead_end
             or self._around_for > numbers.long
             or self._turns > numbers.turns

@@ -11,6 +11,7 @@ from apps.indoor_navigation.data import Place
 from geometry import wrap_angle
 
 EASY = 0.17  # m beside the robot in a door that it passes at any angle
+THROUGH = 0.1  # m before the place behind a narrow door, where the robot is through it
 LEAST = 0.15  # m, as near as any robot surely gets to a line
 DEARER = 1.05  # a short cut to the sub-target after the next may be
 
@@ -19,8 +20,9 @@ DEARER = 1.05  # a short cut to the sub-target after the next may be
 class SubTarget:
     """Where to go next. door: the number of the one that lies before it, or None. is_last: here the way ends.
 
-    axis: rad, of a line through it that the robot must be on, as near as `within` m, before it goes on. is_narrow: so
-    is the door before it, and the robot goes straight through.
+    axis: rad, the way through the door that lies before it or behind it. within: m from the line along the axis through
+    it, as near as the robot must be to that line before it goes on. is_narrow: so is the door before it, and the robot
+    goes straight through.
     """
 
     x: float
@@ -45,6 +47,17 @@ class SubTarget:
         """Whether the robot is on the line."""
         return abs((robot[1] - self.y) * cos(self.axis) - (robot[0] - self.x) * sin(self.axis)) <= self.within
 
+    def is_reached(self, robot: Place, near: float) -> bool:
+        """Whether the robot is near it, m.
+
+        Behind a door it may be beside it, since there it is only to be through; behind a narrow one wholly, or it has
+        no room to turn.
+        """
+        left_x, left_y = self.x - robot[0], self.y - robot[1]
+        if self.door is None:
+            return hypot(left_x, left_y) < near
+        return left_x * cos(self.axis) + left_y * sin(self.axis) < (THROUGH if self.is_narrow else near)
+
 
 @dataclass(frozen=True, slots=True)
 class Route:
@@ -65,8 +78,8 @@ class Route:
         """Without the sub-targets that the robot need not go to any more.
 
         The next one is left out when the robot is near it, m, or when to go straight on to the one after it is as good;
-        in any case that must be possible. That behind a door stays until the robot is near it, that before one until
-        the robot is in line with the door.
+        in any case that must be possible. That behind a door stays until the robot is as far behind it, that before
+        one until the robot is in line with the door.
         """
         targets = self.targets
         while len(targets) > 1 and _is_needless(terrain, robot, targets, near):
@@ -98,14 +111,13 @@ class Passage:
 
     def into(self, door: KnownDoor, direction: float) -> SubTarget:
         """Before a door, along its normal (1) or against it (-1): there the robot comes into line with a narrow one."""
-        axis = wrap_angle(door.normal + (pi if direction < 0.0 else 0.0))
         within = max(self._room(door), LEAST) if self._room(door) < EASY else inf
-        return SubTarget(*door.beside(0.0, -direction * self.before), axis=axis, within=within)
+        return SubTarget(*door.beside(0.0, -direction * self.before), axis=_axis(door, direction), within=within)
 
     def out_of(self, number: int, door: KnownDoor, direction: float, aside: float = 0.0) -> SubTarget:
         """Behind it, so many m to the left of its middle line for who looks along its normal."""
         place = door.beside(aside, direction * self.before)
-        return SubTarget(*place, door=number, is_narrow=self._room(door) < EASY)
+        return SubTarget(*place, door=number, axis=_axis(door, direction), is_narrow=self._room(door) < EASY)
 
     def _room(self, door: KnownDoor) -> float:
         """Beside the robot in a door, m."""
@@ -147,6 +159,11 @@ def _through(
     return through if terrain.cost_of(robot, *(target.place for target in through)) < BARRED else targets
 
 
+def _axis(door: KnownDoor, direction: float) -> float:
+    """The way through a door, rad, along its normal (1) or against it (-1)."""
+    return wrap_angle(door.normal + (pi if direction < 0.0 else 0.0))
+
+
 def _apart(one: Place, other: Place) -> float:
     return hypot(other[0] - one[0], other[1] - one[1])
 
@@ -156,7 +173,7 @@ def _is_needless(terrain: Terrain, robot: Place, targets: tuple[SubTarget, ...],
     straight = terrain.cost_of(robot, second.place)
     if straight >= BARRED or not first.is_in_line(robot):
         return False
-    if hypot(first.x - robot[0], first.y - robot[1]) < near:
+    if first.is_reached(robot, near):
         return True
     return first.door is None and straight <= DEARER * terrain.cost_of(robot, first.place, second.place)
 

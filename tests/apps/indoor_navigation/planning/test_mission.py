@@ -1,7 +1,7 @@
 """Missions in a closed loop: a robot that goes where it is told, in a house that it does not know."""
 
 from collections.abc import Callable
-from math import hypot, inf, nan
+from math import atan2, hypot, inf, nan
 
 import pytest
 
@@ -58,6 +58,57 @@ def test_a_heading_that_is_wanted_is_taken_at_the_end() -> None:
     robot.go(3.0, 6.4, heading=3.0)
     assert robot.run_to_end() == "done"
     assert robot.heading == pytest.approx(3.0, abs=0.15)
+
+
+def test_where_the_shorter_turn_comes_no_farther_the_robot_turns_the_other_way_round() -> None:
+    robot = walker()
+    headings = []
+
+    def bar(robot: Walker) -> None:
+        if robot.order.aim == "turn":
+            headings.append(robot.heading)
+            if 1.0 < robot.heading < 2.0:
+                robot.heading = 1.0
+
+    robot.meanwhile = bar
+    robot.go(3.0, 8.0, heading=2.9)
+    assert robot.run_to_end() == "done"
+    assert robot.heading == pytest.approx(2.9, abs=0.15)
+    assert "the other way round" in notes(robot)
+    assert any(-2.0 < heading < -1.0 for heading in headings)
+
+
+def test_where_both_turns_come_no_farther_that_is_said() -> None:
+    robot = walker()
+
+    def bar(robot: Walker) -> None:
+        if robot.order.aim == "turn":
+            robot.heading = max(-1.0, min(1.0, robot.heading))
+
+    robot.meanwhile = bar
+    robot.go(3.0, 8.0, heading=2.9)
+    assert robot.run_to_end() == "failed"
+    assert "comes no farther" in why(robot)
+
+
+def test_a_robot_that_does_not_come_on_looks_straight_at_where_it_is_to_go() -> None:
+    robot = walker()
+
+    def hold(robot: Walker) -> None:
+        """It gets through only where it looks straight ahead, as beside the frame of a door."""
+        if robot.order.aim == "go":
+            off = atan2(robot.order.y - robot.y, robot.order.x - robot.x) - robot.heading
+            robot.is_held = robot.x < 1.5 and abs(off) > 0.2
+        else:
+            robot.is_held = False
+
+    robot.meanwhile = hold
+    robot.heading = 0.8
+    robot.go(3.0, 8.0)
+    assert robot.run_to_end() == "done"
+    assert robot.time < 20.0
+    assert "to look where it is to go" in notes(robot)
+    assert "comes no farther" not in notes(robot)
 
 
 def test_through_a_door_the_robot_goes_straight() -> None:

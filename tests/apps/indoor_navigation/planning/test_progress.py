@@ -43,3 +43,8 @@ def test_a_robot_that_turns_at_each_corner_is_not_stuck(progress: Progress) -> N
     for corner in range(10):
         progress.turn((float(corner), 0.0))
         assert not progress.is_stuck((float(corner), 0.0, 0.0), 3.0 * corner)
+
+
+def test_a_robot_that_moves_about_one_place_is_not_held_there(progress: Progress) -> None:
+    assert not any(progress.is_held((0.3 * (time % 3), 0.0, 0.0), time) for time in range(60))
+    assert [progress.is_held((0.0, 0.0, 0.0), time) for time in (60.0, 64.0, 66.0)] == [False, False, True]
