@@ -15,7 +15,7 @@ from geometry import wrap_angle
 
 ASTERN = 1.0  # rad from straight back
 PART = 2.0  # rad of a turn the longer way round that are shown at once
-HELD = 0.5  # m from where it was of no use to go back, within which it is not tried again
+HELD = 0.5  # m from where it went back in vain, or looked straight ahead, within which it does not do so again
 
 
 class Driving:
