@@ -21,6 +21,7 @@ $(READY): pyproject.toml constraints.txt
 	  { echo "Acromovi needs Python 3.11, 3.12 or 3.13; say which with: make PYTHON=python3.12"; exit 1; }
 	$(PYTHON) -m venv --clear $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'pip>=25.1'
+# The build backend warns of parts of its own, which nobody here could mend; errors are still shown.
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt --group dev -e '.[all]'
 	@touch $@
 

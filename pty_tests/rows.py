@@ -138,15 +138,14 @@ ELSEWHERE: Mapping[str, tuple[int, ...]] = {
 }
 """Modules of the suite that judge the other commands; the last are a simulator's, or put the controller out of use."""
 
-# Bytes in rows, as in the tables.
 PACKETS: Mapping[str, tuple[int, ...]] = {
     "test_handshake": (0x00, 0x01, 0x02),
     "test_stream": (0x20, 0x32, 0x33, 0x90, 0xF0),
     "test_rows": (0x98, 0xA0, 0xA1, 0xC0, 0xD0, 0xE0, 0xF8, 0xFA),
     "test_aux": (0xB0, 0xB8, 0xC8),
     "test_settings": (0xFE, 0xFF),
-    "only from other controllers and from simulators": (
-        0x10, 0x60, 0x61, 0x62, 0x64, 0x66, 0x7B, 0x7C, 0x95, 0x9A, 0xD3, 0xD5, 0xD6, 0xD9, 0xDA,
+    "only from other controllers and from simulators": tuple(
+        bytes.fromhex("10 60 61 62 64 66 7b 7c 95 9a d3 d5 d6 d9 da")
     ),
-}  # fmt: skip
+}
 """Packet types by the module of the suite that judges them."""

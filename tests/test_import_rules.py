@@ -22,16 +22,32 @@ BELOW: dict[str, set[str]] = {
     "pty_tests": set(),  # it must not share a mistake with what it judges
 }
 
-# Words in rows: a line for each would hide how few there are.
 CLOCKS_AND_PORTS = {
-    "asyncio", "datetime", "fcntl", "multiprocessing", "os", "pty", "select", "selectors", "serial", "signal", "socket",
-    "subprocess", "termios", "threading", "time", "tty",
-}  # fmt: skip
-# Likewise in rows.
+    "asyncio",
+    "datetime",
+    "fcntl",
+    "multiprocessing",
+    "os",
+    "pty",
+    "select",
+    "selectors",
+    "serial",
+    "signal",
+    "socket",
+    "subprocess",
+    "termios",
+    "threading",
+    "time",
+    "tty",
+}
 BYTES_AND_TIME_COME_FROM_THE_CALLER = (
-    "p2os", "p2os_emu/microcontroller", "p2os_emu/accessories", "gateway/driver.py", "gateway/elements",
+    "p2os",
+    "p2os_emu/microcontroller",
+    "p2os_emu/accessories",
+    "gateway/driver.py",
+    "gateway/elements",
     "gateway/cables/laser.py",
-)  # fmt: skip
+)
 
 ONLY_IN = {  # third party module: the places that may import it
     "zenoh": ("bus/", "acromovi/"),

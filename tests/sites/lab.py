@@ -21,10 +21,12 @@ class Site:
 
     def __init__(self, holder: "subprocess.Popen[bytes]", owner: int, address: str) -> None:
         self.address = address
-        # An option and its value side by side.
         self._enter = [
-            "nsenter", f"--user=/proc/{owner}/ns/user", f"--net=/proc/{holder.pid}/ns/net", "--preserve-credentials",
-        ]  # fmt: skip
+            "nsenter",
+            f"--user=/proc/{owner}/ns/user",
+            f"--net=/proc/{holder.pid}/ns/net",
+            "--preserve-credentials",
+        ]
 
     @contextmanager
     def program(self, *command: str) -> Iterator["subprocess.Popen[str]"]:
