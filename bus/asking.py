@@ -10,9 +10,10 @@ from typing import Any
 import zenoh
 
 from bus.bus import JSON, Conversation
-from bus.declared import Declared, HandlerThread, Listening
+from bus.declared import Declared, Listening
 from bus.errors import BusUnavailable, TimedOut
 from bus.exchange import Replies, Reply, reason, refusal, reply_of
+from bus.handler_thread import HandlerThread
 
 ASK_AGAIN_AFTER = 0.02  # s
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered

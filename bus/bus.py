@@ -18,6 +18,8 @@ from bus.errors import Refused as Refused  # a handler raises it, so it belongs 
 
 CDR = "application/cdr"
 JSON = "application/json"
+MOST_WAITING = 64
+"""Queries of one client that wait for their turn, at most."""
 QUERY_TIMEOUT = 10.0  # s; Zenoh's own default differs between versions, so every query says it
 
 
@@ -173,11 +175,33 @@ class Bus(Closeable):
         """
 
     @abstractmethod
-    def serve(self, key: str, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Subscription:
+    def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
+        """Hear the latest sample on a key; samples that arrive while the handler runs replace each other.
+
+        For commands that grow stale: a publisher that sends faster than the handler can keep up builds no queue.
+
+        Args:
+            key: The key, without wildcards.
+            on_sample: Called with the latest sample, on a thread of its own.
+            period: Least time between two calls, s.
+        """
+
+    @abstractmethod
+    def serve(
+        self, key: str, answer: Callable[[dict[str, Any]], dict[str, Any] | bytes], *, urgent: bool = False
+    ) -> Subscription:
         """Answer queries on a key: a JSON object in, a JSON object out.
 
         The handler raises `Refused` to say no: an error reply `{"error": why}`. Anything else it raises is logged and
         becomes an error reply too, and so does a query that carries no JSON object; the handler goes on serving.
+
+        Queries wait for the thread of this bus in one queue per client, and the clients take turns; a query beyond
+        `MOST_WAITING` of one client gets an error reply at once.
+
+        Args:
+            key: The key, without wildcards.
+            answer: Called with the JSON object that was asked; returns a JSON object, or one that is encoded already.
+            urgent: Call it on the thread that receives, as `subscribe` does: such a query waits for no other.
         """
 
     @abstractmethod

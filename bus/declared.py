@@ -1,10 +1,11 @@
-"""What a Zenoh session holds open, and the one thread on which its handlers run."""
+"""What a Zenoh session holds open."""
 
 import threading
 import time
 from collections.abc import Callable
-from queue import SimpleQueue
 from typing import Any, Protocol
+
+import zenoh
 
 from bus.bus import Subscription
 
@@ -67,25 +68,46 @@ class Listening(Declared):
         super().close()
 
 
-class HandlerThread:
-    """Runs handlers one after the other. A daemon, since a handler may hang and the program must still end."""
+class LatestListening(Declared):
+    """A subscriber whose channel keeps one sample, and a thread that takes it from there.
 
-    def __init__(self) -> None:
-        self._work: SimpleQueue[tuple[Listening, object] | None] = SimpleQueue()
-        self._thread = threading.Thread(target=self._run, name="bus", daemon=True)
+    The channel replaces older samples outside Python, so a flood costs this process next to nothing.
+    """
+
+    def __init__(
+        self,
+        declared: set[Declared],
+        subscriber: "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]",
+        handler: Callable[[Any], None],
+        period: float,
+    ) -> None:
+        """Begin to listen.
+
+        Args:
+            declared: What the session holds open.
+            subscriber: Its channel holds one sample.
+            handler: Called with each sample that is taken; must not raise.
+            period: Least time between two calls, s.
+        """
+        super().__init__(declared, subscriber)
+        self._channel: Any = subscriber.handler  # apart from the subscriber, which is in use while it waits otherwise
+        self._handler = handler
+        self._period = period
+        self._is_open = True
+        self._thread = threading.Thread(target=self._run, name=f"latest {subscriber.key_expr}", daemon=True)
         self._thread.start()
 
-    def post(self, listening: Listening, item: object) -> None:
-        """Have an item heard when its turn comes."""
-        self._work.put((listening, item))
-
-    def stop(self) -> None:
-        """End after what waits already; a handler that hangs is left behind."""
-        self._work.put(None)
-        if threading.current_thread() is not self._thread:
-            self._thread.join(timeout=HANDLER_GRACE)
+    def close(self) -> None:
+        """Withdraw it; a sample that waits is dropped."""
+        self._is_open = False
+        super().close()
 
     def _run(self) -> None:
-        while (work := self._work.get()) is not None:
-            listening, item = work
-            listening.hear(item)
+        while self._is_open:
+            try:
+                sample = self._channel.recv()
+            except zenoh.ZError:  # the subscriber has been withdrawn, or the session closed
+                return
+            if self._is_open:
+                self._handler(sample)
+                time.sleep(self._period)

@@ -14,7 +14,7 @@ from bus.messages import decode_json, encode, encode_json, type_of
 
 log = logging.getLogger("bus")
 
-Answerer = Callable[[dict[str, Any]], dict[str, Any]]
+Answerer = Callable[[dict[str, Any]], dict[str, Any] | bytes]
 Talker = Callable[[dict[str, Any], Conversation], None]
 P = ParamSpec("P")
 
@@ -106,7 +106,8 @@ def refusal(why: str) -> bytes:
 def answered(key: str, answer: Answerer, payload: bytes) -> Reply:
     """Let a handler answer one query; whatever happens, there is a reply."""
     try:
-        return Reply(False, key, encode_json(answer(decode_json(payload))))
+        value = answer(decode_json(payload))
+        return Reply(False, key, value if isinstance(value, bytes) else encode_json(value))
     except Exception as err:
         return Reply(True, key, refusal(_why_not(key, err)))
 

@@ -60,8 +60,12 @@ class MemoryBus(Bus):
         """Hear what is put on matching keys; nothing here is more urgent than anything else."""
         return self._enter(self.network.subscribers, key_expr, guarded(key_expr, on_sample))
 
-    def serve(self, key: str, answer: Answerer) -> Subscription:
-        """Answer queries on a key."""
+    def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
+        """Hear every sample on a key: each is delivered before the next is put, so none replaces another."""
+        return self.subscribe(plain_key(key), on_sample)
+
+    def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
+        """Answer queries on a key; no query waits here."""
 
         def call(payload: bytes, conversation: MemoryConversation) -> None:
             conversation.send(answered(key, answer, payload))

@@ -17,7 +17,7 @@ import zenoh
 from bus import threads
 from bus.asking import ASK_AGAIN_AFTER, ZenohAsking, ZenohConversation, read_reply
 from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
-from bus.declared import Declared, HandlerThread, Listening, Undeclarable
+from bus.declared import Declared, LatestListening, Listening, Undeclarable
 from bus.errors import BusError, BusUnavailable, TimedOut
 from bus.exchange import (
     Answerer,
@@ -35,6 +35,7 @@ from bus.exchange import (
     sorted_out,
     talked,
 )
+from bus.handler_thread import HandlerThread
 from bus.links import LinkWatch
 from bus.messages import encode_json, prepare
 from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
@@ -74,7 +75,10 @@ def _configured(profile: Profile, changes: Mapping[str, Any]) -> zenoh.Config:
 
 
 class ZenohBus(Bus):
-    """One participant: a session, and one thread for its handlers, which run in the order of arrival.
+    """One participant: a session, and one thread for its handlers.
+
+    Samples, tokens and replies are handled in the order of arrival; queries in the order of arrival of each client,
+    and the clients take turns.
 
     Since a handler holds up the others it must be quick, and must not query what the same bus serves.
     """
@@ -93,6 +97,7 @@ class ZenohBus(Bus):
             self._session = zenoh.open(config)
         except zenoh.ZError as err:
             raise BusUnavailable(f"the bus cannot be opened: {reason(err)}") from err
+        self._identity = str(self._session.zid()).encode()  # carried by each query: clients take turns by it
         self._is_closed = False
         self._permit = permit
         self._declared: set[Declared] = set()  # Zenoh withdraws what nobody refers to
@@ -162,23 +167,18 @@ class ZenohBus(Bus):
     def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
         """Hear what is put on matching keys."""
 
-        def hear(sample: zenoh.Sample) -> None:
-            if sample.kind == zenoh.SampleKind.PUT:
-                attachment = sample.attachment
-                on_sample(
-                    Sample(
-                        key=str(sample.key_expr),
-                        payload=sample.payload.to_bytes(),
-                        encoding=str(sample.encoding),
-                        attachment=attachment.to_bytes() if attachment else b"",
-                    )
-                )
-
         declare = partial(self._session.declare_subscriber, key_expression(key_expr))
         self._require("declare_subscriber", key_expr)
-        return self._listen(key_expr, hear, declare, urgent)
+        return self._listen(key_expr, partial(_hear, on_sample), declare, urgent, self._handlers.post_sample)
 
-    def serve(self, key: str, answer: Answerer) -> Subscription:
+    def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
+        """Hear the latest sample on a key."""
+        self._require("declare_subscriber", plain_key(key))
+        with self._usable():
+            subscriber = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(1))
+            return LatestListening(self._declared, subscriber, guarded(key, partial(_hear, on_sample)), period)
+
+    def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key."""
 
         def respond(query: zenoh.Query) -> None:
@@ -191,7 +191,7 @@ class ZenohBus(Bus):
 
         declare = partial(self._session.declare_queryable, plain_key(key))
         self._require("declare_queryable", key)
-        return self._listen(key, respond, declare)
+        return self._listen(key, respond, declare, urgent, self._handlers.post_query)
 
     def query(
         self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
@@ -216,7 +216,7 @@ class ZenohBus(Bus):
 
         declare = partial(self._session.declare_queryable, plain_key(key))
         self._require("declare_queryable", key)
-        return self._listen(key, respond, declare, urgent)
+        return self._listen(key, respond, declare, urgent, self._handlers.post_query)
 
     def ask(
         self,
@@ -236,6 +236,7 @@ class ZenohBus(Bus):
             consolidation=zenoh.ConsolidationMode.NONE,
             payload=encode_json(arguments or {}),
             encoding=JSON,
+            attachment=self._identity,
         )
         self._require("query", key_expr)
         with self._usable():
@@ -294,6 +295,7 @@ class ZenohBus(Bus):
             timeout=timeout,
             payload=payload,
             encoding=JSON,
+            attachment=self._identity,
         ):
             if (heard := read_reply(reply)) is None:
                 raise TimedOut(f"someone who serves {key} has not answered within {timeout:g} s")
@@ -306,11 +308,12 @@ class ZenohBus(Bus):
         handler: Callable[[Any], None],
         declare: Callable[[Any], Undeclarable],
         urgent: bool = False,
+        post: Callable[[Listening, Any], None] | None = None,
     ) -> Subscription:
         """Declare a subscriber or queryable whose handler runs on this bus's thread, or at once if it is urgent."""
         with self._usable():
             listening = Listening(self._declared, guarded(key_expr, handler))
-            take = listening.hear if urgent else partial(self._handlers.post, listening)
+            take = listening.hear if urgent else partial(post or self._handlers.post, listening)
 
             def call(item: object) -> None:
                 threads.keep()
@@ -340,6 +343,20 @@ class ZenohBus(Bus):
             yield
         except zenoh.ZError as err:
             raise BusUnavailable(f"the bus failed: {reason(err)}") from err
+
+
+def _hear(on_sample: Callable[[Sample], None], sample: zenoh.Sample) -> None:
+    """Pass a sample on, unless it is a deletion."""
+    if sample.kind == zenoh.SampleKind.PUT:
+        attachment = sample.attachment
+        on_sample(
+            Sample(
+                key=str(sample.key_expr),
+                payload=sample.payload.to_bytes(),
+                encoding=str(sample.encoding),
+                attachment=attachment.to_bytes() if attachment else b"",
+            )
+        )
 
 
 class _ZenohPublisher(Declared, Publisher):
