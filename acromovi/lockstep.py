@@ -188,6 +188,10 @@ class _Element:
         finally:
             self._flush()
 
+    def post(self, give: Callable[[ElementDriver, float], object]) -> None:
+        """The same; nobody waits in lockstep."""
+        self.command(give)
+
     def _flush(self) -> None:
         self._link.client_write(self.driver.bytes_due(self._clock()))
 

@@ -8,6 +8,7 @@ import os
 import select
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import inf
@@ -81,6 +82,7 @@ class Bridge(Generic[D]):
         self._reopen_at = -inf if port is None else inf
         self._clock = clock
         self._lock = threading.Lock()
+        self._posted: deque[Callable[[D, float], object]] = deque()
         self._wake_reader, self._wake_writer = os.pipe()
         self._waking = threading.RLock()  # a signal handler may wake while its own thread is waking
         os.set_blocking(self._wake_writer, False)
@@ -106,6 +108,21 @@ class Bridge(Generic[D]):
                 if self._driver.deadline < self._waits_until:
                     self.wake()
 
+    def post(self, give: Callable[[D, float], object]) -> None:
+        """Give the driver a command without waiting: now if nobody has the lock, and otherwise on the bridge's thread.
+
+        Args:
+            give: As for `command`; must not raise.
+        """
+        self._posted.append(give)
+        if self._lock.acquire(blocking=False):
+            try:
+                self._give_posted()
+                self._flush()
+            finally:
+                self._lock.release()
+        self.wake()
+
     def run(self, listener: Listener) -> None:
         """Work until `stop`."""
         while not self._is_stopped:
@@ -113,6 +130,7 @@ class Bridge(Generic[D]):
             if self._port is None and self._clock() >= self._reopen_at:
                 self._open_again()
             with self._lock:
+                self._give_posted()
                 now = self._clock()
                 data = self._read() if has_bytes else b""
                 stamp_ns = time.time_ns()
@@ -139,6 +157,10 @@ class Bridge(Generic[D]):
                 self._is_closed = True
                 os.close(self._wake_reader)
                 os.close(self._wake_writer)
+
+    def _give_posted(self) -> None:
+        while self._posted:
+            self._posted.popleft()(self._driver, self._clock())
 
     def _let_it_brake(self, port: Port) -> None:
         """Wait for what moves to stop: the last words may take the power off its motors."""

@@ -15,10 +15,15 @@ from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
 from gateway.elements.sonar import Sonar
 from gateway.errors import CommandRefused
+from geometry import wrap_angle
 
 TOKEN = "token"
 BASE = "base"
 NOTHING = ""
+HEARTBEAT = "heartbeat"
+DETACH = "detach"
+BINDING = {HEARTBEAT: str, DETACH: bool}
+"""Arguments by which a motion is bound to its commander, or is not."""
 LARGEST_EXACT = 2**53
 
 Arguments = Mapping[str, Any]
@@ -30,7 +35,8 @@ class CommandRow:
 
     topic: its key. takes: argument to type (a type of JSON). may_take: those that may be left out. give: to the driver;
     what it returns goes into the answer. moves: the element whose lease it needs while somebody holds that,
-    or `NOTHING`.
+    or `NOTHING`. duration: of a motion that goes on by itself, its expected duration, s; such a command may be bound to
+    a heartbeat. None where nothing goes on.
     """
 
     topic: Topic
@@ -38,6 +44,12 @@ class CommandRow:
     give: Callable[[Driver, Arguments, float], dict[str, Any] | None]
     moves: str
     may_take: Mapping[str, type] = field(default_factory=dict)
+    duration: Callable[[Driver, Arguments, float], float] | None = None
+
+    @property
+    def optional(self) -> dict[str, type]:
+        """All arguments that may be left out, with their types."""
+        return {TOKEN: str, **(BINDING if self.duration else {}), **self.may_take}
 
 
 def _stop(driver: Driver, arguments: Arguments, now: float) -> None:
@@ -77,14 +89,26 @@ def _output(driver: Driver, arguments: Arguments, now: float) -> None:
     driver.element(UserPorts, now).set_outputs(arguments["mask"], arguments["value"])
 
 
+def _move_time(driver: Driver, arguments: Arguments, now: float) -> float:
+    return driver.time_to_move(arguments["distance"])
+
+
+def _turn_time(driver: Driver, arguments: Arguments, now: float) -> float:
+    return driver.time_to_turn(arguments["angle"])
+
+
+def _heading_time(driver: Driver, arguments: Arguments, now: float) -> float:
+    return driver.time_to_turn(wrap_angle(arguments["heading"] - driver.odometry.pose.heading))
+
+
 COMMANDS = (
     CommandRow(keys.ENABLE, {"on": bool}, _enable, BASE),
     CommandRow(keys.STOP, {}, _stop, NOTHING),  # anyone may stop a robot
     CommandRow(keys.ESTOP, {"on": bool}, _estop, NOTHING),
     CommandRow(keys.DRIVE, {"linear": float, "angular": float}, _drive, BASE),
-    CommandRow(keys.MOVE, {"distance": float}, _move, BASE),
-    CommandRow(keys.TURN, {"angle": float}, _turn, BASE),
-    CommandRow(keys.HEADING, {"heading": float}, _heading, BASE),
+    CommandRow(keys.MOVE, {"distance": float}, _move, BASE, duration=_move_time),
+    CommandRow(keys.TURN, {"angle": float}, _turn, BASE, duration=_turn_time),
+    CommandRow(keys.HEADING, {"heading": float}, _heading, BASE, duration=_heading_time),
     CommandRow(keys.SONAR_POWER, {"on": bool}, _sonar, NOTHING),
     CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _output, NOTHING),
 )

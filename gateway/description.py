@@ -1,17 +1,59 @@
 """What a robot is, as JSON: model, elements, geometry, versions. Agents are made from it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from importlib.metadata import version
+from math import inf
 from typing import Any
 
 from bus import keys
 from bus.keys import Topic
+from bus.messages import encode_json
 from gateway.driver import Driver
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
 from gateway.faces.face import Face
 from gateway.settings import Settings
 from p2os import Configuration, RobotModel
+
+MOST_AGE = 1.0
+"""Seconds for which a description serves again; what it is made of changes seldom, and never in silence."""
+
+
+class CachedDescription:
+    """The description of one robot, encoded; made anew when elements, link or configuration have changed, or with time.
+
+    A description takes a millisecond to make, and anybody who may look may ask for it.
+    """
+
+    def __init__(self, make: Callable[[], dict[str, Any]], driver: Driver, clock: Callable[[], float]) -> None:
+        """Make none yet.
+
+        Args:
+            make: The description as it is now.
+            driver: Of the robot.
+            clock: Steady, s.
+        """
+        self._make = make
+        self._driver = driver
+        self._clock = clock
+        self._state: tuple[object, ...] = ()
+        self._made_at = -inf
+        self._encoded = b""
+
+    def encoded(self, elements: tuple[str, ...]) -> bytes:
+        """The description in JSON. elements: those that are present."""
+        state = elements, self._driver.is_connected, self._driver.configuration
+        now = self._clock()
+        if state != self._state or now - self._made_at >= MOST_AGE:
+            self._encoded = encode_json(self._make())
+            self._state, self._made_at = state, now
+        return self._encoded
+
+
+@cache
+def _version() -> str:
+    return version("acromovi")  # read from files at each call
 
 
 def describe(
@@ -41,7 +83,7 @@ def describe(
         "sip_cycle": configuration.sip_cycle or model.flash.sip_cycle,
         "watchdog": configuration.watchdog or model.flash.watchdog,
         "versions": {
-            "acromovi": version("acromovi"),
+            "acromovi": _version(),
             "firmware": f"{model.firmware.value} {configuration.firmware_version}".strip(),
         },
     }

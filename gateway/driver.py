@@ -15,6 +15,7 @@ from math import inf
 
 from gateway import accelerations
 from gateway.connector import CLOSE, STOP, Connector
+from gateway.durations import travel_time
 from gateway.elements.configuration import ControllerConfiguration
 from gateway.elements.element import Element
 from gateway.elements.gyro import Gyro
@@ -98,6 +99,14 @@ class Driver(Helm):
         if self.model is None or (self.configuration is None and self.lookup(ControllerConfiguration).is_awaited):
             return None
         return accelerations.known(self._settings.limits, self.model, self.configuration)
+
+    def time_to_move(self, distance: float) -> float:
+        """Expected duration of a `move` over a distance in m, s."""
+        return self._travel_time(distance, self.max_linear, "acceleration", "deceleration")
+
+    def time_to_turn(self, angle: float) -> float:
+        """Expected duration of a `turn` by an angle in rad, s."""
+        return self._travel_time(angle, self.max_angular, "angular_acceleration", "angular_deceleration")
 
     # The port's side.
 
@@ -314,6 +323,12 @@ class Driver(Helm):
             self._rate_raiser.begin(now)
         for element in self._elements.values():
             element.see(sip, now)
+
+    def _travel_time(self, way: float, speed: float, acceleration: str, deceleration: str) -> float:
+        if self.model is None:
+            return 0.0  # the command is refused: there is no robot yet
+        known = self.accelerations or accelerations.known(self._settings.limits, self.model, None)
+        return travel_time(way, speed, known[acceleration], known[deceleration])
 
     def _limit_speeds(self) -> None:
         """The least of what model, robot and user allow; zero in a CONFIGpac means that it does not say."""

@@ -212,6 +212,7 @@ class End(StrEnum):
     REPLACED = "replaced"
     STOPPED = "stopped"
     STALLED = "stalled"
+    COMMANDER_LOST = "commander lost"
     LOST = "lost"
     TIMEOUT = "timeout"
 

@@ -13,7 +13,7 @@ from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
 from gateway.elements.joystick import Joystick
 from gateway.errors import CommandRefused
-from gateway.events import Event
+from gateway.events import End, Event
 from gateway.journey import Journey, Move, Turn
 from gateway.motion import Motion
 from gateway.odometry import Odometry
@@ -78,6 +78,16 @@ class Helm(ABC):
     def max_angular(self) -> float:
         """Velocities are clipped to this, rad/s."""
         return self._motion.max_angular
+
+    @property
+    def motion_id(self) -> str | None:
+        """The long motion that is under way."""
+        return self._motion.motion_id
+
+    @property
+    def unbound_motion(self) -> float:
+        """Longest expected duration of a motion that is bound to no heartbeat, s."""
+        return self._settings.unbound_motion_s
 
     @property
     def is_asked_to_move(self) -> bool:
@@ -145,11 +155,11 @@ class Helm(ABC):
         self.halt_base(now)
         self._halt_elements(now)
 
-    def halt_base(self, now: float) -> None:
-        """Stop the wheels, whoever drives them, as `halt` does."""
+    def halt_base(self, now: float, end: End = End.STOPPED) -> None:
+        """Stop the wheels, whoever drives them, as `halt` does; end: what is reported of a motion under way."""
         self._wake(now)
         if self._motion.is_asked_to_move:
-            self._motion.halt(now)
+            self._motion.halt(now, end)
         self._elements[Joystick].halt(now)
 
     def halt_element(self, kind: type[Element], now: float) -> None:

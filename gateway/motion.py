@@ -77,6 +77,11 @@ class Motion:
         return self._obedience.is_ignored
 
     @property
+    def motion_id(self) -> str | None:
+        """The long motion that is under way."""
+        return None if self._journey is None else self._journey.motion_id
+
+    @property
     def is_asked_to_move(self) -> bool:
         """A velocity or a long motion is in force."""
         return self._mode in (_Mode.DRIVING, _Mode.TRAVELLING)

@@ -42,6 +42,10 @@ class Reaching(Protocol):
         """Send every joint home, then take the power off."""
         ...
 
+    def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
+        """Expected duration until the joints are at their targets, s; home if None."""
+        ...
+
     def halt(self, now: float) -> None:
         """Stop every joint where it is."""
         ...
@@ -82,6 +86,23 @@ def order(arm: Reaching, driver: Driver, arguments: Arguments, now: float) -> No
             arm.halt(now)
         case "power":
             arm.switch(given["on"], now)
+
+
+def duration(arm: Reaching, arguments: Arguments) -> float:
+    """Expected duration of an order, s; 0 of one that moves nothing, or is none.
+
+    Raises:
+        CommandRefused: A joint or its target is not one of this arm's.
+    """
+    if not arm.limits:
+        return 0.0  # it is not known yet, and refuses the order
+    match arguments:
+        case {"do": "move", "joints": joints}:
+            speed = arguments.get("speed")
+            return arm.duration(_targets(joints, arm.limits), None if speed is None else _speed(speed, arm.limits))
+        case {"do": "home" | "park"} | {"do": "power", "on": False}:
+            return arm.duration(None, None)
+    return 0.0
 
 
 def describe(limits: Sequence[JointLimits], names: Sequence[str]) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from bus import Bus, BusUnavailable, Subscription, keys
-from gateway.description import describe, present
+from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
 from gateway.events import Event
@@ -39,6 +39,7 @@ class RobotOnBus(Subscription):
         cable_faces: Sequence[CableFace[Any]] = (),
         new_token: Callable[[], str] = lambda: secrets.token_hex(16),
         wall_clock: Callable[[], int] = time.time_ns,
+        steady_clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Declare everything.
 
@@ -51,6 +52,7 @@ class RobotOnBus(Subscription):
             cable_faces: Of the elements on cables of their own.
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
+            steady_clock: s; judges the age of the description.
         Raises:
             BusError: The name does not serve as a key, or the bus is closed.
         """
@@ -67,20 +69,23 @@ class RobotOnBus(Subscription):
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
         faces = [kind(name, model) for kind in FACES]
         self._present = partial(present, driver, model, settings, faces, cable_faces)
+        self._description = CachedDescription(
+            lambda: describe(name, driver, settings, cable_faces), driver, steady_clock
+        )
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
             self._orders,
             self._streams,
             self._elements,
             self._lease_state,
-            bus.serve(keys.DESCRIPTION.key(name), self._on_description),
+            bus.serve(keys.DESCRIPTION.key(name), self._on_description, urgent=True),
             bus.declare_alive(keys.ALIVE.key(name)),
         ]
 
     @property
     def deadline(self) -> float:
         """When `happened` is due even without events, s."""
-        return min(self._streams.due_at, self._orders.leases.deadline)
+        return min(self._streams.due_at, self._orders.deadline)
 
     def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Publish what follows from the driver's events, and from time.
@@ -96,12 +101,13 @@ class RobotOnBus(Subscription):
             self._has_answered |= self._driver.is_connected
             if self._has_answered:  # whoever acts on a token finds a robot that obeys
                 self._elements.follow(self._present())
-            if now >= self._orders.leases.deadline:
+            if now >= self._orders.deadline:
                 self._orders.settle()
+            self._orders.bindings.follow()
             if self._orders.lease_has_changed:
                 self._orders.lease_has_changed = False
                 self._lease_state.put(self._orders.leases.state(now))
-            self._streams.publish_status(self._orders.refused, self._orders.recent_refusal(now), now, stamp_ns)
+            self._streams.publish_status(self._orders.refused, self._orders.recent_notice(now), now, stamp_ns)
 
     def element_happened(self, face: CableFace[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
@@ -120,5 +126,5 @@ class RobotOnBus(Subscription):
         while self._declared:
             self._declared.pop().close()
 
-    def _on_description(self, given: dict[str, Any]) -> dict[str, Any]:
-        return describe(self.name, self._driver, self._settings, self._cable_faces)
+    def _on_description(self, given: dict[str, Any]) -> bytes:
+        return self._description.encoded(tuple(self._present()))

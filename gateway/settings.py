@@ -137,7 +137,8 @@ class Settings:
     unknown when left out, which all treat as real. radio: the robot is behind a radio modem, as `--radio` says.
     use_gyro: take the odometry's turns from the gyro, where the robot sends its readings, while the wheels turn.
     raise_baud_to: bit/s that the robot is told to talk at once it is connected, if it talks slower; left out, its rate
-    stays as it is. It is never raised behind a radio modem.
+    stays as it is. It is never raised behind a radio modem. unbound_motion_s: longest expected duration of a motion
+    whose command names no heartbeat, and which therefore nobody stops when its commander dies.
     """
 
     model: str | None = None
@@ -149,6 +150,7 @@ class Settings:
     radio: bool = False
     use_gyro: bool = False
     raise_baud_to: int | None = None
+    unbound_motion_s: float = 5.0
     calibration: Calibration = field(default_factory=Calibration)
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
     limits: Limits = field(default_factory=Limits)
@@ -157,6 +159,8 @@ class Settings:
     laser: LaserSettings = field(default_factory=LaserSettings)
 
     def __post_init__(self) -> None:
+        if not self.unbound_motion_s >= 0.0:
+            raise ValueError(f"unbound_motion_s must be 0 s or more, not {self.unbound_motion_s}")
         rates = sorted(BAUD_CODES.values())
         if self.raise_baud_to is not None and self.raise_baud_to not in rates:
             raise ValueError(f"raise_baud_to must be one of {', '.join(map(str, rates))}, not {self.raise_baud_to}")

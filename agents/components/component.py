@@ -11,12 +11,12 @@ A reading that nobody listens to and nobody asks for is never decoded.
 """
 
 import asyncio
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from math import isfinite
 from typing import Any, ClassVar
 
-from agents.platform import Agent, AgentName, OneShot, Restart, State, agree, request
+from agents.platform import Agent, AgentName, OneShot, Restart, State, agree, attended, request
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
@@ -145,6 +145,19 @@ class Component(Agent):
         if silence > self.fresh:
             raise failure(f"{self.name} has heard nothing for {silence:.1f} s")
         return dict(self._latest)
+
+    @contextmanager
+    def commanding_motion(self) -> Iterator[str | None]:
+        """Bind a motion to its initiator during a block that begins it and waits for its end.
+
+        The handler is cancelled when the initiator's heartbeat falls silent, and this agent's own heartbeat beats.
+
+        Yields:
+            The heartbeat to which the gateway's command is to be bound; None where the initiator has none, so that the
+            gateway carries out short motions only.
+        """
+        with attended() as has_heartbeat, self.home.beating(self.name):
+            yield self.name.heartbeat_key if has_heartbeat else None
 
     async def command(self, topic: Topic, /, **arguments: Any) -> dict[str, Any]:
         """Give the robot's gateway a command; an argument that is None is left out, and so is an empty token.

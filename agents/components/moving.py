@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from agents.components.component import COMMAND_TIME, Component
 from agents.components.motions import Goal, Motions, Replaced
 from agents.components.troubles import Troubles
-from agents.platform import AgentName, agree, on
+from agents.platform import AgentName, OneShot, agree, on
 from bus import BusError, Refused, Sample, keys
 from bus.keys import Topic
 from bus.messages import RobotState
@@ -54,21 +54,26 @@ class Moving(Component):
         Args:
             goal: Of the order.
             token: Of a lease; empty for none.
-            wait: For the end; otherwise for no more than that the order is taken.
+            wait: For the end; otherwise for no more than that the order is taken, and this agent sees to the rest.
             order: For the gateway.
         Returns:
             The result that shows the end.
         Raises:
             Refused: The gateway does not take the order; or the goal was not reached, and why.
         """
-        try:
-            await self.command(self.orders, **order, token=token)
-        except asyncio.CancelledError:
-            await self._stop(token)
-            raise
-        agree()
-        if not wait:
-            return await self.read()
+        with self.commanding_motion() as heartbeat:
+            try:
+                await self.command(self.orders, **order, token=token, heartbeat=heartbeat)
+            except asyncio.CancelledError:
+                await self._stop(token)
+                raise
+            agree()
+            if wait:
+                return await self._follow(goal, token)
+            self.add(OneShot(lambda: self._see_to(goal), f"see to {goal.what}"))
+        return await self.read()
+
+    async def _follow(self, goal: Goal[Result], token: str) -> dict[str, Any]:
         try:
             return dict(await self.motions.follow(goal))
         except Replaced:
@@ -76,6 +81,11 @@ class Moving(Component):
         except (Refused, asyncio.CancelledError):
             await self._stop(token)
             raise
+
+    async def _see_to(self, goal: Goal[Result]) -> None:
+        """Keep a motion going for whose end nobody waits: the gateway stops it if this agent dies."""
+        with self.home.beating(self.name), suppress(Refused):  # how it ends is told by the results
+            await self.motions.follow(goal)
 
     async def _stop(self, token: str) -> None:
         """See to it that it does not go on."""

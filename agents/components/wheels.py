@@ -15,7 +15,7 @@ from agents.components.headway import Headway
 from agents.components.moving_request import OneAtATime
 from agents.components.pose_control import Limits, Velocity
 from agents.components.troubles import Troubles
-from agents.platform import AgentName, on
+from agents.platform import AgentName, asker, on
 from bus import Refused, keys
 from bus.keys import Topic
 from bus.messages import RobotState, heading, twist
@@ -27,6 +27,7 @@ STANDING = Limits(0.01, 0.02)  # m/s and rad/s, below which it stands
 BLIND = 1.0  # s without odometry that a robot is steered on
 TIME_TO_REST = 2.0  # s
 NEWS_TIME = 0.1  # s within which it is known why a motion was stopped
+UNBOUND = 5.0  # s that an initiator without a heartbeat may have the robot steered
 MOST_ENDS = 16  # of motions that are kept until somebody asks
 
 
@@ -112,7 +113,7 @@ class Wheels(Component):
 
         async def begin() -> str:
             self._ends.clear()  # a gateway that begins anew gives the same ids again
-            return str((await self.command(topic, **arguments, token=token))["id"])
+            return str((await self.command(topic, **arguments, token=token, heartbeat=heartbeat))["id"])
 
         async def follow(motion_id: str) -> None:
             try:
@@ -122,7 +123,8 @@ class Wheels(Component):
                 raise
             await self._judge(self._ends.pop(motion_id))
 
-        await self.moving.run(topic.suffix.rpartition("/")[2], token, begin, follow)
+        with self.commanding_motion() as heartbeat:
+            await self.moving.run(topic.suffix.rpartition("/")[2], token, begin, follow)
         return self.latest()
 
     async def steer(
@@ -145,7 +147,6 @@ class Wheels(Component):
             Refused: It was not begun, or has failed.
         """
         await asyncio.sleep(max(0.0, self._held_until - self._now))
-        ends_at = self._now + within
 
         async def begin() -> None:
             await self._ask_for(choose(self.pose), token)
@@ -161,7 +162,11 @@ class Wheels(Component):
                 await self._give_up(failed)
             await self.come_to_rest()
 
-        await self.moving.run(what, token, begin, follow)
+        with self.commanding_motion() as heartbeat:
+            if heartbeat is None and within > UNBOUND:
+                within, late = UNBOUND, f"{what} was ended after {UNBOUND:g} s, since {asker()} has no heartbeat"
+            ends_at = self._now + within
+            await self.moving.run(what, token, begin, follow)
         return self.latest()
 
     async def come_to_rest(self) -> None:

@@ -39,7 +39,7 @@ from agents.platform.mailbox import Mailbox, MailboxState, Template
 from agents.platform.names import AgentName, ContainerName
 from agents.platform.outcome import Ending, Outcome
 from agents.platform.schedule import DROP, FAIL_AGENT, Failure, Restart, Schedule
-from agents.platform.serving import agree, asker
+from agents.platform.serving import agree, asker, attended
 from agents.platform.synchronizer import Synchronizer, listen_together
 
 __all__ = [
@@ -95,6 +95,7 @@ __all__ = [
     "agree",
     "answers",
     "asker",
+    "attended",
     "every",
     "listen_together",
     "on",

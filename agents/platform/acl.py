@@ -59,6 +59,8 @@ class AclMessage:
     reply_with, in_reply_to: the label that an answer must carry, and the label it carries.
     reply_by: until when an answer helps, s since 1970 on the sender's wall clock. Clocks of machines differ and step,
         so an initiator measures its patience on its own steady clock and sends this for people and records.
+    x_heartbeat: key on which the sender's heartbeat beats while the conversation is open; a parameter of ours, which
+        FIPA marks by the `X`.
     """
 
     performative: Performative
@@ -74,6 +76,7 @@ class AclMessage:
     reply_with: str = ""
     in_reply_to: str = ""
     reply_by: float | None = None
+    x_heartbeat: str = ""
 
     def reply(self, performative: Performative, content: Any = None, sender: AgentName | None = None) -> Self:
         """An answer to this message, with the fields that FIPA says an answer carries.

@@ -17,6 +17,7 @@ from agents.platform.control import Control
 from agents.platform.directory import check_free
 from agents.platform.ends import End
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words
+from agents.platform.heartbeat import Heartbeats
 from agents.platform.kinds import Kinds, kind_of
 from agents.platform.life import State
 from agents.platform.names import AgentName, ContainerName
@@ -90,6 +91,7 @@ class Container:
         self._control = Control(self)
         self._shown: list[Subscription] = []
         self._askers = Askers(bus)
+        self._heartbeats = Heartbeats(bus)
         self._reports: Publisher | None = None
         self._said: Publisher | None = None
 
@@ -239,6 +241,7 @@ class Container:
         await asyncio.gather(*self._ending)
         self._tell({"agent": None, "what": "the container has been closed", "ended": End.CLOSED})
         self._askers.close()
+        self._heartbeats.close()
         while self._shown:
             self._shown.pop().close()
 
@@ -264,6 +267,10 @@ class Container:
     def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
         """Have `gone` called if one who asks an agent here dies, until what is returned is called."""
         return self._askers.attend(asker, gone)
+
+    def beating(self, agent: AgentName) -> contextlib.AbstractContextManager[None]:
+        """Let an agent's heartbeat beat during a block."""
+        return self._heartbeats.beating(agent)
 
     def wall_time(self) -> float:
         """s since 1970."""

@@ -21,6 +21,8 @@ from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
 
 ONTOLOGY = "acromovi"
 LANGUAGE = "json"
+MOVING = (Performative.REQUEST, Performative.CFP)
+"""What may set something moving; the initiator's heartbeat beats until the conversation ends."""
 
 
 class Over(Exception):
@@ -64,6 +66,7 @@ class Dialogue:
             answer_within: s until an answer helps, for the message; without it the message does not say.
         """
         label = uuid.uuid4().hex
+        self._beats = performative in MOVING
         self.peer = peer
         self.agreed = False
         self.opening = AclMessage(
@@ -77,6 +80,7 @@ class Dialogue:
             conversation_id=label,
             reply_with=label,
             reply_by=None if answer_within is None else home.wall_time() + answer_within,
+            x_heartbeat=me.heartbeat_key if self._beats else "",
         )
         self._home = home
         self._within = within
@@ -96,10 +100,12 @@ class Dialogue:
         written = self.opening.to_dict()
         self._home.trace(self.opening)
         self._is_open = True
+        beating = self._home.beating(self.opening.sender) if self._beats else contextlib.nullcontext()
         try:
-            async with aclosing(replies(self._home.bus, self.peer.acl_key, written, self._within)) as heard:
-                async for answer in heard:
-                    yield self._read(answer.value)
+            with beating:
+                async with aclosing(replies(self._home.bus, self.peer.acl_key, written, self._within)) as heard:
+                    async for answer in heard:
+                        yield self._read(answer.value)
             raise self._ended(Ending.DIED, f"{self.peer} has gone before the end")
         except NotAllowed as err:
             raise self._ended(Ending.NOT_ALLOWED, str(err)) from err

@@ -1,6 +1,7 @@
 """What a container is to its agents."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Protocol
 
 from agents.platform.acl import AclMessage
@@ -44,6 +45,10 @@ class Home(Protocol):
 
     def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
         """Have `gone` called if one who asks dies; what is returned is called when that does not matter any more."""
+        ...
+
+    def beating(self, agent: AgentName) -> AbstractContextManager[None]:
+        """Let an agent's heartbeat beat during a block."""
         ...
 
     def wall_time(self) -> float:

@@ -58,6 +58,11 @@ class AgentName:
         """The stream of its results: JSON objects, one each time it has something new to say."""
         return self._key("results")
 
+    @property
+    def heartbeat_key(self) -> str:
+        """Where the agent's heartbeat beats while it waits for a motion."""
+        return self._key("heartbeat")
+
     @classmethod
     def of_key(cls, key: str) -> Self:
         """The agent to which one of these keys belongs.
@@ -66,7 +71,7 @@ class AgentName:
             NameNotValid: It is the key of something else.
         """
         match key.split("/"):
-            case [platform, "agents", local, "acl" | "alive" | "description" | "results"]:
+            case [platform, "agents", local, "acl" | "alive" | "description" | "heartbeat" | "results"]:
                 return cls(local, platform)
         raise NameNotValid(f"{key!r} is no key of an agent")
 

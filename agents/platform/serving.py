@@ -2,14 +2,16 @@
 
 import asyncio
 import contextlib
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Iterator
 from contextvars import ContextVar
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.heartbeat import watched
 from agents.platform.home import Home
 from agents.platform.names import AgentName
-from bus import BusUnavailable, Conversation, Refused
+from bus import BusUnavailable, Conversation, KeyNotValid, Refused
+from bus.heartbeat import SILENCE, heartbeat_key
 
 LONGEST_REASON = 1000  # characters; an exception may quote anything
 
@@ -81,6 +83,25 @@ class Serving:
         self._why_cancelled = why if self._why_cancelled is None else self._why_cancelled
         if self._work is not None:
             self._work.cancel()
+
+    @contextlib.contextmanager
+    def attended(self) -> Iterator[bool]:
+        """Cancel what is being done when the initiator's heartbeat falls silent during a block.
+
+        Yields:
+            Whether the initiator has a heartbeat.
+        """
+        key = self.message.x_heartbeat
+        if not key:
+            yield False
+            return
+        try:
+            heartbeat_key(key)
+        except KeyNotValid as err:
+            raise Refused(str(err)) from err
+        why = f"{self.message.sender}, who asked for it, has been silent for {SILENCE} s"
+        with watched(self._home.bus, key, lambda: self.cancel(why)):
+            yield True
 
     def asker_gone(self) -> None:
         """Stop what is being done, since there is nobody any more for whom."""
@@ -164,6 +185,17 @@ def agree() -> None:
         LookupError: Nothing is being answered.
     """
     _SERVING.get().agree()
+
+
+def attended() -> contextlib.AbstractContextManager[bool]:
+    """Cancel what is being answered when the initiator's heartbeat falls silent during a block.
+
+    It yields whether the initiator has a heartbeat.
+
+    Raises:
+        LookupError: Nothing is being answered.
+    """
+    return _SERVING.get().attended()
 
 
 def asker() -> AgentName:

@@ -206,6 +206,17 @@ class PowerCubeDriver:
         self.home(now)
         self._rounds_at_rest = 0
 
+    def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
+        """Expected duration until the joints are at their targets, s; their zeros if None."""
+        if targets is None:
+            targets = dict.fromkeys(range(len(self.limits)), 0.0)
+        times = []
+        for joint, place in targets.items():
+            limits, module = self.limits[joint], self._modules[joint + 1]
+            pace = limits.fastest if speed is None or limits.slides else speed
+            times.append(abs(place - (module.position or 0.0)) / pace)
+        return max(times, default=0.0)
+
     def halt(self, now: float) -> None:
         """Let every joint stand where it is, as soon as its ramp lets it."""
         self._wake(now)

@@ -62,6 +62,8 @@ class Arm(AskedElement):
     _follows_manual = False
     _was_initialised = False
     _paces: Mapping[int, int] = {}
+    _places: tuple[float, ...] = ()
+    _moves = False
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask; the robot has taken the arm home and its power off, and forgotten the speeds."""
@@ -117,6 +119,23 @@ class Arm(AskedElement):
         """Send every joint home, then take the power off."""
         self._instead(Command.ARM_PARK, None)
 
+    def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
+        """Expected duration until the joints are at their targets, s; home if None."""
+        if targets is None:
+            targets = {joint: scale.limits.home for joint, scale in enumerate(self._scales)}
+        times = []
+        for joint, place in targets.items():
+            scale = self._scales[joint]
+            usual = abs(scale.per_tick) / (scale.usual * MS)
+            pace = usual if speed is None or scale.limits.slides else speed
+            start = self._places[joint] if self._places else scale.limits.lower
+            times.append(abs(place - start) / pace)
+        return max(times, default=0.0)
+
+    def is_moving(self, now: float) -> bool:
+        """Some joint, by the last ARMpac."""
+        return self._moves
+
     def halt(self, now: float) -> None:
         """Stop every joint where it is; what stops goes first."""
         if self.is_present:
@@ -148,14 +167,10 @@ class Arm(AskedElement):
         if not (is_initialised or self._was_initialised):
             self._ask(Command.ARM_INIT)
         self._was_initialised = True
-        self._announce(
-            ArmSeen(
-                self._is_powered,
-                is_initialised,
-                tuple(bool(moving >> joint & 1) for joint in range(len(self._scales))),
-                tuple(scale.place(tick) for scale, tick in zip(self._scales, positions, strict=True)),
-            )
-        )
+        joints = tuple(bool(moving >> joint & 1) for joint in range(len(self._scales)))
+        self._moves = any(joints)
+        self._places = tuple(scale.place(tick) for scale, tick in zip(self._scales, positions, strict=True))
+        self._announce(ArmSeen(self._is_powered, is_initialised, joints, self._places))
 
     def _check_power(self) -> None:
         if not self._is_powered:

@@ -65,6 +65,10 @@ class Element:
     def halt(self, now: float) -> None:
         """Stand still: somebody has stopped the robot. Nothing to do for what cannot move."""
 
+    def is_moving(self, now: float) -> bool:
+        """Whether it moves by motors of its own, as it said last."""
+        return False
+
     def _ask(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
         """Queue a command that can wait until those that move the robot have left.
 

@@ -70,15 +70,17 @@ STOPPING = ("stop", "halt")
 
 @dataclass(frozen=True, slots=True)
 class GripperTravel:
-    """How far its joints go, m: opening between open paddles, and lift."""
+    """How far its joints go, m, and how fast, m/s: opening between open paddles, lift, and speeds of each."""
 
     opening: float
     lift: float
+    paddle_speed: float
+    lift_speed: float
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> "GripperTravel":
         """Read what is needed of a gripper's file in `configs/accessories`."""
-        return cls(table["opening_m"], table["lift_travel_m"])
+        return cls(table["opening_m"], table["lift_travel_m"], table["paddle_speed_m_s"], table["lift_speed_m_s"])
 
 
 TRAVELS = {GripperKind.PIONEER: "gripper-pioneer", GripperKind.PEOPLEBOT: "gripper-peoplebot"}
@@ -92,6 +94,7 @@ class Gripper(AskedElement):
     question = Command.GRIPREQUEST, 1
     _kind = GripperKind.NONE
     _has_failed = False
+    _moves = False
 
     @property
     def faults(self) -> Sequence[str]:
@@ -119,6 +122,7 @@ class Gripper(AskedElement):
         if self._kind is GripperKind.PEOPLEBOT and sip.analog_port != sip.gripper_state:
             inputs = GripperInput(sip.analog_port)
             moving = bool(inputs & GripperInput.PADDLES_MOVING), bool(inputs & GripperInput.LIFT_MOVING)
+        self._moves = any(moving)
         self._has_failed = bool(state & (GripperState.PADDLES_ERROR | GripperState.LIFT_ERROR))
         seen = GripperSeen(
             paddles_open=_only(state, GripperState.PADDLES_OPEN, GripperState.PADDLES_CLOSED),
@@ -149,6 +153,18 @@ class Gripper(AskedElement):
             kind = Command.GRIPPER, argument
             self._outbox.drop(kind)  # the latest order comes last
             self._ask(Command.GRIPPER, argument, kind)
+
+    def duration(self, what: str) -> float:
+        """Expected duration of an order, s; 0 of one that moves nothing."""
+        if not self.is_present or what in STOPPING:
+            return 0.0
+        paddles = self._travel.opening / 2.0 / self._travel.paddle_speed
+        lift = self._travel.lift / self._travel.lift_speed
+        return {"open": paddles, "close": paddles}.get(what, max(paddles, lift))
+
+    def is_moving(self, now: float) -> bool:
+        """Paddles or lift, by the last SIP."""
+        return self._moves
 
     def halt(self, now: float) -> None:
         """Stop paddles and lift where they are; what stops goes first."""

@@ -56,6 +56,14 @@ class HeadPlace:
             lens.ratio_at(count),
         )
 
+    def changed(self, pan: float | None, tilt: float | None, zoom: float | None) -> Place:
+        """The goal with these in place of its own; what is None stays as it is."""
+        return Place(*(old if new is None else new for new, old in zip((pan, tilt, zoom), self.goal, strict=True)))
+
+    def travel_time(self, pan: float | None, tilt: float | None, zoom: float | None) -> float:
+        """Seconds to a goal that is changed so."""
+        return self._travel_time(self.changed(pan, tilt, zoom))
+
     def is_moving(self, now: float) -> bool:
         """It is on its way."""
         return now < self._moves_until
@@ -73,11 +81,11 @@ class HeadPlace:
     def send(self, goal: Place, now: float) -> None:
         """It was told to look somewhere."""
         self._place, self._at, self.goal = self.now(now), now, goal
-        self._moves_until = now + self._travel_time() + (0.0 if self._is_reckoned else SLACK)
+        self._moves_until = now + self._travel_time(goal) + (0.0 if self._is_reckoned else SLACK)
 
     def postpone(self, at: float) -> None:
         """It is busy, and will be told again then, s."""
-        self._moves_until = max(self._moves_until, at + self._travel_time() + SLACK)
+        self._moves_until = max(self._moves_until, at + self._travel_time(self.goal) + SLACK)
 
     def stop(self, now: float) -> None:
         """It was told to stay where it is."""
@@ -97,12 +105,12 @@ class HeadPlace:
             self._moves_until = min(self._moves_until, now)
         return has_moved
 
-    def _travel_time(self) -> float:
+    def _travel_time(self, goal: Place) -> float:
         lens = self._model.lens
-        way = abs(lens.count_at(self.goal.zoom) - lens.count_at(self._place.zoom)) / lens.counts
+        way = abs(lens.count_at(goal.zoom) - lens.count_at(self._place.zoom)) / lens.counts
         return max(
-            abs(self.goal.pan - self._place.pan) / self._model.pan.top_speed,
-            abs(self.goal.tilt - self._place.tilt) / self._model.tilt.top_speed,
+            abs(goal.pan - self._place.pan) / self._model.pan.top_speed,
+            abs(goal.tilt - self._place.tilt) / self._model.tilt.top_speed,
             way * lens.travel_s,
         )
 

@@ -97,7 +97,7 @@ class Ptz(Element):
         _check("tilt", tilt, model.tilt.limits, " rad")
         _check("zoom", zoom, (1.0, model.lens.ratio), "")
         talk, place = self._found()
-        goal = Place(*(old if new is None else new for new, old in zip((pan, tilt, zoom), place.goal, strict=True)))
+        goal = place.changed(pan, tilt, zoom)
         if pan is not None or tilt is not None:
             self._aux.put("turn", talk.turn(goal.pan, goal.tilt))
         if zoom is not None:
@@ -117,6 +117,14 @@ class Ptz(Element):
             self._aux.put(f"stop {number}", exchange)
         place.stop(now)
         self._hurry(now)
+
+    def duration(self, pan: float | None, tilt: float | None, zoom: float | None) -> float:
+        """Expected duration until it looks somewhere, s; what is None stays as it is."""
+        return 0.0 if self._place is None else self._place.travel_time(pan, tilt, zoom)
+
+    def is_moving(self, now: float) -> bool:
+        """It is on its way, as far as one knows."""
+        return self._place is not None and self._place.is_moving(now)
 
     def halt(self, now: float) -> None:
         """Stop where it is, if it is on its way to where it was told to look."""

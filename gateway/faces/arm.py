@@ -50,12 +50,16 @@ def _order(driver: Driver, arguments: Arguments, now: float) -> None:
     reach.order(driver.element(ArmElement, now), driver, arguments, now)
 
 
+def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
+    return reach.duration(driver.element(ArmElement, now), arguments)
+
+
 class ArmFace(Face):
     """`<robot>/arm` and `command/arm` of the Pioneer arm."""
 
     name = NAME
     streams = STREAMS
-    commands = (CommandRow(keys.REACH, {"do": str}, _order, NAME, may_take=reach.MAY_TAKE),)
+    commands = (CommandRow(keys.REACH, {"do": str}, _order, NAME, may_take=reach.MAY_TAKE, duration=_duration),)
 
     def is_present(self, driver: Driver) -> bool:
         """The robot has said so."""
@@ -70,6 +74,11 @@ class ArmFace(Face):
     def halt(cls, driver: Driver, now: float) -> None:
         """Stop it where it is."""
         driver.halt_element(ArmElement, now)
+
+    @classmethod
+    def is_moving(cls, driver: Driver, now: float) -> bool:
+        """Some joint."""
+        return driver.lookup(ArmElement).is_moving(now)
 
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """Its joints, as the robot says they are."""

@@ -23,6 +23,10 @@ class ElementCommander(Protocol[D_co]):
         """Call `give` with the driver and the steady time, nobody else meanwhile, and write what follows."""
         ...
 
+    def post(self, give: Callable[[D_co, float], object]) -> None:
+        """The same without waiting: now if the driver is free, and otherwise as soon as it is."""
+        ...
+
 
 class CableFace(Generic[D]):
     """One element on the bus.
@@ -71,5 +75,5 @@ class CableFace(Generic[D]):
         return {}
 
     def halt(self) -> None:
-        """Somebody has stopped the robot: the element stands still too."""
-        self._commander.command(lambda driver, now: driver.halt(now))
+        """Somebody has stopped the robot: the element stands still too. Does not wait for a slow cable."""
+        self._commander.post(lambda driver, now: driver.halt(now))

@@ -42,6 +42,11 @@ class Face:
     def halt(cls, driver: Driver, now: float) -> None:
         """The lease on the element has changed hands: it stands still. Nothing to do for what cannot move."""
 
+    @classmethod
+    def is_moving(cls, driver: Driver, now: float) -> bool:
+        """Whether the element moves by motors of its own, as it said last."""
+        return False
+
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """What the description says of this element beyond its name and keys; SI and radians, ready for JSON."""
         return {}

@@ -22,6 +22,10 @@ def _order(driver: Driver, arguments: Arguments, now: float) -> None:
     gripper.order(arguments["do"])
 
 
+def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
+    return driver.lookup(GripperElement).duration(arguments["do"])
+
+
 class GripperFace(Face):
     """`<robot>/gripper`, its joints in `<robot>/joint_states`, and `command/gripper`.
 
@@ -31,7 +35,7 @@ class GripperFace(Face):
 
     name = "gripper"
     streams = (keys.GRIPPER, keys.JOINT_STATES)
-    commands = (CommandRow(keys.GRIP, {"do": str}, _order, name),)
+    commands = (CommandRow(keys.GRIP, {"do": str}, _order, name, duration=_duration),)
 
     def is_present(self, driver: Driver) -> bool:
         """The robot has said so."""
@@ -54,6 +58,11 @@ class GripperFace(Face):
     def halt(cls, driver: Driver, now: float) -> None:
         """Stop it where it is."""
         driver.halt_element(GripperElement, now)
+
+    @classmethod
+    def is_moving(cls, driver: Driver, now: float) -> bool:
+        """Paddles or lift."""
+        return driver.lookup(GripperElement).is_moving(now)
 
     def _joint_state(self, places: dict[str, float], stamp: int) -> JointState:
         nothing = np.array([])

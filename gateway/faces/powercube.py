@@ -31,7 +31,9 @@ class PowerCubeFace(CableFace[PowerCubeDriver]):
         commander: ElementCommander[PowerCubeDriver],
     ) -> None:
         super().__init__(robot, model, settings, driver, commander)
-        self.commands = (CommandRow(keys.REACH, {"do": str}, self._order, NAME, may_take=reach.MAY_TAKE),)
+        self.commands = (
+            CommandRow(keys.REACH, {"do": str}, self._order, NAME, may_take=reach.MAY_TAKE, duration=self._duration),
+        )
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Two with every round of answers."""
@@ -41,6 +43,9 @@ class PowerCubeFace(CableFace[PowerCubeDriver]):
     def describe(self) -> Mapping[str, Any]:
         """Its joints, as the modules say they are."""
         return arm_description(self._robot, self._driver.limits)
+
+    def _duration(self, robot: Driver, arguments: Arguments, now: float) -> float:
+        return self._commander.command(lambda arm, at: reach.duration(arm, arguments))
 
     def _order(self, robot: Driver, arguments: Arguments, now: float) -> None:
         self._commander.command(lambda arm, at: reach.order(arm, robot, arguments, at))

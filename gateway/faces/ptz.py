@@ -25,13 +25,26 @@ def _look(driver: Driver, arguments: Arguments, now: float) -> None:
         raise CommandRefused(f"a camera head cannot {what!r}; say stop, or give pan, tilt or zoom")
 
 
+def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
+    if arguments.get("do", "look") != "look":
+        return 0.0
+    return driver.lookup(Ptz).duration(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"))
+
+
 class PtzFace(Face):
     """`<robot>/ptz` and `command/ptz`."""
 
     name = "ptz"
     streams = (keys.PTZ,)
     commands = (
-        CommandRow(keys.LOOK, {}, _look, name, may_take={"pan": float, "tilt": float, "zoom": float, "do": str}),
+        CommandRow(
+            keys.LOOK,
+            {},
+            _look,
+            name,
+            may_take={"pan": float, "tilt": float, "zoom": float, "do": str},
+            duration=_duration,
+        ),
     )
 
     def is_present(self, driver: Driver) -> bool:
@@ -47,6 +60,11 @@ class PtzFace(Face):
     def halt(cls, driver: Driver, now: float) -> None:
         """Stop it where it is."""
         driver.halt_element(Ptz, now)
+
+    @classmethod
+    def is_moving(cls, driver: Driver, now: float) -> bool:
+        """It turns or zooms."""
+        return driver.lookup(Ptz).is_moving(now)
 
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """What it is, what it can be told, and its widest horizontal view."""

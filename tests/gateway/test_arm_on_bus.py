@@ -193,7 +193,7 @@ def test_powerbots_arm_moves_and_halts_when_its_gateway_is_killed(name: str, bus
             wait_until(lambda: watcher.arm is not None and watcher.arm.homed)
             assert watcher.order(do="move", joints={"2": 0.4, "8": 0.05})
             wait_until(lambda: watcher.is_at(2, 0.4) and watcher.is_at(8, 0.05))
-            assert watcher.order(do="move", joints={"2": 1.6}, speed=0.2)
+            assert watcher.order(do="move", joints={"2": 1.6}, speed=0.2, detach=True)
             wait_until(lambda: watcher.joints.position[1] > 0.45)  # it is on its way
             process.kill()
             process.wait()

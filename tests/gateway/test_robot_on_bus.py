@@ -154,7 +154,12 @@ def test_stamped_twist_drives_unless_its_stamp_is_old(office: Office) -> None:
     office.bus.put("happy/cmd_vel_stamped", old)
     office.run(0.3)
     assert not office.bench.body.is_turning()
-    fresh = messages.TwistStamped(header=messages.header(office.stamp, ""), twist=messages.twist(0.3, 0.0))
+    ahead = messages.TwistStamped(header=messages.header(office.stamp + NS, ""), twist=messages.twist(0.3, 0.0))
+    office.bus.put("happy/cmd_vel_stamped", ahead)
+    office.run(0.3)
+    assert not office.bench.body.is_turning()
+    assert any("in the future" in fault for fault in office.last("state").faults)
+    fresh = messages.TwistStamped(header=messages.header(office.stamp + NS // 10, ""), twist=messages.twist(0.3, 0.0))
     office.bus.put("happy/cmd_vel_stamped", fresh)
     office.run(0.3)
     assert office.bench.body.is_turning()
@@ -315,7 +320,7 @@ class TestLease:
     @pytest.mark.parametrize("element", ["base", "robot"])
     def test_long_motion_ends_with_the_lease_under_which_it_began(self, office: Office, how: str, element: str) -> None:
         token = office.ask("lease", do="take", holder="me", element=element, seconds=1.0)["token"]
-        moving = office.ask("command/move", distance=5.0, token=token)["id"]
+        moving = office.ask("command/move", distance=5.0, detach=True, token=token)["id"]
         office.run(0.9)
         assert office.bench.body.is_turning()
         if how == "release":
@@ -330,7 +335,7 @@ class TestLease:
     def test_motion_goes_on_when_a_lease_on_something_else_ends(self, office: Office) -> None:
         servos = office.ask("lease", do="take", holder="me", element="servos", seconds=0.5)["token"]
         base = office.ask("lease", do="take", holder="you", element="base")["token"]
-        office.ask("command/move", distance=5.0, token=base)
+        office.ask("command/move", distance=5.0, detach=True, token=base)
         office.run(1.5)
         assert "has ended" in office.refusal("command/servo", port=1, pulse=0.0015, token=servos)
         assert office.bench.body.is_turning()

@@ -70,6 +70,8 @@ class Bench:
         """Take a command from now on, or refuse it with a sentence."""
 
         def answer(given: dict[str, Any]) -> dict[str, Any]:
+            heartbeat = given.pop("heartbeat", None)
+            assert heartbeat in (None, self.component.name.heartbeat_key)
             if refusal:
                 raise Refused(refusal)
             self.obeyed.append((topic.suffix, given))

@@ -28,6 +28,9 @@ class NoBridge:
     def command(self, give: Callable[[LaserDriver, float], T]) -> T:
         raise AssertionError("a face only looks")
 
+    def post(self, give: Callable[[LaserDriver, float], object]) -> None:
+        raise AssertionError("a face only looks")
+
 
 def face(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) -> LaserFace:
     model = replace(configs.load(RobotModel, "robots", "p3dx-sh"), lasers=(mount,))
