@@ -27,6 +27,7 @@ GROUPS = {
     "navigation_latency": "from a scan or sonar message to the fused command, all components in processes of their own",
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
+    "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

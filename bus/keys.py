@@ -208,6 +208,9 @@ TOPICS = (
     ALIVE,
     ELEMENT_ALIVE,
 )
+MOTIONS = (MOVE, TURN, HEADING, GRIP, REACH, LOOK)
+"""Commands that set something going. Each also takes `heartbeat`, a key to which the motion is bound, and `detach`."""
+
 _BY_SUFFIX = {topic.suffix: topic for topic in TOPICS}
 
 

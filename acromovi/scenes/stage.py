@@ -12,6 +12,7 @@ from typing import Any
 
 from acromovi.children import EmulatedRobots, emulator, gateway
 from bus import Bus, NoAnswer, Refused, Sample, ZenohBus, keys, messages
+from bus.heartbeat import Heartbeat
 from bus.keys import Topic
 
 PATIENCE_S = 10.0
@@ -52,6 +53,11 @@ class Stage:
         self.folder = folder
         self.say = say
         self._bus = bus
+        self._heartbeat = Heartbeat(bus, f"{robot}-scene/heartbeat")
+
+    def close(self) -> None:
+        """End what the scene has set going."""
+        self._heartbeat.close()
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
         """Ask the emulator's control socket."""
@@ -92,6 +98,8 @@ class Stage:
         raise SceneFailed(f"{topic.suffix} {arguments} was not refused")
 
     def _tell(self, topic: Topic, arguments: dict[str, Any]) -> dict[str, Any]:
+        if topic in keys.MOTIONS:
+            arguments = {"heartbeat": self._heartbeat.key, **arguments}
         try:
             (answer,) = self._bus.query(topic.key(self.robot), arguments, PATIENCE_S)
         except NoAnswer as error:
@@ -172,6 +180,7 @@ def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[
         robots = stack.enter_context(emulator("--quiet", *arguments))
         say(f"$ p2os-emu {' '.join(arguments)}")
         stage = Stage(robot, robots, stack.enter_context(ZenohBus.open()), Path(folder), say)
+        stack.callback(stage.close)
         if scene.has_gateway:
             facts = {key: value or "" for key, value in robots.robots[0].items()}
             options = [word.format_map(facts) for word in scene.gateway]

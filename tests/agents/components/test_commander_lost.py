@@ -1,0 +1,101 @@
+"""A robot as programs, in the middle of a long motion: whoever has asked for it, or carries it out, dies or freezes."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from acromovi.children import EmulatedRobots, emulator, end, gateway
+from bus import Bus, ZenohBus
+from bus.messages import decode_json
+from tests.waiting import wait_until
+
+DISTANCE = 25.0  # m; more than half a minute
+FAR = 6.0  # m: a robot that was not stopped has rolled farther before the test gives up
+
+PROGRAM = """
+import sys
+from agents import Team
+
+with Team(sys.argv[2]) as team:
+    team.robot(sys.argv[1]).base.move(25.0)
+"""
+PLAIN = """
+import sys, time
+from bus import ZenohBus
+from bus.heartbeat import Heartbeat
+
+with ZenohBus.open(sys.argv[2]) as bus, Heartbeat(bus, f"plain-{sys.argv[1]}/heartbeat") as heartbeat:
+    bus.query(f"{sys.argv[1]}/command/move", {"distance": 25.0, "heartbeat": heartbeat.key})
+    time.sleep(60.0)
+"""
+
+
+@contextmanager
+def program(*words: str, says: bool = False) -> "Iterator[subprocess.Popen[str]]":
+    """Run a program until the block ends; wait for its first line if it says one."""
+    command = [sys.executable, *words]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            assert not says or process.stdout.readline()
+            yield process
+        finally:
+            if process.poll() is None:
+                os.kill(process.pid, signal.SIGCONT)
+            end(process)
+
+
+@pytest.fixture
+def bus() -> Iterator[Bus]:
+    with ZenohBus.open() as opened:
+        yield opened
+
+
+def commander(robot: str, who: str, folder: Path) -> list[str]:
+    """The command line of a program that asks for the motion."""
+    match who:
+        case "ask":
+            return ["-m", "acromovi", "ask", f"base@{robot}", "move", f"distance={DISTANCE}", "--timeout", "60"]
+        case "Team":
+            file = folder / "tour.py"
+            file.write_text(PROGRAM)
+            return [str(file), robot, "local"]
+    return ["-c", PLAIN, robot, "local"]
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
+@pytest.mark.parametrize(
+    ("who", "victim"),
+    [("ask", "container"), ("ask", "commander"), ("Team", "commander"), ("plain program", "commander")],
+)
+def test_a_robot_stops_when_the_commander_of_its_motion_is_lost(
+    robot: str, bus: Bus, tmp_path: Path, who: str, victim: str, how: signal.Signals
+) -> None:
+    ends: list[dict[str, Any]] = []
+    bus.subscribe(f"{robot}/command/result/*", lambda sample: ends.append(decode_json(sample.payload)))
+    with ExitStack() as stack:
+        robots: EmulatedRobots = stack.enter_context(emulator("--robot", f"p3dx-sh:{robot}", "--world", "empty"))
+        stack.enter_context(gateway(robots.port, "--quiet"))
+        agents = stack.enter_context(program("-m", "acromovi", "container", "--robot", robot, "--json", says=True))
+        tokens: list[str] = []
+        bus.watch_alive(f"{robot}/agents/base/alive", lambda key, is_alive: tokens.append(key))
+        wait_until(lambda: tokens, "the agent of the wheels is there")
+        asking = stack.enter_context(program(*commander(robot, who, tmp_path)))
+        wait_until(lambda: truth(robots, robot)["linear"] > 0.2, "the robot drives")
+        (agents if victim == "container" else asking).send_signal(how)
+        begin = truth(robots, robot)["x"]
+        wait_until(lambda: abs(truth(robots, robot)["linear"]) < 0.005, "the robot stands")
+        assert truth(robots, robot)["x"] - begin < FAR
+        wait_until(lambda: ends, "the end of the motion is published")
+        assert ends[0]["result"] != "reached"
+
+
+def truth(robots: EmulatedRobots, robot: str) -> dict[str, Any]:
+    return dict(robots.ask("truth")["robots"][robot])
