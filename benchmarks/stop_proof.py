@@ -18,14 +18,17 @@ from pathlib import Path
 from acromovi.children import EmulatedRobots, emulator, end, gateway
 from benchmarks.figures import Figure
 from bus import ZenohBus, keys
+from bus.heartbeat import SILENCE
 
 MODEL = "p3dx-sh"
 SPEED = 0.5  # m/s
+MOVE_SPEED = 0.75  # m/s, of a move by the model's FLASH
 STANDS = 0.005  # m/s; below it the wheels stand
 STAYS_S = 1.0
 TIMEOUT_S = 20.0
 PAGE = "stop-proof.md"
 
+FAR = 25.0  # m; a move that lasts longer than anything here
 CMD_VEL_SILENCE_S = 0.5
 WATCHDOG_S = 2.0
 BRAKING_S = SPEED / 0.3  # the firmware's deceleration, m/s2
@@ -35,11 +38,15 @@ REACTION_S = 0.25  # a SIP cycle and the way through the processes
 
 @dataclass(slots=True)
 class Chain:
-    """Everything between a person and the wheels."""
+    """Everything between a person and the wheels.
+
+    application: sends velocities, or asks an agent for a long move. agents: the container, for such a move.
+    """
 
     robots: EmulatedRobots
     gateway: subprocess.Popen[str]
     application: subprocess.Popen[str]
+    agents: subprocess.Popen[str] | None
     router: subprocess.Popen[str] | None
     name: str
 
@@ -48,7 +55,8 @@ class Chain:
 class Mishap:
     """Something that happens in mid-drive.
 
-    notices: s until somebody must have noticed. brakes: s of braking after that.
+    notices: s until somebody must have noticed. brakes: s of braking after that. is_asked: an agent was asked for a
+    long move, and carries it out; otherwise the application sends velocities.
     """
 
     name: str
@@ -57,16 +65,27 @@ class Mishap:
     notices: float
     brakes: float = BRAKING_S
     has_router: bool = False
+    is_asked: bool = False
+
+    @property
+    def speed(self) -> float:
+        """Of the robot, m/s: a move is driven at the robot's own."""
+        return MOVE_SPEED if self.is_asked else SPEED
+
+    @property
+    def braking(self) -> float:
+        """Longest time for braking, s."""
+        return self.brakes * self.speed / SPEED
 
     @property
     def time(self) -> float:
         """The longest that it may take, s."""
-        return self.notices + self.brakes + REACTION_S
+        return self.notices + self.braking + REACTION_S
 
     @property
     def distance(self) -> float:
         """The farthest that the robot may come, m."""
-        return SPEED * (self.notices + REACTION_S + self.brakes / 2)
+        return self.speed * (self.notices + REACTION_S + self.braking / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +103,11 @@ def _kill(process: subprocess.Popen[str]) -> None:
 
 def _freeze(process: subprocess.Popen[str]) -> None:
     os.kill(process.pid, signal.SIGSTOP)
+
+
+def _agents(chain: Chain) -> subprocess.Popen[str]:
+    assert chain.agents is not None  # `is_asked` of the mishap
+    return chain.agents
 
 
 def _router(chain: Chain) -> subprocess.Popen[str]:
@@ -111,6 +135,22 @@ MISHAPS = (
     Mishap("application frozen", "gateway", lambda chain: _freeze(chain.application), CMD_VEL_SILENCE_S),
     Mishap("router killed", "gateway", lambda chain: _kill(_router(chain)), CMD_VEL_SILENCE_S, has_router=True),
     Mishap("router frozen", "gateway", lambda chain: _freeze(_router(chain)), CMD_VEL_SILENCE_S, has_router=True),
+    Mishap(
+        "asker of a move killed", "gateway", lambda chain: _kill(chain.application), SILENCE, BRAKING_S, is_asked=True
+    ),
+    Mishap(
+        "asker of a move frozen", "gateway", lambda chain: _freeze(chain.application), SILENCE, BRAKING_S, is_asked=True
+    ),
+    Mishap("agents killed in a move", "gateway", lambda chain: _kill(_agents(chain)), SILENCE, is_asked=True),
+    Mishap("agents frozen in a move", "gateway", lambda chain: _freeze(_agents(chain)), SILENCE, is_asked=True),
+    Mishap(
+        "router killed in a move",
+        "gateway",
+        lambda chain: _kill(_router(chain)),
+        SILENCE,
+        has_router=True,
+        is_asked=True,
+    ),
     Mishap("gateway killed", "the robot's watchdog", lambda chain: _kill(chain.gateway), WATCHDOG_S),
     Mishap("gateway frozen", "the robot's watchdog", lambda chain: _freeze(chain.gateway), WATCHDOG_S),
     Mishap("gateway ended by SIGTERM", "gateway", lambda chain: chain.gateway.terminate(), 0.0),
@@ -137,7 +177,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 
 
 def _prove(index: int, mishap: Mishap) -> Proof:
-    with _driving(f"stop-proof-{index}", "router" if mishap.has_router else "local") as chain:
+    with _driving(f"stop-proof-{index}", mishap) as chain:
         before = _truth(chain)
         mishap.happen(chain)
         after, x = _wait_until_it_stands(chain)
@@ -145,26 +185,43 @@ def _prove(index: int, mishap: Mishap) -> Proof:
 
 
 @contextmanager
-def _driving(name: str, profile: str) -> Iterator[Chain]:
+def _driving(name: str, mishap: Mishap) -> Iterator[Chain]:
     """The whole chain, and the robot at speed."""
+    profile = "router" if mishap.has_router else "local"
     with ExitStack() as stack:
-        router = stack.enter_context(_program("acromovi", "router")) if profile == "router" else None
+        router = stack.enter_context(_program("acromovi", "router")) if mishap.has_router else None
         robots = stack.enter_context(emulator("--robot", f"{MODEL}:{name}", "--world", "empty", "--quiet"))
         driver = stack.enter_context(gateway(robots.port, "--quiet", "--bus", profile))
-        application = stack.enter_context(_program("benchmarks.commander", name, str(SPEED), profile))
-        stack.callback(_thaw, [process for process in (driver, application, router) if process])
-        chain = Chain(robots, driver, application, router, name)
-        _wait(lambda: _truth(chain)[2] > SPEED * 0.95, "the robot did not come up to speed")
+        agents = None
+        if mishap.is_asked:
+            agents = stack.enter_context(_program("acromovi", "container", "--robot", name, "--json", "--bus", profile))
+            _wait_for_agent(name, profile)
+            asking = ("ask", f"base@{name}", "move", f"distance={FAR}", "--timeout", "120", "--bus", profile)
+            application = stack.enter_context(_program("acromovi", *asking, is_heard=False))
+        else:
+            application = stack.enter_context(_program("benchmarks.commander", name, str(SPEED), profile))
+        stack.callback(_thaw, [process for process in (driver, application, agents, router) if process])
+        chain = Chain(robots, driver, application, agents, router, name)
+        _wait(lambda: _truth(chain)[2] > mishap.speed * 0.95, "the robot did not come up to speed")
         yield chain
 
 
+def _wait_for_agent(name: str, profile: str) -> None:
+    """Wait for the agent of the wheels."""
+    tokens: list[str] = []
+    with ZenohBus.open(profile) as bus:
+        bus.watch_alive(f"{name}/agents/base/alive", lambda key, is_alive: tokens.append(key))
+        _wait(lambda: bool(tokens), "the robot's agents did not come")
+
+
 @contextmanager
-def _program(module: str, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """A program of ours, once it has said its first line."""
+def _program(module: str, *arguments: str, is_heard: bool = True) -> Iterator[subprocess.Popen[str]]:
+    """A program of ours, once it has said its first line if that is waited for."""
     command = [sys.executable, "-m", module, *arguments]
     with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
-        process.stdout.readline()
+        if is_heard:
+            process.stdout.readline()
         try:
             yield process
         finally:
@@ -225,7 +282,8 @@ def _write_page(proofs: Sequence[Proof], path: Path) -> None:
     )
     path.write_text(
         "# Does it stop when it must?\n\n"
-        f"A {MODEL} at {SPEED} m/s, commanded over the bus ten times a second; measured on the emulated robot's true "
+        f"A {MODEL} at {SPEED} m/s, commanded over the bus ten times a second, or at {MOVE_SPEED} m/s in a move that "
+        "an agent was asked for; measured on the emulated robot's true "
         "motion\nuntil its wheels stood, and went on standing for "
         f"{STAYS_S:g} s. Made by `python -m benchmarks stop_proof`.\n\n"
         "| what happens | who stops it | stands after | at most | stands within | at most |\n"
