@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
+from acromovi.options import add_bus
 from configs import ConfigError
 from gateway.bridge import Bridge, steady_clock
 from gateway.driver import Driver
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("port", nargs="?", metavar="PORT", help="the robot's; without it only this computer is checked")
-    parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
+    add_bus(parser)
     parser.add_argument("--json", action="store_true", help="one JSON object a line")
 
 
@@ -96,12 +97,17 @@ def _package(module: str) -> Finding:
 
 def _bus(profile: str) -> Finding:
     from bus import BusUnavailable, ZenohBus  # not at the top: it may be what is missing
+    from bus.secure import Profile
 
     try:
         ZenohBus.open(profile).close()
     except (BusUnavailable, ConfigError) as error:
         return Finding("bus", False, str(error), "see the profiles in configs/bus")
-    return Finding("bus", True, f"profile {profile} opens")
+    if (local := Profile.find(profile).local) is None:
+        return Finding("bus", True, f"profile {profile} opens")
+    group, port = local.scouting_address
+    where = f"{len(local.entries())} programs are on it, plain Zenoh programs join it at {group}:{port}"
+    return Finding("bus", True, f"profile {profile} opens; {where}")
 
 
 def _robot(name: str) -> Iterator[Finding]:

@@ -3,15 +3,17 @@
 import argparse
 from pathlib import Path
 
+from configs.default_bus import VARIABLE, default_bus
+
 
 def add_bus(parser: argparse.ArgumentParser) -> None:
     """Add `--bus`."""
     parser.add_argument(
         "--bus",
         metavar="PROFILE",
-        default="local",
-        help="how to reach the bus: local (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
-        "(default: %(default)s)",
+        default=default_bus(),
+        help="how to reach the bus: local[:NAME] (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
+        f"[%(default)s; {VARIABLE} changes it]",
     )
 
 

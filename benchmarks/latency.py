@@ -10,12 +10,11 @@ from functools import partial
 import zenoh
 
 from acromovi.children import emulator, gateway
-from benchmarks.bare_hop import milliseconds
+from benchmarks.bare_hop import bare_session, milliseconds
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure, p50_p99
 from benchmarks.peer import STEP_M, CableRobot
 from bus import ZenohBus, keys, messages
-from bus.session import configuration
 from p2os import Command
 
 TRIALS = 150
@@ -66,7 +65,7 @@ def _port_to_bus() -> list[float]:
         position = messages.decode(keys.ODOM.type_name, sample.payload.to_bytes()).pose.pose.position
         heard[round(position.x / STEP_M)] = now
 
-    with CableRobot(name) as robot, zenoh.open(configuration("local")) as session, gateway(robot.port, "--quiet"):
+    with CableRobot(name) as robot, bare_session() as session, gateway(robot.port, "--quiet"):
         session.declare_subscriber(keys.ODOM.key(name), on_odometry)
         _wait(lambda: bool(heard))
         time.sleep(PORT_SECONDS)

@@ -19,6 +19,7 @@ from acromovi.children import EmulatedRobots, emulator, end, gateway
 from benchmarks.figures import Figure
 from bus import ZenohBus, keys
 from bus.heartbeat import SILENCE
+from configs.default_bus import default_bus
 
 MODEL = "p3dx-sh"
 SPEED = 0.5  # m/s
@@ -187,7 +188,7 @@ def _prove(index: int, mishap: Mishap) -> Proof:
 @contextmanager
 def _driving(name: str, mishap: Mishap) -> Iterator[Chain]:
     """The whole chain, and the robot at speed."""
-    profile = "router" if mishap.has_router else "local"
+    profile = "router" if mishap.has_router else default_bus()
     with ExitStack() as stack:
         router = stack.enter_context(_program("acromovi", "router")) if mishap.has_router else None
         robots = stack.enter_context(emulator("--robot", f"{MODEL}:{name}", "--world", "empty", "--quiet"))

@@ -6,18 +6,17 @@ behind it but times, so that what is measured is the software between the cable 
 
 import argparse
 import asyncio
-import json
 import os
 import signal
 import subprocess
 import sys
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import configs
 from agents.platform import Agent, AgentName, Container
 from benchmarks.agent_peer import command_of
 from benchmarks.figures import Figure, p50_p99, percentile
@@ -28,7 +27,6 @@ from bus.messages import decode, decode_json, stamp_ns
 
 TEAM, ROBOT = "bench-team", "bench"
 BASE, MONITOR = AgentName("base", ROBOT), AgentName("monitor", TEAM)
-MEETING_PLACE = "224.0.0.224:17449"
 CONTAINERS_KILLED, HOLDERS_KILLED = 5, 10
 SPEED = 0.3  # m/s
 STREAM_S = 60.0
@@ -46,8 +44,8 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 async def _measure() -> list[Figure]:
     with TemporaryDirectory() as name, CableRobot(ROBOT) as robot:
         folder = Path(name)
-        profile = _bus_of_its_own(folder)
-        with _team(folder, robot.port, profile), ZenohBus.open(str(profile)) as bus:
+        profile = _bus_of_its_own()
+        with _team(folder, robot.port, profile), ZenohBus.open(profile) as bus:
             async with Container(bus, "bench-watcher") as container:
                 watcher = Agent(AgentName("watcher", "bench-watcher"))
                 await container.start(watcher)
@@ -120,11 +118,11 @@ async def _until_serving(watcher: Agent) -> None:
     raise TimeoutError(f"{BASE} did not serve within {TIMEOUT_S:g} s")
 
 
-async def _kill_holders(robot: CableRobot, profile: Path) -> list[float]:
+async def _kill_holders(robot: CableRobot, profile: str) -> list[float]:
     """Kill a process that drives with a lease: s until the robot is told to stand."""
     times = []
     for number in range(HOLDERS_KILLED):
-        command = command_of("holder", str(profile), f"bench-holder{number}", str(BASE), str(SPEED))
+        command = command_of("holder", profile, f"bench-holder{number}", str(BASE), str(SPEED))
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as holder:
             assert holder.stdout is not None
             if not await asyncio.to_thread(holder.stdout.readline):
@@ -147,11 +145,11 @@ async def _until(condition: Callable[[], bool], what: str) -> None:
 
 
 @contextmanager
-def _team(folder: Path, port: str, profile: Path) -> Iterator[None]:
+def _team(folder: Path, port: str, profile: str) -> Iterator[None]:
     """A team of one robot, brought up from a file."""
     file = folder / f"{TEAM}.toml"
     file.write_text(f'world = "empty"\n[[robots]]\nname = "{ROBOT}"\nmodel = "p3dx-sh"\nport = "{port}"\n')
-    command = [sys.executable, "-m", "acromovi", "up", str(file), "--json", "--bus", str(profile)]
+    command = [sys.executable, "-m", "acromovi", "up", str(file), "--json", "--bus", profile]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         try:
@@ -162,11 +160,6 @@ def _team(folder: Path, port: str, profile: Path) -> Iterator[None]:
             process.terminate()
 
 
-def _bus_of_its_own(folder: Path) -> Path:
-    """A profile whose programs meet nobody else's."""
-    profile = folder / "bench-bus.toml"
-    local = configs.find("bus", "local").read_text()
-    profile.write_text(
-        local.replace("[scouting.multicast]\n", f"[scouting.multicast]\naddress = {json.dumps(MEETING_PLACE)}\n")
-    )
-    return profile
+def _bus_of_its_own() -> str:
+    """A bus whose programs meet nobody else's."""
+    return f"local:bench-{uuid.uuid4().hex[:12]}"

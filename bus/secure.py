@@ -1,7 +1,9 @@
-"""Profiles with certificates: where the keys are, what they allow, and why a router would not let one in.
+"""Profiles: those of this machine alone, and those with certificates.
 
-A profile that has a table `acromovi` speaks of keys. Its `{keys}` is a folder with `ca.pem`, `cert.pem` and `key.pem`,
-as `acromovi keys` makes them; a router's has a list `admitted` besides. A certificate's common name is ROLE.NAME.
+The table `acromovi` of a profile is ours. With `loopback`, sessions meet on this machine by `bus.loopback`. With
+`keys` it speaks of certificates: where they are, what they allow, and why a router would not let one in. `{keys}` is
+a folder with `ca.pem`, `cert.pem` and `key.pem`, as `acromovi keys` makes them; a router's has a list `admitted`
+besides. A certificate's common name is ROLE.NAME.
 """
 
 import datetime
@@ -19,6 +21,7 @@ from urllib.parse import urlsplit
 import zenoh
 
 from bus.errors import BusUnavailable, NotAllowed
+from bus.loopback import LocalBus
 from configs.loader import ConfigError, find, read
 
 OURS = "acromovi"  # the table of a profile that is not Zenoh's
@@ -38,30 +41,40 @@ ALERTS = {
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """A profile and the folder of its keys.
+    """A profile, and what is given behind its name: the folder of its keys, or the name of a bus on this machine.
 
     path: the file.
     table: what the file says.
     folder: where the keys are; None for a profile without.
+    local: which bus of this machine; None for a profile that is not of this machine alone.
     """
 
     path: Path
     table: Mapping[str, Any]
     folder: Path | None
+    local: LocalBus | None = None
 
     @classmethod
     def find(cls, name: str) -> "Profile":
-        """Find a profile by a name or a file, with `:FOLDER` behind it where the keys are elsewhere.
+        """Find a profile by a name or a file.
 
+        Args:
+            name: With `:FOLDER` behind it where the keys are elsewhere, or `:NAME` for another bus on this machine.
         Raises:
-            ConfigError: There is no such profile, or it has no keys and a folder is given.
+            ConfigError: There is no such profile, or what is given behind its name does not belong to it.
         """
         given, _, folder = (name, "", "") if Path(name).is_file() else name.partition(":")
         path = find("bus", given)
         table = {} if path.suffix in (".json5", ".json") else read(path)
-        if OURS not in table:
+        ours = table.get(OURS, {})
+        if ours.get("loopback") is True:
+            return cls(path, table, None, LocalBus.named(folder))
+        if not ours:
             if folder:
-                raise ConfigError(f"{path} speaks of no keys; the profiles that do are secure and secure-router")
+                raise ConfigError(
+                    f"{path} takes nothing behind its name, but got {folder!r}; secure and secure-router take a folder "
+                    "of keys, local takes the name of a bus"
+                )
             return cls(path, table, None)
         return cls(path, table, Path(folder) if folder else path.parent / Path(_setting(table, "keys")).expanduser())
 

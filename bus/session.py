@@ -7,6 +7,7 @@ a file of Zenoh's (`.json5`) serves as well.
 import atexit
 import contextlib
 import json
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -37,13 +38,20 @@ from bus.exchange import (
 )
 from bus.handler_thread import HandlerThread
 from bus.links import LinkWatch
+from bus.loopback import LocalBus, Registration
 from bus.messages import encode_json, prepare
+from bus.scouting import Scouting
 from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
+from configs.default_bus import default_bus
 from configs.loader import ConfigError
 
-# Sessions on one machine meet within some ms of opening. A query that finds nobody in a session younger than this is
-# asked again.
+log = logging.getLogger("bus")
+
+# What others serve becomes known within some ms of opening. A query that finds nobody in a session younger than this is
+# asked again; longer where not everybody could be connected to yet, as on a busy machine.
 MEETING_TIME = 0.5  # s
+LATE_MEETING_TIME = 2.5  # s
+MOST_TRIES = 5  # to listen on a port that was free a moment before
 
 
 def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zenoh.Config:
@@ -57,6 +65,11 @@ def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zen
         ConfigError: There is no such profile, its keys are missing, or Zenoh does not take it.
     """
     return _configured(Profile.find(profile), changes or {})
+
+
+def registered(registration: Registration) -> dict[str, list[str]]:
+    """What a session's configuration says of where it listens and whom it connects to."""
+    return {"listen/endpoints": [registration.endpoint], "connect/endpoints": list(registration.elders)}
 
 
 def _configured(profile: Profile, changes: Mapping[str, Any]) -> zenoh.Config:
@@ -83,12 +96,15 @@ class ZenohBus(Bus):
     Since a handler holds up the others it must be quick, and must not query what the same bus serves.
     """
 
-    def __init__(self, config: zenoh.Config, permit: Permit | None = None) -> None:
+    def __init__(
+        self, config: zenoh.Config, permit: Permit | None = None, registration: Registration | None = None
+    ) -> None:
         """Open a session.
 
         Args:
             config: Zenoh's configuration.
             permit: What the router allows this program; what it does not is refused here, since the router is silent.
+            registration: This session's on this machine; it is closed with it.
         Raises:
             BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
         """
@@ -100,21 +116,28 @@ class ZenohBus(Bus):
         self._identity = str(self._session.zid()).encode()  # carried by each query: clients take turns by it
         self._is_closed = False
         self._permit = permit
+        self._registration = registration
+        self._scouting: Scouting | None = None
         self._declared: set[Declared] = set()  # Zenoh withdraws what nobody refers to
-        self._met_at = time.monotonic() + MEETING_TIME
+        self._met_at = time.monotonic() + (MEETING_TIME if self._has_met_elders() else LATE_MEETING_TIME)
         self._handlers = HandlerThread()
         self._links = LinkWatch(self._session.info)
         atexit.register(self.close)  # a session left open keeps the interpreter from ending
 
     @classmethod
-    def open(cls, profile: str = "local") -> Self:
-        """Open a session with a profile: a name in `configs/bus`, or a file, and `:FOLDER` where it speaks of keys.
+    def open(cls, profile: str | None = None) -> Self:
+        """Open a session with a profile.
 
+        Args:
+            profile: A name in `configs/bus`, or a file; `:FOLDER` behind it where it speaks of keys, `:NAME` for
+                another bus on this machine. None for the default, as of `--bus`.
         Raises:
             ConfigError: There is no such profile, its keys are missing, or Zenoh does not take it.
             BusUnavailable: Zenoh cannot open a session, or the router does not let this certificate in.
         """
-        found = Profile.find(profile)
+        found = Profile.find(profile or default_bus())
+        if found.local is not None:
+            return cls._open_here(found, found.local)
         config = _configured(found, {})
         permit = Permit.of(found)
         try:
@@ -134,6 +157,26 @@ class ZenohBus(Bus):
                 f"file {ADMITTED} in the router's folder of keys, and start the router again"
             )
         return bus
+
+    @classmethod
+    def _open_here(cls, profile: Profile, local: LocalBus) -> Self:
+        """Open a session on a bus of this machine."""
+        for tries_left in reversed(range(MOST_TRIES)):
+            registration = Registration(local)
+            try:
+                config = _configured(profile, registered(registration))
+                bus = cls(config, registration=registration)
+            except BusUnavailable:
+                registration.close()
+                if not tries_left:
+                    raise
+            except BaseException:
+                registration.close()
+                raise
+            else:
+                bus._look_for_plain_programs(local)
+                return bus
+        raise AssertionError("the last try returns or raises")
 
     @property
     def own_name(self) -> str | None:
@@ -269,6 +312,10 @@ class ZenohBus(Bus):
         if not self._is_closed:
             self._is_closed = True
             atexit.unregister(self.close)
+            if self._registration is not None:
+                self._registration.close()  # first: whoever opens now need not connect to what is about to close
+            if self._scouting is not None:
+                self._scouting.close()
             self._links.close()
             self._handlers.stop()
             self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
@@ -322,6 +369,28 @@ class ZenohBus(Bus):
             # Called on Zenoh's own thread; by default there would be a thread for every declaration.
             listening.handle = declare(zenoh.handlers.Callback(call, indirect=False))
         return listening
+
+    def _has_met_elders(self) -> bool:
+        """Whether all are connected that were registered on this machine before."""
+        return self._registration is None or len(self._session.info.peers_zid()) >= len(self._registration.elders)
+
+    def _look_for_plain_programs(self, local: LocalBus) -> None:
+        """Have other Zenoh programs of this machine find this session."""
+        if self._registration is None:
+            return
+        try:
+            scouting = Scouting(local.scouting_address, str(self._session.zid()), self._registration.endpoint)
+        except OSError as err:
+            log.warning("programs with Zenoh's own configuration will not find this one: %s", err.strerror)
+            return
+        self._scouting = scouting
+
+        def on_transport(event: zenoh.TransportEvent) -> None:
+            if event.kind == zenoh.SampleKind.DELETE and not self._is_closed:
+                scouting.hurry()
+
+        handler = zenoh.handlers.Callback(on_transport, indirect=False)
+        self._transports = self._session.info.declare_transport_events_listener(handler)
 
     def _is_admitted(self) -> bool:
         """Whether a router answers, as it does to those whom it knows."""

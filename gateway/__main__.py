@@ -12,6 +12,7 @@ from types import FrameType
 from typing import NoReturn
 
 from configs import ConfigError
+from configs.default_bus import VARIABLE, default_bus
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
 from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver, ElementThread
@@ -174,7 +175,13 @@ def _parser() -> argparse.ArgumentParser:
         "--camera", metavar="URL|DEVICE", help="its camera: http://HOST/PATH of an MJPEG stream, or a device (OpenCV)"
     )
     parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")
-    parser.add_argument("--bus", default="local", metavar="FILE", help="bus profile, a name or a file (default: local)")
+    parser.add_argument(
+        "--bus",
+        default=default_bus(),
+        metavar="PROFILE",
+        help="how to reach the bus: local[:NAME] (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
+        f"[%(default)s; {VARIABLE} changes it]",
+    )
     parser.add_argument("--wait", action="store_true", help="look for port and robot until they are there")
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
     parser.add_argument("--json", action="store_true", help="say what happens in JSON, a line each")

@@ -1,5 +1,6 @@
 """What tests of every room share."""
 
+import os
 import signal
 import uuid
 from collections.abc import Callable
@@ -7,11 +8,16 @@ from collections.abc import Callable
 import pytest
 from hypothesis import HealthCheck, settings
 
+from configs.default_bus import VARIABLE
 from tests.waiting import wait_until
 
 # A loaded machine makes slow examples; a property says what is true, not how fast it is found out.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
+
+# Each run has a bus of its own, and so has each worker of it, so that two runs on one machine never meet. The programs
+# under test inherit it.
+os.environ[VARIABLE] = f"local:test-{uuid.uuid4().hex[:12]}"
 
 # A runner that was started in the background ignores SIGINT, and the programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -25,5 +31,5 @@ def until() -> Callable[..., None]:
 
 @pytest.fixture
 def robot() -> str:
-    """A robot's name of this test's own: on one machine all tests share one bus."""
+    """A robot's name of this test's own: the tests of one worker share a bus."""
     return f"robot-{uuid.uuid4().hex[:12]}"

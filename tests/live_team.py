@@ -30,16 +30,16 @@ class LiveTeam:
     """Where programs are run that see the team. folder: where they lie. bus: the profile of its bus."""
 
     folder: Path
-    bus: Path
+    bus: str
 
     def command(self, words: Sequence[str]) -> list[str]:
         """A command line as people type it, for this team's bus: `acromovi ...` or `python FILE ...`."""
         program, *rest = words
         if program == "acromovi":
-            bus = [] if rest[0] == "new" else ["--bus", str(self.bus)]
+            bus = [] if rest[0] == "new" else ["--bus", self.bus]
             return [sys.executable, "-m", "acromovi", *rest, *bus]
         assert program == "python"
-        return [sys.executable, "-c", SCRIPT, str(self.bus), *rest]
+        return [sys.executable, "-c", SCRIPT, self.bus, *rest]
 
     def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
         """Run it to its end."""
@@ -71,7 +71,7 @@ class LiveTeam:
 
 def own_bus(folder: Path) -> LiveTeam:
     """A bus on which nobody is yet."""
-    return LiveTeam(folder, Path(private_bus(folder)))
+    return LiveTeam(folder, private_bus())
 
 
 @contextmanager
@@ -80,7 +80,7 @@ def live_team(folder: Path, team: str) -> Iterator[LiveTeam]:
     file = folder / "team.toml"
     file.write_text(team)
     with running(str(file)) as up:
-        yield LiveTeam(folder, Path(up.profile))
+        yield LiveTeam(folder, up.profile)
 
 
 def environment() -> dict[str, str]:

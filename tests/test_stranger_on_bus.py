@@ -1,6 +1,5 @@
 """A stranger on the bus: plain Zenoh, CDR read and written by hand from the ROS 2 message definitions."""
 
-import json
 import struct
 import threading
 import uuid
@@ -10,14 +9,9 @@ import pytest
 import zenoh
 
 from acromovi.children import EmulatedRobots, emulator, gateway
+from tests.plain_zenoh import plain_session
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"  # representation header: CDR, little-endian
-# What a program on this machine needs to meet others here; discovery stays on the loopback interface.
-SETTINGS = {
-    "mode": "peer",
-    "listen": {"endpoints": ["tcp/127.0.0.1:0"]},
-    "scouting": {"multicast": {"interface": "lo"}, "gossip": {"enabled": False}},
-}
 
 
 class Reader:
@@ -83,7 +77,7 @@ def test_plain_zenoh_reads_odometry_drives_and_sees_silence_stop_the_robot(
     robots: EmulatedRobots, name: str, until: Callable[..., None]
 ) -> None:
     ear = Ear()
-    with zenoh.open(zenoh.Config.from_json5(json.dumps(SETTINGS))) as session:
+    with plain_session() as session:
         session.declare_subscriber(f"{name}/odom", ear.hear)
         until(lambda: ear.count > 0, "odometry does not come")
         assert ear.frames == (f"{name}/odom", f"{name}/base_link")

@@ -16,6 +16,7 @@ from agents.face.stage import Stage
 from agents.platform import AgentName, NameNotValid
 from bus import Bus, BusError
 from bus.keys import robot_name
+from configs.default_bus import default_bus
 
 
 class Team:
@@ -29,16 +30,16 @@ class Team:
     released. Everything that goes wrong is a `RobotError`.
     """
 
-    def __init__(self, bus: Bus | str = "local") -> None:
+    def __init__(self, bus: Bus | str | None = None) -> None:
         """Join a bus.
 
         Args:
-            bus: How to reach it: a profile as of `acromovi --bus`, or a bus that is open.
+            bus: How to reach it: a profile as of `acromovi --bus`, or a bus that is open. None for the default.
         Raises:
             RobotError: It cannot be reached.
         """
         complain_in_a_sentence()
-        backstage = Backstage(bus)
+        backstage = Backstage(bus or default_bus())
         self._backstage: Backstage | None = backstage
         self._begin(backstage.stage, backstage.stage.call(look(backstage.stage)))
         atexit.register(self.close)

@@ -10,7 +10,7 @@ from bus import ZenohBus
 
 
 @contextmanager
-def living(container: str, *agents: Agent, profile: str = "local") -> Iterator[None]:
+def living(container: str, *agents: Agent, profile: str | None = None) -> Iterator[None]:
     """These agents at work in a container of their own, in a thread of its own, until the block ends."""
     loop = asyncio.new_event_loop()
     are_there = threading.Event()

@@ -29,7 +29,7 @@ class Meeting:
         self._network = MemoryNetwork()
 
     def join(self) -> Bus:
-        bus: Bus = MemoryBus(self._network) if self.kind == "memory" else ZenohBus.open("local")
+        bus: Bus = MemoryBus(self._network) if self.kind == "memory" else ZenohBus.open()
         self.buses.append(bus)
         return bus
 

@@ -16,7 +16,8 @@ from bus import BusUnavailable, NoAnswer, Refused, Sample, ZenohBus
 from bus.messages import encode, twist
 from bus.session import configuration
 from configs import ConfigError
-from configs.loader import find, names, read
+from configs.loader import names
+from tests.plain_zenoh import plain_session
 
 ROOT = Path(__file__).resolve().parents[2]
 Until = Callable[..., None]
@@ -34,8 +35,7 @@ with ZenohBus.open() as bus:
 @pytest.fixture
 def stranger() -> Iterator[zenoh.Session]:
     """A program that knows Zenoh and nothing of ours."""
-    config = zenoh.Config.from_json5(json.dumps(read(find("bus", "local"))))
-    with zenoh.open(config) as session:
+    with plain_session() as session:
         yield session
 
 
@@ -63,19 +63,22 @@ def test_zenoh_takes_every_profile(profile: str) -> None:
     configuration(profile)
 
 
-def test_the_default_profile_keeps_to_this_machine() -> None:
+def test_a_local_bus_listens_on_the_loopback_interface_only() -> None:
     before = _listening()
     with ZenohBus.open():
-        (opened,) = _listening() - before
-        assert opened.startswith("0100007F:")  # 127.0.0.1 as /proc/net/tcp writes it
-    assert configuration("local").get_json("scouting/multicast/interface") == '"lo"'
+        opened = _listening() - before
+        assert len(opened) == 2, "one address for other sessions, and one at which plain Zenoh programs are answered"
+        # As /proc/net/tcp writes 127.*
+        assert all(address.partition(":")[0].endswith("7F") for address in opened), opened
 
 
 def _listening() -> set[str]:
-    """The addresses on which this process listens for TCP, as the kernel writes them."""
+    """The addresses on which this process listens for TCP, and those of its UDP sockets, as the kernel writes them."""
     own = {str(fd.readlink()) for fd in list(Path("/proc/self/fd").iterdir()) if fd.is_socket()}
-    rows = [line.split() for table in ("tcp", "tcp6") for line in Path(f"/proc/net/{table}").read_text().splitlines()]
-    return {row[1] for row in rows if row[3] == "0A" and f"socket:[{row[9]}]" in own}
+    tables = ("tcp", "tcp6", "udp", "udp6")
+    rows = [line.split() for table in tables for line in Path(f"/proc/net/{table}").read_text().splitlines()]
+    listening = ("0A", "07")  # as TCP does, and any UDP socket
+    return {row[1] for row in rows if row[3] in listening and f"socket:[{row[9]}]" in own}
 
 
 def test_a_stranger_reads_the_type_from_the_encoding(
@@ -176,7 +179,7 @@ def test_clients_of_a_router_meet_through_it(robot: str) -> None:
         ZenohBus(configuration("site", {"listen/endpoints": [address]})),
         ZenohBus(client) as one,
         ZenohBus(client) as other,
-        ZenohBus.open("local") as local,
+        ZenohBus.open() as local,
     ):
         one.serve(f"{robot}/q", lambda arguments: {"ok": True})
         assert other.query(f"{robot}/q")[0].value == {"ok": True}

@@ -154,12 +154,14 @@ def test_rate_that_is_none(capsys: pytest.CaptureFixture[str], baud: str) -> Non
 
 
 def test_doctor_says_where_the_way_to_the_robot_ends(tmp_path: Path) -> None:
-    findings = list(doctor.examine(str(tmp_path / "ttyUSB0"), "local"))
+    findings = list(doctor.examine(str(tmp_path / "ttyUSB0"), "local:doctor"))
     assert [finding.check for finding in findings if not finding.is_ok] == ["port"]
     with peer(lambda data: b"") as port:
-        findings = list(doctor.examine(port, "local"))
+        findings = list(doctor.examine(port, "local:doctor"))
     assert [finding.check for finding in findings if not finding.is_ok] == ["robot"]
     assert "no robot answers" in findings[-1].found
+    (bus,) = (finding.found for finding in findings if finding.check == "bus")
+    assert "profile local:doctor opens; 0 programs are on it, plain Zenoh programs join it at 224.0.0.224:" in bus
 
 
 def test_radio_modem_takes_no_other_rate(capsys: pytest.CaptureFixture[str]) -> None:

@@ -47,7 +47,7 @@ def up() -> Iterator[Up]:
     folder = Path(tempfile.mkdtemp(prefix="navigate-"))
     made = folder / "made"
     made.mkdir()
-    profile = private_bus(folder)
+    profile = private_bus()
     process = subprocess.Popen(
         [sys.executable, "-m", "acromovi", "navigate", "up", "happy", "--json", "--bus", profile],
         cwd=ROOT,

@@ -92,7 +92,7 @@ def running(team: str, *options: str, bus: str = "", seen_as: str = "") -> Itera
     folder = Path(tempfile.mkdtemp(prefix="up-"))  # a short path: a socket's address holds 107 bytes
     made = folder / "made"
     made.mkdir()
-    profile = bus or private_bus(folder)
+    profile = bus or private_bus()
     process = subprocess.Popen(
         [sys.executable, "-m", "acromovi", "up", team, "--json", "--bus", profile, *options],
         cwd=ROOT,

@@ -66,7 +66,7 @@ def test_team_of_seven_comes_up_works_loses_and_finds_a_laser_and_leaves_nothing
         team.bus.watch_alive("**", lambda key, is_there: (tokens.add if is_there else tokens.discard)(key))
         assert team.announced["robots"] == list(AGENTS)
         assert_agents_are_those_of_the_hardware(team)
-        programs = LiveTeam(team.folder.parent, Path(team.profile))
+        programs = LiveTeam(team.folder.parent, team.profile)
         with ExitStack() as squares:
             driven = {robot: squares.enter_context(programs.running(*SQUARE, robot)) for robot in ("max", "sleepy")}
             looked = programs.run("python", str(ROOT / "examples" / "nearest.py"))

@@ -23,7 +23,7 @@ PROGRAM = """
 import sys
 from agents import Team
 
-with Team(sys.argv[2]) as team:
+with Team() as team:
     team.robot(sys.argv[1]).base.move(25.0)
 """
 PLAIN = """
@@ -31,7 +31,7 @@ import sys, time
 from bus import ZenohBus
 from bus.heartbeat import Heartbeat
 
-with ZenohBus.open(sys.argv[2]) as bus, Heartbeat(bus, f"plain-{sys.argv[1]}/heartbeat") as heartbeat:
+with ZenohBus.open() as bus, Heartbeat(bus, f"plain-{sys.argv[1]}/heartbeat") as heartbeat:
     bus.query(f"{sys.argv[1]}/command/move", {"distance": 25.0, "heartbeat": heartbeat.key})
     time.sleep(60.0)
 """
@@ -66,8 +66,8 @@ def commander(robot: str, who: str, folder: Path) -> list[str]:
         case "Team":
             file = folder / "tour.py"
             file.write_text(PROGRAM)
-            return [str(file), robot, "local"]
-    return ["-c", PLAIN, robot, "local"]
+            return [str(file), robot]
+    return ["-c", PLAIN, robot]
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])

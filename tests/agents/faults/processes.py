@@ -31,7 +31,7 @@ def running(*command: str, says: str) -> "Iterator[subprocess.Popen[str]]":
             process.kill()
 
 
-def party(me: AgentName, *peer: AgentName, profile: str = "local") -> "AbstractContextManager[subprocess.Popen[str]]":
+def party(me: AgentName, *peer: AgentName, profile: str = "") -> "AbstractContextManager[subprocess.Popen[str]]":
     """A worker in a process of its own; in the middle of every protocol with its peer, if one is named."""
     return running("tests.agents.faults.party", profile, str(me), *map(str, peer), says="ready")
 

@@ -1,0 +1,151 @@
+"""The bus profile `local`: sessions on one machine that find each other without any network.
+
+A session listens on a loopback address that belongs to its bus alone, and is registered as a Unix socket in the
+abstract namespace. That namespace has the same scope as the loopback interface, leaves no files, and an entry goes with
+its process, however that ends. Each session connects to all that were registered before it, so that for each pair one
+of the two connects, and connects again whenever the link is lost. Zenoh's own scouting is off: it would keep UDP
+sockets on all interfaces, and connect to whatever address a datagram names.
+"""
+
+import errno
+import hashlib
+import re
+import socket
+from pathlib import Path
+from typing import NamedTuple
+
+from bus.bus import Closeable
+from bus.errors import BusUnavailable
+from configs.loader import ConfigError
+
+GROUP = "224.0.0.224"  # Zenoh's own
+DEFAULT_PORT = 7446  # likewise
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,39}")
+SOCKETS = Path("/proc/net/unix")
+
+
+class LocalBus(NamedTuple):
+    """One of the buses on this machine.
+
+    name: as in `local:NAME`; empty for `local` itself.
+    """
+
+    name: str = ""
+
+    @classmethod
+    def named(cls, name: str) -> "LocalBus":
+        """Return the bus of this name.
+
+        Raises:
+            ConfigError: The name is not valid.
+        """
+        if name and not NAME.fullmatch(name):
+            rule = "1 to 40 letters, digits, '.', '_' or '-', beginning with a letter or a digit"
+            raise ConfigError(f"{name[:60]!r} is not a valid name of a local bus; use {rule}")
+        return cls(name)
+
+    @property
+    def address(self) -> str:
+        """The loopback address on which its sessions listen.
+
+        Each bus has its own. A session goes on connecting to the address of one that has ended, and must not reach a
+        program of another bus that was given the same port.
+        """
+        first, second, third = self._digest()[:3]
+        return f"127.{1 + first % 254}.{second}.{1 + third % 254}"
+
+    @property
+    def scouting_address(self) -> tuple[str, int]:
+        """Multicast group and port, on the loopback interface, where plain Zenoh programs are looked for."""
+        number = int.from_bytes(self._digest()[3:7], "big")
+        return GROUP, 20000 + number % 40000 if self.name else DEFAULT_PORT
+
+    @property
+    def _registry(self) -> str:
+        return f"acromovi/local:{self.name}/"
+
+    def entries(self) -> list["Entry"]:
+        """Return the sessions that are registered, oldest first.
+
+        Raises:
+            BusUnavailable: The kernel does not tell which sockets there are.
+        """
+        try:
+            rows = SOCKETS.read_text(encoding="utf-8", errors="replace").splitlines()
+        except OSError as err:
+            why = f"{SOCKETS} cannot be read ({err.strerror})"
+            raise BusUnavailable(f"the profile local needs /proc to find other programs, and {why}") from err
+        found = set()
+        for row in rows:
+            path = row.rpartition(" ")[2]
+            if path.startswith(f"@{self._registry}"):
+                serial, _, port = path.removeprefix(f"@{self._registry}").partition("/")
+                if serial.isdecimal() and port.isdecimal():
+                    found.add(Entry(int(serial), int(port)))
+        return sorted(found)
+
+    def endpoint(self, entry: "Entry") -> str:
+        """Return the address of a registered session, as Zenoh writes it."""
+        return f"tcp/{self.address}:{entry.port}"
+
+    def _digest(self) -> bytes:
+        return hashlib.sha256(f"acromovi local:{self.name}".encode()).digest()
+
+
+class Entry(NamedTuple):
+    """A registered session. serial: later sessions have higher ones. port: where it listens."""
+
+    serial: int
+    port: int
+
+
+class Registration(Closeable):
+    """The entry of one session, from before it is opened until it is closed.
+
+    endpoint: where the session listens.
+    elders: where those listen that were registered before, to be connected to.
+    """
+
+    def __init__(self, bus: LocalBus) -> None:
+        """Register a session.
+
+        No lock is needed, so that no process which is stopped here holds up the others: whoever finds, after
+        registering, that its entry is not the last one tries again with a later one. So of two sessions at least the
+        later one sees the other.
+
+        Raises:
+            BusUnavailable: This machine does not allow it.
+        """
+        while True:
+            before = bus.entries()
+            own = Entry(max((entry.serial for entry in before), default=0) + 1, _free_port(bus.address))
+            self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+            try:
+                self._socket.bind(f"\0{bus._registry}{own.serial}/{own.port}")
+            except OSError as err:
+                self._socket.close()
+                if err.errno == errno.EADDRINUSE:  # by somebody who registers now, too
+                    continue
+                raise BusUnavailable(f"a session cannot be registered on this machine: {err.strerror}") from err
+            entries = bus.entries()
+            if entries and entries[-1] == own:
+                break
+            self._socket.close()
+            if own not in entries:
+                raise BusUnavailable(f"{SOCKETS} does not show this program's own sockets; is /proc mounted for it?")
+        self.endpoint = bus.endpoint(own)
+        self.elders = tuple(bus.endpoint(entry) for entry in entries[:-1])
+
+    def close(self) -> None:
+        """Withdraw the entry."""
+        self._socket.close()
+
+
+def _free_port(address: str) -> int:
+    """Return a port on which nobody listens."""
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+            probe.bind((address, 0))
+            return int(probe.getsockname()[1])
+    except OSError as err:
+        raise BusUnavailable(f"no session can listen on {address}: {err.strerror}") from err
