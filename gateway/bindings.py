@@ -1,7 +1,8 @@
 """The motions that are bound to the heartbeat of their commander, and end when it falls silent.
 
-A motion that runs for seconds would outlive a commander that dies. So the command names a heartbeat (`bus/heartbeat.py`),
-and the gateway stops what it moves 0.5 s after the last beat: the process may be dead or frozen, or the network down.
+A motion that runs for seconds would outlive a commander that dies. So the command names a heartbeat
+(`bus/heartbeat.py`), and the gateway stops what it moves 0.5 s after the last beat: the process may be dead or frozen,
+or the network down.
 
 A binding stays after its motion has ended, until the heartbeat ends or the next command comes; it has no effect then.
 

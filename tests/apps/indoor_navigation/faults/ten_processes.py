@@ -48,15 +48,17 @@ class FreezableBus(MemoryBus):
         is_odometry = key_expr == keys.ODOM.key(ROBOT)
         return super().subscribe(key_expr, hear_odometry if is_odometry else on_sample, urgent=urgent)
 
-    def serve(self, key: str, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Subscription:
+    def serve(
+        self, key: str, answer: Callable[[dict[str, Any]], dict[str, Any] | bytes], *, urgent: bool = False
+    ) -> Subscription:
         """Answer queries while not frozen."""
 
-        def answer_if_awake(arguments: dict[str, Any]) -> dict[str, Any]:
+        def answer_if_awake(arguments: dict[str, Any]) -> dict[str, Any] | bytes:
             if self.is_frozen:
                 raise Refused("nobody answers")
             return answer(arguments)
 
-        return super().serve(key, answer_if_awake)
+        return super().serve(key, answer_if_awake, urgent=urgent)
 
 
 class Process:
