@@ -1,12 +1,12 @@
 """Print PROTOCOL.md: the tables of `p2os` and what the emulator's microcontroller makes of them."""
 
-from p2os.compliance import render
-from p2os_emu.microcontroller import EMULATED, EMULATED_PACKETS
+from p2os.compliance import Emulated, render
+from p2os_emu.microcontroller import EMULATED, EMULATED_PACKETS, simulator
 
 
 def page() -> str:
     """The page as it should be committed."""
-    return render(EMULATED, EMULATED_PACKETS)
+    return render(Emulated(EMULATED, EMULATED_PACKETS, simulator.COMMANDS, simulator.PACKETS))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The compliance page: what of the protocol is decoded, encoded, emulated and tested, from the packet tables."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 from p2os.command_table import COMMANDS
 from p2os.configuration import CONFIGURATION_VARIANTS
@@ -14,7 +15,8 @@ INTRODUCTION = """\
 
 What of the ActivMedia wire protocol (P2OS, AROS, ARCOS) this project speaks. This page is printed from the tables that
 encoder and decoder use (`make docs`), and a test compares the two. *Decoded* and *encoded* are what `p2os` reads and
-writes, *emulated* is what the microcontroller of `p2os-emu` sends or acts on; a dash means no.
+writes, *emulated* is what the microcontroller of `p2os-emu` sends or acts on; a dash means no. What is *as simulator*
+exists only with `p2os-emu --as-simulator`; without the option these commands are unknown, as on a real robot.
 
 Sources: P2 manual, Pioneer 2 and PeopleBot operations manual (P2OS); H8 manual, Pioneer 3 and 2 H8-series manual
 (AROS); P3 manual, Pioneer 3 operations manual (ARCOS); accessory manuals; client library, what ARIA and Player read and
@@ -82,17 +84,25 @@ _PRINTED = (
 )
 
 
-def render(emulated_commands: Collection[int], emulated_packets: Collection[int]) -> str:
-    """Print the page.
+class Emulated(NamedTuple):
+    """What the emulator does.
 
-    Args:
-        emulated_commands: Numbers of the commands that the emulator acts on.
-        emulated_packets: Types of the packets that the emulator sends.
+    commands: numbers of those that it acts on. packets: types of those that it sends.
+    simulator_commands, simulator_packets: those of them that exist only when it is started as a simulator.
     """
+
+    commands: Collection[int]
+    packets: Collection[int]
+    simulator_commands: Collection[int] = ()
+    simulator_packets: Collection[int] = ()
+
+
+def render(emulated: Emulated) -> str:
+    """Return the page."""
     sections = [
         INTRODUCTION,
         "## Packets from the robot\n",
-        _packets(emulated_packets),
+        _packets(emulated),
         "## Standard SIP (0x32, 0x33)\n",
         _fields((*HEAD, COUNT)),
         "Then, for each reading:\n",
@@ -103,12 +113,12 @@ def render(emulated_commands: Collection[int], emulated_packets: Collection[int]
         "## Where packets end\n",
         _ends(),
         "## Commands to the robot\n",
-        _commands(emulated_commands),
+        _commands(emulated),
     ]
     return "\n".join(sections)
 
 
-def _packets(emulated: Collection[int]) -> str:
+def _packets(emulated: Emulated) -> str:
     rows = []
     for kind in PacketType:
         known = "handed on" if kind in MTX_TYPES else _yes(kind in TABLES or kind in HANDSHAKE)
@@ -117,7 +127,7 @@ def _packets(emulated: Collection[int]) -> str:
                 f"0x{kind:02X} {kind.name.replace('_', ' ')}",
                 known,
                 known,
-                _yes(kind in emulated),
+                _emulated(kind, emulated.packets, emulated.simulator_packets),
                 SOURCES.get(kind, "client library"),
                 TESTS.get(kind, "-"),
             )
@@ -125,7 +135,7 @@ def _packets(emulated: Collection[int]) -> str:
     return _table(("packet", "decoded", "encoded", "emulated", "source", "test"), rows)
 
 
-def _commands(emulated: Collection[int]) -> str:
+def _commands(emulated: Emulated) -> str:
     rows = [
         (
             f"{spec.number} {spec.name}",
@@ -135,7 +145,7 @@ def _commands(emulated: Collection[int]) -> str:
             str(spec.since),
             "yes",
             "yes",
-            _yes(spec.number in emulated),
+            _emulated(spec.number, emulated.commands, emulated.simulator_commands),
             spec.source,
             COMMAND_TEST,
         )
@@ -186,6 +196,10 @@ def _ends() -> str:
 
 def _quantity(quantity: Quantity) -> str:
     return f"{quantity.label}, {quantity.unit}" if quantity.unit else quantity.label
+
+
+def _emulated(number: int, always: Collection[int], as_simulator: Collection[int]) -> str:
+    return "as simulator" if number in as_simulator else _yes(number in always)
 
 
 def _yes(claim: bool) -> str:

@@ -85,7 +85,7 @@ def _emulate(options: Options) -> None:
             profile,
             seed=options.seed,
             hangup_stops=options.hangup_stops,
-            poses_as_simulator=options.as_simulator,
+            as_simulator=options.as_simulator,
         )
         stack.callback(emulator.close)
         ports = Ports(poller, pty=options.pty, tcp=_first_tcp_port(options), robots=len(options.robots))
@@ -96,7 +96,6 @@ def _emulate(options: Options) -> None:
             flash,
             str(options.flash),
             options.fits,
-            as_simulator=options.as_simulator,
             links=options.links,
         )
         if options.record is not None:

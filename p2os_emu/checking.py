@@ -81,7 +81,15 @@ class Parting(NamedTuple):
         )
 
 
-def replay(cassette: Cassette, model: RobotModel, world: Surroundings, fit: Fit = BARE, seed: int = 0) -> list[Moment]:
+def replay(
+    cassette: Cassette,
+    model: RobotModel,
+    world: Surroundings,
+    fit: Fit = BARE,
+    seed: int = 0,
+    *,
+    as_simulator: bool = False,
+) -> list[Moment]:
     """Let an emulated robot hear the recorded host.
 
     Args:
@@ -90,11 +98,12 @@ def replay(cassette: Cassette, model: RobotModel, world: Surroundings, fit: Fit 
         world: An empty one; it is stepped.
         fit: Accessories.
         seed: Of every chance.
+        as_simulator: The robot executes the commands of MobileSim.
     Returns:
         What the robot said, on the cassette's clock.
     """
     name = cassette.identity.name if cassette.identity else cassette.name or model.name
-    emulator = Emulator(world, LinkProfile("ideal"), seed=seed)
+    emulator = Emulator(world, LinkProfile("ideal"), seed=seed, as_simulator=as_simulator)
     link = MemoryLink()
     emulator.add(name, model, link, fit=fit, cables={part: MemoryLink() for part in fit.cables})
     start = cassette.moments[0].time - LEAD - emulator.time

@@ -1,9 +1,10 @@
 """Robots in a world, each on its own line: one step moves them all. It opens no port and reads no clock."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from random import Random
+from typing import Any
 
 from geometry import Pose2D
 from p2os import Command, RobotModel, encode_command
@@ -14,7 +15,7 @@ from p2os_emu.fitting import Bench, cabled, plug_in
 from p2os_emu.links.line import Line, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
-from p2os_emu.microcontroller.simulator import Simulator
+from p2os_emu.microcontroller.simulator import SERIAL, Simulator
 from p2os_emu.surroundings import Surroundings, Touches, Truth
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
@@ -122,7 +123,7 @@ class Emulator:
         *,
         seed: int = 0,
         hangup_stops: bool = False,
-        poses_as_simulator: bool = False,
+        as_simulator: bool = False,
     ) -> None:
         """Take over a world.
 
@@ -131,7 +132,8 @@ class Emulator:
             profile: What every line does to bytes.
             seed: Decides what chance would in firmware and lines; each robot draws by its own name.
             hangup_stops: Stop a robot whose client has closed the port, as iron never could.
-            poses_as_simulator: Take commands that mean something else on iron for those of an old simulator.
+            as_simulator: Robots execute the commands of MobileSim, and have the serial number by which clients recognise
+                a simulator. Otherwise these are unknown commands, as on a real robot.
         """
         self.robots: dict[str, EmulatedRobot] = {}
         self.before_step: Callable[[float], None] = _nothing
@@ -139,7 +141,7 @@ class Emulator:
         self._profile = profile
         self._seed = seed
         self._hangup_stops = hangup_stops
-        self._poses = poses_as_simulator
+        self._as_simulator = as_simulator
 
     @property
     def time(self) -> float:
@@ -165,7 +167,7 @@ class Emulator:
             model: What it is.
             link: Its port; closed with the robot.
             pose: In the world, m, m, rad; None leaves the choice to the world.
-            flash: What its controller remembers; None for the factory's values.
+            flash: What its controller remembers; None for that of `flash`.
             fit: Its accessories.
             cables: A port for each of `fit.cables`; closed with the robot.
             profile: Of its lines, where it is not the emulator's.
@@ -174,15 +176,30 @@ class Emulator:
         """
         if name in self.robots:
             raise ValueError(f"there is a robot {name!r} already; choose another name")
+        flash = flash or self.flash(model, name)
         controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
         body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
         profile = profile or self._profile
         line = Line(link, profile, self._chance(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
-        controller.simulate(Simulator(model, Hand(self, robot), body, poses=self._poses))
+        if self._as_simulator:
+            controller.simulate(Simulator(model, Hand(self, robot), body))
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot
+
+    def flash(self, model: RobotModel, name: str, changes: Mapping[str, Any] | None = None) -> Flash:
+        """Return the FLASH of a robot; its serial number is derived from its name, or a simulator's.
+
+        Args:
+            model: What it is.
+            name: What it is called.
+            changes: Parameters that replace the factory's, as `Flash.to_table` names them.
+        Raises:
+            ValueError: A parameter is unknown, or has a value that it cannot have.
+        """
+        flash = Flash.of(model, name).changed(changes or {})
+        return replace(flash, serial=SERIAL) if self._as_simulator else flash
 
     def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link], profile: LinkProfile) -> None:
         for part in robot.fit.parts:

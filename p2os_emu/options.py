@@ -216,8 +216,8 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--as-simulator",
         action="store_true",
-        help="pose as MobileSim did: clients ask for a laser in the robot's own line, by numbers that mean other "
-        "things on iron",
+        help="execute MobileSim's commands, which a real robot does not know: SIM_SET_POSE, SIM_STAT and the others, "
+        "and 35 to 38 for a laser in the robot's own line; the serial number is SIM",
     )
     group.add_argument("--perfect", action="store_true", help="no imperfections: exact wheels, sonar without noise")
     group.add_argument(

@@ -106,7 +106,7 @@ def check(path: Path, options: Options, world: Surroundings) -> bool:
         model, fit = read_fit([part for text in options.fits for part in text.split(",")], model)
     except FitError as error:
         raise CassetteError(str(error)) from error
-    said = replay(cassette, model, world, fit, options.seed)
+    said = replay(cassette, model, world, fit, options.seed, as_simulator=options.as_simulator)
     partings = compare(cassette.moments, said, model)
     for parting in partings:
         print(json.dumps({"parting": parting.as_json()}) if options.json else parting)

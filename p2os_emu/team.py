@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from typing import Any
 
 import configs
@@ -19,7 +18,6 @@ from p2os_emu.links.profile import LinkProfile
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
 
-SIMULATOR_SERIAL = "SIM"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,18}")
 
 
@@ -37,7 +35,6 @@ class Team:
         flash: FLASH parameters that replace the factory's in every robot.
         flash_source: File that they came from, for messages.
         fits: Parts of `--fit`, as they are written; those without a robot's name go onto every robot.
-        as_simulator: Robots have the serial number by which clients know a simulator.
         links: Name of a robot to that of its own line profile, where that is another.
     """
 
@@ -49,7 +46,6 @@ class Team:
         flash: Mapping[str, Any],
         flash_source: str,
         fits: Sequence[str] = (),
-        as_simulator: bool = False,
         links: Mapping[str, str] | None = None,
     ) -> None:
         self.emulator = emulator
@@ -60,7 +56,6 @@ class Team:
         self._links = links or {}
         self._flash = flash
         self._flash_source = flash_source
-        self._as_simulator = as_simulator
         self._fits = [_read_fit_option(text) for text in fits]
 
     def check_fits(self) -> None:
@@ -152,8 +147,7 @@ class Team:
 
     def _flash_of(self, model: RobotModel, name: str) -> Flash:
         try:
-            flash = Flash.of(model, name).changed(self._flash)
-            return replace(flash, serial=SIMULATOR_SERIAL) if self._as_simulator else flash
+            return self.emulator.flash(model, name, self._flash)
         except ValueError as error:
             raise ConfigError(f"{self._flash_source}: {error}") from error
 

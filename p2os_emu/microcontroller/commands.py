@@ -218,7 +218,7 @@ CONNECTION = frozenset({Command.SYNC0, Command.SYNC1, Command.SYNC2})
 """Handshake, PULSE, OPEN and CLOSE: the connection itself carries them out."""
 
 EMULATED: frozenset[int] = frozenset(HANDLERS) | CONNECTION | simulator.COMMANDS
-"""Numbers of the commands that have an effect, for the compliance page."""
+"""Numbers of the commands that have an effect, for the compliance page; a simulator's only with `--as-simulator`."""
 
 EMULATED_PACKETS: frozenset[PacketType] = (
     frozenset(EXTRAS)

@@ -1,7 +1,7 @@
 """Commands that no real robot knows: MobileSim's, which clients send when they take a robot for a simulated one.
 
-The new numbers (224 and on) always work here. The old ones (35 to 38) mean something else on a real robot: they are a
-laser's only where the emulator poses as a simulator. Source: fact sheet section 7.
+A robot has a `Simulator` only with `--as-simulator`; without it these are unknown commands, as on a real robot. The old
+numbers (35 to 38) mean something else on a real robot, and are a laser's here. Source: fact sheet section 7.
 """
 
 import struct
@@ -36,6 +36,8 @@ FINEST = radians(0.25)  # between two beams, assumed
 REFLECTANCE = 33  # of a reflector, as MobileSim's own maps had it; anything else is 0
 LOAD_MAP, MASTER_LOAD_MAP = 1, 2
 """Operations of SIM_CTRL that other robots would have to live with: refused."""
+SERIAL = "SIM"
+"""Serial number by which a client recognises a simulator."""
 COMMANDS = frozenset(
     {
         Command.SIM_SET_POSE,
@@ -84,17 +86,15 @@ class Simulator:
     messages: what clients wanted to be known, and what was refused them, the latest last.
     """
 
-    def __init__(self, model: RobotModel, stage: Stage, body: Body, *, poses: bool = False) -> None:
+    def __init__(self, model: RobotModel, stage: Stage, body: Body) -> None:
         """Stand by.
 
         Args:
             model: What the robot is; its first laser says where the simulated one sits.
             stage: The hand from above.
             body: Casts the beams.
-            poses: Take the old numbers for a laser's.
         """
         self.messages: deque[str] = deque(maxlen=MESSAGES_KEPT)
-        self.poses = poses
         self._stage = stage
         self._body = body
         mount = next(iter(model.lasers), None)
@@ -125,7 +125,7 @@ class Simulator:
     def obeys(self, received: ReceivedCommand) -> bool:
         """Carry out a command as a client sent it, if it is a simulator's."""
         number, value = received.number, received.value
-        if self.poses and number in OLD_NUMBERS:
+        if number in OLD_NUMBERS:
             number, value = OLD_NUMBERS[number], _in_new_units(number, value)
         handler = self._handlers.get(number)
         if handler is None:

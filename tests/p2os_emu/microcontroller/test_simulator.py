@@ -10,6 +10,7 @@ import pytest
 import configs
 from geometry import Pose2D
 from p2os import Command, Family, Frame, FrameDecoder, RobotModel, decode_packet, encode_command, encode_frame
+from p2os.configuration import Configuration
 from p2os.simulator_packets import ExtendedLaser, MapChanged, SimulatedLaser, SimulatorState
 from p2os_emu.body import Beams, Echoes
 from p2os_emu.emulator import STEP, Emulator
@@ -29,9 +30,9 @@ def look(self: FlatBody, beams: Beams) -> Echoes:
 class Client:
     """A client of a simulated robot, in virtual time."""
 
-    def __init__(self, *, poses: bool) -> None:
+    def __init__(self, *, as_simulator: bool = True) -> None:
         self.model = configs.load(RobotModel, "robots", "p3dx-sh")
-        self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"), poses_as_simulator=poses)
+        self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"), as_simulator=as_simulator)
         self.link = MemoryLink()
         self.robot = self.emulator.add("happy", self.model, self.link)
         self._decoder = FrameDecoder()
@@ -59,13 +60,58 @@ class Client:
 @pytest.fixture
 def client(monkeypatch: pytest.MonkeyPatch) -> Client:
     monkeypatch.setattr(FlatBody, "scan", look)
-    return Client(poses=False)
+    return Client()
 
 
-@pytest.fixture
-def posing(monkeypatch: pytest.MonkeyPatch) -> Client:
+COMMANDS = {
+    "SIM_SET_POSE": bytes([224, 0]) + struct.pack("<iii", 1500, -2500, 90),
+    "SIM_RESET": bytes([225]),
+    "SIM_MODEL_CONFIG": bytes([226, 0, 1]),
+    "SIM_LRF_ENABLE": bytes([230, 0x3B, 2, 0]),
+    "SIM_LRF_SET_FOV_START": bytes([231, 0x1B, 45, 0]),
+    "SIM_LRF_SET_FOV_END": bytes([232, 0x3B, 45, 0]),
+    "SIM_LRF_SET_RES": bytes([233, 0x3B, 2, 0]),
+    "SIM_CTRL": bytes([236, 0]) + struct.pack("<HH", 5, 7) + b"a note\0",
+    "SIM_STAT": bytes([237, 0x3B, 2, 0]),
+    "SIM_MESSAGE": bytes([238, 0x2B, 5]) + b"hello",
+    "SIM_EXIT": bytes([239, 0x3B, 1, 0]),
+}
+UNKNOWN = bytes([199])
+"""A number that no firmware and no simulator has a command for."""
+
+
+def what_follows(command: bytes, *, as_simulator: bool) -> tuple[Any, ...]:
+    """Return all that a robot that has turned away from its start shows after a command, its bytes included."""
+    client = Client(as_simulator=as_simulator)
+    client.emulator.place("happy", Pose2D(0.0, 0.0, 1.0))
+    client.say(bytes([230, 0x3B, 1, 0]) if as_simulator else UNKNOWN)  # sweeps show the laser's settings
+    client.say(command)
+    packets = client.hear(0.5)
+    return packets, client.emulator.truth("happy").pose, client.messages
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_of_a_simulator_has_an_effect_with_the_option(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FlatBody, "scan", look)
-    return Client(poses=True)
+    assert what_follows(COMMANDS[name], as_simulator=True) != what_follows(UNKNOWN, as_simulator=True)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_without_the_option_each_command_of_a_simulator_is_an_unknown_command(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(FlatBody, "scan", look)
+    assert what_follows(COMMANDS[name], as_simulator=False) == what_follows(UNKNOWN, as_simulator=False)
+
+
+@pytest.mark.parametrize(("as_simulator", "is_simulator"), [(True, True), (False, False)])
+def test_the_serial_number_by_which_clients_recognise_a_simulator_comes_with_the_option(
+    as_simulator: bool, is_simulator: bool
+) -> None:
+    client = Client(as_simulator=as_simulator)
+    client.say(bytes([Command.CONFIG]))
+    (configuration,) = client.hear_only(Configuration, 0.3)
+    assert (configuration.serial == "SIM") is is_simulator
 
 
 def test_set_pose_moves_the_robot_and_not_its_odometry(client: Client) -> None:
@@ -120,14 +166,15 @@ def test_laser_by_the_new_numbers_sends_whole_sweeps_in_packets_that_clients_hol
     assert [reading.reflectance > 0 for reading in readings] == [False] * 91 + [True] * 90
 
 
-def test_laser_by_the_old_numbers_works_only_for_who_poses_as_a_simulator(client: Client, posing: Client) -> None:
+def test_laser_by_the_old_numbers_works_only_as_a_simulator(client: Client) -> None:
     """36, 37 in degrees, 38 in hundredths, then 35 with 2: what ARIA sends to simulators."""
     frames = ((36, 0x1B, 90, 0), (37, 0x3B, 90, 0), (38, 0x3B, 50, 0), (35, 0x3B, 2, 0))
-    for robot in (client, posing):
+    plain = Client(as_simulator=False)
+    for robot in (plain, client):
         for payload in frames:
             robot.say(bytes(payload))
-    assert client.hear_only(ExtendedLaser, 0.5) == []
-    assert posing.hear_only(ExtendedLaser, 0.15)[0].total == 361
+    assert plain.hear_only(ExtendedLaser, 0.5) == []
+    assert client.hear_only(ExtendedLaser, 0.15)[0].total == 361
 
 
 def test_plain_laser_packets_carry_the_pose_and_96_readings(client: Client) -> None:
@@ -162,7 +209,7 @@ def test_laser_ends_with_its_client(client: Client) -> None:
 
 
 def test_beams_into_the_open_read_as_far_as_the_laser_reaches() -> None:
-    client = Client(poses=True)
+    client = Client()
     assert client.model.firmware is Family.ARCOS
     client.say(bytes([230, 0x3B, 1, 0]))
     (packet, _, *_) = client.hear_only(SimulatedLaser, 0.15)
