@@ -189,7 +189,7 @@ class Emulator:
         return robot
 
     def flash(self, model: RobotModel, name: str, changes: Mapping[str, Any] | None = None) -> Flash:
-        """Return the FLASH of a robot; its serial number is derived from its name, or a simulator's.
+        """Return the FLASH of a robot; its serial number is derived from its name and the seed, or a simulator's.
 
         Args:
             model: What it is.
@@ -198,7 +198,7 @@ class Emulator:
         Raises:
             ValueError: A parameter is unknown, or has a value that it cannot have.
         """
-        flash = Flash.of(model, name).changed(changes or {})
+        flash = Flash.of(model, name, self._seed).changed(changes or {})
         return replace(flash, serial=SERIAL) if self._as_simulator else flash
 
     def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link], profile: LinkProfile) -> None:

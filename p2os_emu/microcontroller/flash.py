@@ -1,10 +1,11 @@
 """FLASH: the parameters that outlive the client and the power switch."""
 
+from base64 import b32encode
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from hashlib import sha256
 from math import radians
 from typing import Any
-from zlib import crc32
 
 from p2os.firmware import BAUD_CODES, FlashDefaults
 from p2os.robot_model import RobotModel
@@ -73,11 +74,11 @@ class Flash(FlashDefaults):
                 raise ValueError(f"FLASH knows the baud rates {sorted(BAUD_CODES.values())}, not {baud}")
 
     @classmethod
-    def of(cls, model: RobotModel, name: str) -> "Flash":
-        """What a robot of this model leaves the factory with; its serial number follows from its name."""
+    def of(cls, model: RobotModel, name: str, seed: int = 0) -> "Flash":
+        """Return what a robot of this model leaves the factory with; its serial number follows from name and seed."""
         return cls(
             **asdict(model.flash),
-            serial=f"ACR{crc32(name.encode()) % 100000:05}",
+            serial=_serial_number(name, seed),
             velocity_top=model.max_velocity,
             rotation_top=model.max_rotation,
             max_velocity=model.max_velocity,
@@ -107,3 +108,8 @@ class Flash(FlashDefaults):
         bump_stall = int(present.pop(BUMP_STALL)) ^ BOTH_BUMPERS
         values: dict[str, Any] = present
         return Flash(**values, bump_stall=bump_stall)
+
+
+def _serial_number(name: str, seed: int) -> str:
+    """Return ACR and eight letters or digits: 40 bits of a hash, so that a million robots hardly share one."""
+    return "ACR" + b32encode(sha256(f"{seed} {name}".encode()).digest()[:5]).decode()

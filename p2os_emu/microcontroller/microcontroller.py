@@ -54,7 +54,7 @@ class Microcontroller:
         """
         self.panel = Panel(joystick=CENTRED if fit.has("joystick") else None)
         self.fit = fit
-        self._board = Board(model, name, flash or Flash.of(model, name), self.panel, seed)
+        self._board = Board(model, name, flash or Flash.of(model, name, seed), self.panel, seed)
         self._handshake = RobotHandshake(Identity(name, model.robot_class, model.name))
         self._codec = SipCodec(model)
         self._sip_clock = Cadence(self._board.flash.sip_cycle)

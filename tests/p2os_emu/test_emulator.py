@@ -148,3 +148,14 @@ def test_hostbaud_takes_the_line_to_a_new_rate_that_the_client_must_follow() -> 
     rig.tell(Command.VEL, 0.2)
     rig.run(0.5)
     assert rig.emulator.truth("happy").linear > 0
+
+
+def test_serial_numbers_differ_between_robots_and_seeds_and_repeat_with_the_seed() -> None:
+    model = configs.load(RobotModel, "robots", "p3dx-sh")
+
+    def serials(seed: int) -> list[str]:
+        emulator = Emulator(FlatWorld(), LinkProfile("ideal"), seed=seed)
+        return [emulator.flash(model, name).serial for name in ("happy", "doc")]
+
+    assert len({*serials(0), *serials(1)}) == 4
+    assert serials(1) == serials(1)

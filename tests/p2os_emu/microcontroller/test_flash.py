@@ -52,9 +52,11 @@ def test_a_parameter_that_no_packet_could_carry_is_refused_at_once(bench_of: Ben
         bench_of("powerbot-sh", flash=replace(flash, sip_cycle=1.0))
 
 
-def test_two_robots_have_two_serial_numbers(bench_of: BenchOf) -> None:
+def test_a_serial_number_belongs_to_one_name_and_one_seed(bench_of: BenchOf) -> None:
     model = bench_of("p3dx-sh").model
-    assert Flash.of(model, "happy").serial != Flash.of(model, "doc").serial
+    assert Flash.of(model, "happy").serial == Flash.of(model, "happy").serial
+    many = [Flash.of(model, f"robot{number}", seed).serial for number in range(5000) for seed in range(2)]
+    assert len(set(many)) == len(many)
 
 
 def test_a_robot_starts_from_its_flash(bench_of: BenchOf, flash: Flash) -> None:
