@@ -132,8 +132,8 @@ class Emulator:
             profile: What every line does to bytes.
             seed: Decides what chance would in firmware and lines; each robot draws by its own name.
             hangup_stops: Stop a robot whose client has closed the port, as iron never could.
-            as_simulator: Robots execute the commands of MobileSim, and have the serial number by which clients recognise
-                a simulator. Otherwise these are unknown commands, as on a real robot.
+            as_simulator: Robots execute the commands of MobileSim, and have the serial number by which clients
+                recognise a simulator. Otherwise these are unknown commands, as on a real robot.
         """
         self.robots: dict[str, EmulatedRobot] = {}
         self.before_step: Callable[[float], None] = _nothing
@@ -224,6 +224,10 @@ class Emulator:
     def objects(self) -> Mapping[str, tuple[float, float, float, float]]:
         """Where the middle of each movable object is, m, m, m, and its heading, rad."""
         return self._world.object_places()
+
+    def held(self, name: str) -> str | None:
+        """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
+        return self._world.held(name)
 
     def touches(self, name: str) -> Touches:
         """What a robot has bumped into since the start."""

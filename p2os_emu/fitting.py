@@ -90,6 +90,12 @@ PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
 """Part and variant to what plugs the device into the microcontroller."""
 
 
+def plugged_head(controller: Microcontroller) -> Vcc4 | EviD30 | None:
+    """Return the camera head behind a robot's AUX port, None where there is none."""
+    device = controller.plugged(HEAD_PORT)
+    return device if isinstance(device, Vcc4 | EviD30) else None
+
+
 def cabled(part: str, bench: Bench) -> Device:
     """Make the device of a part that has a cable of its own."""
     return CABLED[part, bench.fit.parts[part]](bench)

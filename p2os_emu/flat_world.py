@@ -125,6 +125,10 @@ class FlatWorld:
         """There are none."""
         return {}
 
+    def held(self, name: str) -> str | None:
+        """Return None: there are no objects."""
+        return None
+
     def touches(self, name: str) -> FlatTouches:
         """There is nothing to bump into."""
         return FlatTouches()

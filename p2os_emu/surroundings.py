@@ -74,6 +74,10 @@ class Surroundings(Protocol):
         """Where the middle of each movable object is, m, m, m, and its heading, rad."""
         ...
 
+    def held(self, name: str) -> str | None:
+        """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
+        ...
+
     def touches(self, name: str) -> Touches:
         """What a robot has bumped into."""
         ...

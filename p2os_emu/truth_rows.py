@@ -2,7 +2,11 @@
 
 from typing import Any
 
+from p2os_emu.accessories.lms200 import Lms200
+from p2os_emu.body import Arm
 from p2os_emu.emulator import EmulatedRobot, Emulator
+from p2os_emu.fitting import plugged_head
+from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
 
 LAST_TOUCHES = 10
@@ -20,7 +24,7 @@ def surroundings_rows(emulator: Emulator) -> dict[str, Any]:
 
 
 def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
-    """How one robot is: its truth, its board and its line."""
+    """Return how one robot is: its truth, its board, its line and its accessories; null for those not fitted."""
     truth = emulator.truth(robot.name)
     touches = emulator.touches(robot.name)
     return {
@@ -38,6 +42,87 @@ def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
         "touches": touches.count,
         "touched": [{"time": time, "what": what} for time, what in touches.last[-LAST_TOUCHES:]],
         **_shown(robot.microcontroller),
+        "gripper": _gripper(emulator, robot),
+        "arm": _arm(robot),
+        "camera_head": _camera_head(robot),
+        "laser": _laser(robot),
+    }
+
+
+def _gripper(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any] | None:
+    """Return opening between the paddles and height of the lift, m; held: name of the object."""
+    gripper, model = robot.body.gripper, gripper_of(robot.fit)
+    if gripper is None or model is None:
+        return None
+    state = gripper.state
+    return {
+        "opening": state.opening * model.opening_m,
+        "lift": state.lift * model.lift_travel_m,
+        "opening_speed": state.opening_speed * model.opening_m,
+        "lift_speed": state.lift_speed * model.lift_travel_m,
+        "outer_beam": state.outer_beam,
+        "inner_beam": state.inner_beam,
+        "left_contact": state.left_contact,
+        "right_contact": state.right_contact,
+        "held": emulator.held(robot.name),
+    }
+
+
+def _arm(robot: EmulatedRobot) -> dict[str, Any] | None:
+    """Return the joints from the robot outwards, rad and rad/s, and the opening between the fingers, m and m/s."""
+    arm: Arm | None = robot.body.arm
+    if arm is None:
+        return None
+    *joints, opening = arm.positions
+    *speeds, opening_speed = arm.velocities
+    cable = robot.cables.get("arm")
+    has_power = robot.microcontroller.arm_powered if cable is None else cable.is_powered
+    return {
+        "joints": joints,
+        "speeds": speeds,
+        "opening": opening,
+        "opening_speed": opening_speed,
+        "powered": robot.is_powered and has_power,
+    }
+
+
+def _camera_head(robot: EmulatedRobot) -> dict[str, Any] | None:
+    """Return pan to the left, tilt upwards and horizontal field of view, rad; zoom: magnification."""
+    device = plugged_head(robot.microcontroller)
+    if device is None:
+        return None
+    head = device.head
+    return {
+        "pan": head.pan.position,
+        "tilt": head.tilt.position,
+        "zoom": head.zoom,
+        "field_of_view": head.field_of_view,
+        "moving": head.is_turning or head.lens.is_moving,
+        "powered": robot.is_powered and device.is_on,
+    }
+
+
+def _laser(robot: EmulatedRobot) -> dict[str, Any] | None:
+    """Return where the scanner sits on the robot, m and rad, and how it scans; dirt: of its window, 0 to 1."""
+    cable = robot.cables.get("laser")
+    if cable is None or not isinstance(cable.device, Lms200):
+        return None
+    laser = cable.device
+    mount, beams = laser.mount, laser.variant
+    has_power = robot.is_powered and cable.is_powered and laser.is_powered
+    return {
+        "x": mount.x,
+        "y": mount.y,
+        "height": laser.height,
+        "heading": mount.heading,
+        "flipped": mount.flipped,
+        "field_of_view": -2.0 * beams.first_bearing,
+        "resolution": beams.resolution,
+        "beams": beams.beams,
+        "baud": laser.baud,
+        "dirt": laser.dirt,
+        "powered": has_power,
+        "scanning": has_power and laser.is_scanning,
     }
 
 

@@ -121,6 +121,26 @@ class Lms200:
             Request.SET_CONFIGURATION: self._configure,
         }
 
+    @property
+    def mount(self) -> LaserMount:
+        """Where it sits on the robot, m and rad."""
+        return self._mount
+
+    @property
+    def height(self) -> float:
+        """Of its plane of beams above the floor, m."""
+        return self._model.height_m
+
+    @property
+    def is_powered(self) -> bool:
+        """The robot's power output that feeds it is on."""
+        return self._has_power()
+
+    @property
+    def is_scanning(self) -> bool:
+        """It sends scans without being asked for each."""
+        return self._segment is not None and self._time >= self._ready_at and self._has_power()
+
     def receive(self, data: bytes) -> None:
         """Take bytes from the line; without power and while it boots, nobody hears them."""
         if self._time < self._ready_at or not self._has_power():

@@ -4,14 +4,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import configs
-from p2os_emu.accessories.evid30 import EviD30
-from p2os_emu.accessories.head import Head
-from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.camera_process import CameraProcess
 from p2os_emu.camera.image_format import read_format
 from p2os_emu.camera.news import Moment
-from p2os_emu.fitting import HEAD_PORT
+from p2os_emu.fitting import plugged_head
 from p2os_emu.links.link import PortError
 from p2os_emu.world.view import View
 
@@ -93,7 +90,8 @@ class Cameras:
         """What is new to a camera, and where it looks now: along its head, if it is on one."""
         model = self._model
         assert model is not None  # there is a camera
-        head = _head(robot)
+        device = plugged_head(robot.microcontroller)
+        head = None if device is None else device.head
         view = View.on(
             self._world.truth(robot.name).pose,
             model.forward_m,
@@ -103,8 +101,3 @@ class Cameras:
             head.field_of_view if head else model.field_of_view,
         )
         return Moment(self._world.sight.news(process.known), view)
-
-
-def _head(robot: "EmulatedRobot") -> Head | None:
-    device = robot.microcontroller.plugged(HEAD_PORT)
-    return device.head if isinstance(device, Vcc4 | EviD30) else None

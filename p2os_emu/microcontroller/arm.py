@@ -137,7 +137,7 @@ class ArmServer:
         positions = tuple(round(servo.position) for servo in self._servos) or (0,) * JOINTS
         if self.follows_manual:
             connected = MANUAL_CONNECTED if self._servos else 0
-            return ArmReport(connected | (MANUAL_POWERED if self._is_powered else 0), moving, positions)
+            return ArmReport(connected | (MANUAL_POWERED if self.is_powered else 0), moving, positions)
         return ArmReport(moving, self._status, positions)
 
     # Commands.
@@ -158,7 +158,7 @@ class ArmServer:
         self.check()
         if not on:
             self.park()
-        elif self._servos and not self._is_powered:
+        elif self._servos and not self.is_powered:
             self.power = Power.SETTLING
             self._settling_left = SETTLING_TIME
         elif self.power is Power.GOING_HOME:
@@ -171,7 +171,7 @@ class ArmServer:
 
     def park(self) -> None:
         """PARK: everything home, then off."""
-        if self._is_powered:
+        if self.is_powered:
             for servo in self._servos:
                 servo.aim(servo.figures.home, homes=True)
             self.power = Power.GOING_HOME
@@ -221,7 +221,7 @@ class ArmServer:
             self._init_left -= dt
         if arm is None or not self._servos:
             return
-        if not self._is_powered:
+        if not self.is_powered:
             self._release(arm)
             return
         self._count_idleness(dt)
@@ -242,7 +242,8 @@ class ArmServer:
             self._switch_off()
 
     @property
-    def _is_powered(self) -> bool:
+    def is_powered(self) -> bool:
+        """The servos have power."""
         return self.power is not Power.OFF
 
     @property
@@ -257,7 +258,7 @@ class ArmServer:
         return (
             ArmStatus.GOOD
             | (ArmStatus.INITIALISED if self._init_left <= 0.0 else 0)
-            | (ArmStatus.POWERED if self._is_powered else 0)
+            | (ArmStatus.POWERED if self.is_powered else 0)
             | (ArmStatus.HOMING if homing else 0)
         )
 

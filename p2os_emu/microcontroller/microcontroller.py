@@ -80,6 +80,11 @@ class Microcontroller:
         return self._board.motors.enabled
 
     @property
+    def arm_powered(self) -> bool:
+        """The arm that the board drives by itself is there and has power."""
+        return self._board.arm.is_powered
+
+    @property
     def digital_out(self) -> int:
         """Levels of the user outputs, bit 0 to 7."""
         return self._board.digital_out

@@ -98,6 +98,11 @@ class RobotGripper:
             self._state = self._look()
         return self._state
 
+    @property
+    def held(self) -> int | None:
+        """Body id of the object that is held, None for none."""
+        return None if self._grip is None else self._grip.held
+
     def drive(self, paddles: float, lift: float) -> None:
         """Command the motors, at their own speed: -1 closes or lowers, 0 holds where it is, 1 opens or lifts."""
         if paddles != self._paddles:

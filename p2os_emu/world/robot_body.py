@@ -101,6 +101,12 @@ class RobotBody:
         return self._gripper
 
     @property
+    def held(self) -> str | None:
+        """Name of the object that the gripper holds; None where it holds none, or there is no gripper."""
+        held = None if self._gripper is None else self._gripper.held
+        return None if held is None else self._objects.bodies[held].name
+
+    @property
     def pose(self) -> Pose2D:
         """Where the middle of the axle truly is, in the world."""
         (x, y, _), (qx, qy, qz, qw) = engine.getBasePositionAndOrientation(self.body_id, physicsClientId=self._client)

@@ -193,6 +193,14 @@ class World:
         """Where each movable object is."""
         return self.objects.places()
 
+    def held(self, name: str) -> str | None:
+        """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none.
+
+        Raises:
+            WorldError: There is no such robot.
+        """
+        return self._robot(name).held
+
     def touches(self, name: str) -> Touches:
         """What a robot has bumped into, with its hull or an accessory.
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from math import degrees, hypot, pi
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,7 @@ from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fit import Fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from p2os_emu.truth_rows import robot_row
 from p2os_emu.world import World, load_world
 
 OPEN, CLOSED, UP, DOWN, MOVING = 0x01, 0x02, 0x10, 0x20, 0x44
@@ -28,7 +30,7 @@ class Client:
         self.model = configs.load(RobotModel, "robots", "p3dx-sh")
         self.link = MemoryLink()
         self.emulator = Emulator(world, LinkProfile("ideal"))
-        self.emulator.add("happy", self.model, self.link, fit=Fit({"gripper": "pioneer"}))
+        self.robot = self.emulator.add("happy", self.model, self.link, fit=Fit({"gripper": "pioneer"}))
         self.reports: list[GripperReport] = []
         self.sip = StandardSip()
         self._decoder = FrameDecoder()
@@ -72,6 +74,11 @@ class Client:
         self.run(0.5)
         self.until(lambda sip: not sip.moving, 20.0)
 
+    def truth(self) -> dict[str, Any]:
+        """What the control socket reports of the gripper."""
+        row: dict[str, Any] = robot_row(self.emulator, self.robot)["gripper"]
+        return row
+
     @property
     def box(self) -> tuple[float, float, float]:
         """Where the box truly is, m."""
@@ -105,9 +112,13 @@ def test_a_pioneer_picks_a_box_up_carries_it_and_puts_it_down(client: Client) ->
     client.until(lambda sip: not sip.moving, 2.0)
     stood = client.box
 
+    assert client.truth()["held"] is None
     client.grip(GRIP_CLOSE, CLOSED)
+    assert client.truth()["held"] == "red box"
+    assert client.truth()["lift"] == pytest.approx(0.0, abs=0.003)
     assert client.sip.digital_in & (LEFT_CONTACT | RIGHT_CONTACT) == 0
     client.grip(LIFT_UP, UP)
+    assert client.truth()["lift"] == pytest.approx(0.07, abs=0.003)
     assert client.box[2] - stood[2] == pytest.approx(0.07, abs=0.003)
     seen = client.box_seen
 
@@ -124,6 +135,7 @@ def test_a_pioneer_picks_a_box_up_carries_it_and_puts_it_down(client: Client) ->
     assert client.box[2] == pytest.approx(stood[2], abs=0.003)
     client.grip(GRIP_OPEN, OPEN)
     assert client.sip.digital_in & (LEFT_CONTACT | RIGHT_CONTACT) == LEFT_CONTACT | RIGHT_CONTACT
+    assert client.truth()["held"] is None
     put_down = client.box
     client.drive(Command.MOVE, -0.4)
     client.run(1.0)
