@@ -64,6 +64,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             is_json=arguments.json,
         )
         ports = {name: port for name in CABLES if (port := getattr(arguments, name)) is not None}
+        if "laser" in ports:  # one laser for each robot: that on the cable
+            settings = replace(settings, fitted=replace(settings.fitted, simulated_laser=False))
         cameras = [] if arguments.camera is None else [_camera(arguments.camera)]
         with _signals(_end):
             _serve(options, settings, arguments.baud, ports, cameras)

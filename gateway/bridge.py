@@ -5,6 +5,7 @@ it, on a thread of the bus, writes what follows to the port at once, so that a c
 """
 
 import os
+import random
 import select
 import threading
 import time
@@ -16,7 +17,16 @@ from typing import Generic, Protocol, TypeVar
 
 from gateway.cables.cable import CableDriver
 from gateway.errors import GatewayError, PortLost
-from gateway.events import ElementLost, ElementSilent, Event, LinkLost, RobotRejected, SweepFailed
+from gateway.events import (
+    ElementFound,
+    ElementLost,
+    ElementSilent,
+    Event,
+    LinkLost,
+    RobotRejected,
+    SipReceived,
+    SweepFailed,
+)
 from gateway.serial_port import Port, SocketPort
 
 T = TypeVar("T")
@@ -24,6 +34,8 @@ D = TypeVar("D", bound=CableDriver)
 
 REOPEN_PERIOD = 0.15
 """Seconds between two tries to open a port that is gone."""
+LONGEST_BACKOFF = 2.0
+"""Seconds at most between two connections that the other end closes before the robot was connected."""
 REJECTED_PERIOD = 2.0
 """Seconds until a port is opened again behind which there was a robot that this gateway does not serve."""
 BRAKING_TIME = 1.0
@@ -32,6 +44,7 @@ LONGEST_WAIT = 0.25
 """Seconds; often enough that the driver does not take an idle moment for a freeze, on a busy computer either."""
 
 SIGNS_OF_A_DEAD_LINE = (LinkLost, SweepFailed, ElementLost, ElementSilent)
+SIGNS_OF_LIFE = (SipReceived, ElementFound)
 
 
 def steady_clock() -> float:
@@ -40,6 +53,26 @@ def steady_clock() -> float:
 
 
 _CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+
+
+class Backoff:
+    """Pauses between attempts: each up to twice as long as the one before, shortened by up to a half at random."""
+
+    def __init__(self, first: float, longest: float, rng: random.Random) -> None:
+        """first, longest: of the pauses, s."""
+        self._first = self._next = first
+        self._longest = longest
+        self._rng = rng
+
+    def pause(self) -> float:
+        """Return the pause before the next attempt, s."""
+        pause = self._rng.uniform(0.5, 1.0) * self._next
+        self._next = min(2.0 * self._next, self._longest)
+        return pause
+
+    def reset(self) -> None:
+        """An attempt has succeeded: begin with the first pause again."""
+        self._next = self._first
 
 
 class Listener(Protocol):
@@ -65,7 +98,12 @@ class Bridge(Generic[D]):
     """One driver on one port, which may vanish and return."""
 
     def __init__(
-        self, driver: D, port: Port | None, reopen: Callable[[], Port], clock: Callable[[], float] = steady_clock
+        self,
+        driver: D,
+        port: Port | None,
+        reopen: Callable[[], Port],
+        clock: Callable[[], float] = steady_clock,
+        rng: random.Random | None = None,
     ) -> None:
         """Begin to talk: the first bytes leave before this returns.
 
@@ -74,6 +112,7 @@ class Bridge(Generic[D]):
             port: Open, and the bridge closes it; None begins by opening one.
             reopen: Opens it again after it was lost; raises GatewayError while it cannot.
             clock: Steady, s.
+            rng: Of the pauses between connections.
         """
         self._driver = driver
         self._port = port
@@ -81,6 +120,7 @@ class Bridge(Generic[D]):
         self._lost: PortLost | None = None
         self._reopen_at = -inf if port is None else inf
         self._clock = clock
+        self._backoff = Backoff(REOPEN_PERIOD, LONGEST_BACKOFF, rng or random.Random())
         self._lock = threading.Lock()
         self._posted: deque[Callable[[D, float], object]] = deque()
         self._wake_reader, self._wake_writer = os.pipe()
@@ -193,7 +233,10 @@ class Bridge(Generic[D]):
     def _work(self, data: bytes, now: float) -> list[Event]:
         if self._lost is not None:
             self._lose_port(self._lost, now)
+            self._reopen_at = now + self._backoff.pause()
         events = self._driver.receive(data, now)
+        if any(isinstance(event, SIGNS_OF_LIFE) for event in events):
+            self._backoff.reset()
         if isinstance(self._port, SocketPort) and any(isinstance(e, SIGNS_OF_A_DEAD_LINE) for e in events):
             # A dead connection gives no sign, and one that revives would bring old bytes.
             self._lose_port(PortLost("the connection is dead"), now)

@@ -8,6 +8,17 @@ on a rate is:
 
 Whatever state the robot is in, the first command it understands is STOP: if half a frame swallows the first pair, the
 silence ends that frame and the second pair is heard. A radio modem is dialled before that, unless it was just in use.
+
+Robot simulators of the MobileSim family take every packet of a new connection for a SYNC: they echo the STOP as
+`FA FB 03 1D 00 1D`, obey the CLOSE, and close the connection. So on a line without a rate (TCP), after a hang-up that
+follows CLOSE in an unopened session, the next connection begins with
+
+    silence of our own | SYNC0 | answers
+
+SYNC0 leaves only if nothing at all was received meanwhile. An open robot sends a SIP in every cycle, so a line that is
+silent for `LISTENING` leads to a robot that is not open, and to that one SYNC0 is no PULSE. One byte is enough to begin
+a round with STOP instead. Lines with a rate (serial ports, adapters, radio modems) are never connected without STOP. If
+SYNC0 alone fails, the next attempt is a round with STOP again.
 """
 
 import random
@@ -33,12 +44,17 @@ ROUNDS_FOR_A_TALKER = 3
 """Rounds on a rate at which sound frames come, before the next rate."""
 REST = 0.5
 """Seconds before an unwanted robot is asked again."""
+LISTENING = 0.35
+"""Seconds of silence that show that the robot is not open: three SIP cycles and some delay of the network."""
+SIMULATOR_WINDOW = 1.0
+"""Seconds for each answer to a SYNC after such a silence; these simulators answer between two steps of their world."""
 
 
 class _Phase(Enum):
     PAUSED = auto()
     DIALLING = auto()
     HUSHED = auto()  # the first STOP and CLOSE are out, and now nothing is said
+    LISTENING = auto()  # nothing has been sent on this connection
     SYNCING = auto()
 
 
@@ -46,6 +62,7 @@ class Connector:
     """Sweeps the rates until a robot has said who it is.
 
     baud: bit/s that the line must have now; `AS_IT_IS` where there is nothing to set.
+    hangs_up_on_close: the peer closed the connection after CLOSE, as some simulators do.
     deadline: when `watch` is due, s.
     """
 
@@ -74,12 +91,23 @@ class Connector:
         self._rounds_left = 0
         self._bytes_heard = 0
         outbox.share = line.share
+        self._is_bare = False  # this attempt sends SYNC0 without STOP and CLOSE before it
+        self.hangs_up_on_close = False
         self.baud = self._rates[0]
         self.deadline = inf
 
-    def begin(self, now: float) -> None:
-        """Start a sweep at once, with the rate at which a robot was heard last before each other one."""
+    def begin(self, now: float, *, is_new_connection: bool = False) -> None:
+        """Start a sweep at once, with the rate at which a robot was heard last before each other one.
+
+        Args:
+            now: Steady time, s.
+            is_new_connection: The port has just been opened, and nothing was sent on it.
+        """
         self._bytes_heard = 0
+        if is_new_connection and self.hangs_up_on_close:
+            self._plan = []
+            self._listen(now)
+            return
         others = [rate for rate in self._rates if rate != self._known]
         if self._known is None:
             self._plan = others
@@ -90,6 +118,8 @@ class Connector:
     def hear(self, data: bytes, now: float) -> None:
         """Take bytes of any kind, to tell a silent line from a stranger's and to hear a modem."""
         self._bytes_heard += len(data)
+        if data and self._phase is _Phase.LISTENING:
+            self._start_round(now)  # it talks without being asked, so it may be an open robot
         if self._dialler is not None and self._phase is _Phase.DIALLING:
             self._dialler.hear(data)
             if self._dialler.has_answered:
@@ -106,6 +136,7 @@ class Connector:
         identity = self._handshake.receive(payload)
         following = self._handshake.request()
         if identity is not None:
+            self.hangs_up_on_close = self._is_bare
             self._known = self.baud
             self._window = self._line.first_window
             self._backoff = self._line.first_backoff
@@ -113,7 +144,8 @@ class Connector:
             self.deadline = inf
         elif following != before:
             self._outbox.put("sync", following)
-            self.deadline = now + self._outbox.time_to_send(following) + self._line.step_window
+            window = SIMULATOR_WINDOW if self._is_bare else self._line.step_window
+            self.deadline = now + self._outbox.time_to_send(following) + window
         return identity
 
     def watch(self, now: float) -> SweepFailed | None:
@@ -129,6 +161,11 @@ class Connector:
                 self._start_round(now)
             case _Phase.HUSHED:
                 self._start_sync(now)
+            case _Phase.LISTENING:
+                self._start_bare_sync(now)
+            case _Phase.SYNCING if self._is_bare:
+                self.hangs_up_on_close = False
+                return self._pause(now)
             case _Phase.SYNCING if self._rounds_left > 0:
                 self._rounds_left -= 1
                 self._start_round(now)
@@ -141,6 +178,13 @@ class Connector:
     def change_rate(self, baud: int) -> None:
         """The robot has been told another rate, bit/s: talk at it, and look for the robot there first."""
         self.baud = self._outbox.baud = self._known = baud
+
+    def lose_line(self) -> None:
+        """The port was lost before the robot was open; find out whether the peer closes connections on CLOSE."""
+        if self._phase is _Phase.SYNCING and self._is_bare:
+            self.hangs_up_on_close = False
+        elif self._rates == (AS_IT_IS,) and self._has_sent_close:
+            self.hangs_up_on_close = True
 
     def rest(self, now: float) -> None:
         """A robot answered that is not wanted: look again, after a while."""
@@ -165,7 +209,28 @@ class Connector:
         self._phase = _Phase.DIALLING
         self.deadline = now + self._outbox.time_to_send(dialler.frame) + dialler.patience
 
+    @property
+    def _has_sent_close(self) -> bool:
+        if self._phase is _Phase.HUSHED:
+            return not self._outbox.is_waiting("close")
+        return self._phase is _Phase.SYNCING
+
+    def _listen(self, now: float) -> None:
+        self._outbox.clear()
+        self._talks = False
+        self._rounds_left = 0
+        self._phase = _Phase.LISTENING
+        self.deadline = now + LISTENING
+
+    def _start_bare_sync(self, now: float) -> None:
+        self._is_bare = True
+        self._handshake = HostHandshake()
+        self._outbox.put("sync", self._handshake.request())
+        self._phase = _Phase.SYNCING
+        self.deadline = now + SIMULATOR_WINDOW
+
     def _start_round(self, now: float) -> None:
+        self._is_bare = False
         self._handshake = HostHandshake()
         self._outbox.clear()
         self._outbox.put("stop", STOP)

@@ -34,6 +34,8 @@ from gateway.plausibility import Plausibility
 from gateway.rate_raiser import RateRaiser
 from gateway.settings import Settings
 from p2os import (
+    SIMULATOR_NAMES,
+    SIMULATOR_SERIAL,
     Command,
     Configuration,
     Damaged,
@@ -144,11 +146,13 @@ class Driver(Helm):
         """There is a line to talk on; begin."""
         self._last_run = now
         self.has_port = True
-        self._begin(now)
+        self._begin(now, is_new_connection=True)
 
     def port_lost(self, reason: str, now: float) -> None:
         """The line is gone: cable, adapter or emulator. `receive` still reports what follows from it."""
         self._last_run = now
+        if self.has_port and not self._is_open:
+            self._connector.lose_line()
         self.has_port = False
         self._lose(reason, now)
 
@@ -200,9 +204,9 @@ class Driver(Helm):
         self._begin(now)
         return True
 
-    def _begin(self, now: float) -> None:
+    def _begin(self, now: float, *, is_new_connection: bool = False) -> None:
         self._decoder = FrameDecoder()
-        self._connector.begin(now)
+        self._connector.begin(now, is_new_connection=is_new_connection)
 
     def _lose(self, reason: str, now: float) -> None:
         """Give up the robot, not the port."""
@@ -278,6 +282,12 @@ class Driver(Helm):
         self._motion.begin_link(now)
         for element in self._elements.values():
             element.begin_link(model, now)
+        if self._connector.hangs_up_on_close or identity.name in SIMULATOR_NAMES:
+            self._meet_simulator(now)
+
+    def _meet_simulator(self, now: float) -> None:
+        for element in self._elements.values():
+            element.meet_simulator(now)
 
     def _read(self, payload: bytes, now: float) -> None:
         """Take a packet of an open robot."""
@@ -296,6 +306,8 @@ class Driver(Helm):
                 self._events.append(ConfigurationReceived(packet))
                 for element in self._elements.values():
                     element.configure(packet, now)
+                if packet.serial == SIMULATOR_SERIAL:
+                    self._meet_simulator(now)
         for taker in self._takers.get(type(packet), ()):
             taker.take(packet, now)
 

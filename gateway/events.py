@@ -205,6 +205,22 @@ class LaserScanned(NamedTuple):
     period: float
 
 
+class SweepReceived(NamedTuple):
+    """A sweep of the laser that a simulator sends on the robot's own line.
+
+    ranges: m, from the first bearing on, counter-clockwise. reflectances: as the simulator has them; empty if it sends
+    none. first_bearing: rad counter-clockwise from straight ahead. step: between two readings, rad. age: since the
+    first packet of the sweep, s. period: between sweeps, s.
+    """
+
+    ranges: tuple[float, ...]
+    reflectances: tuple[int, ...]
+    first_bearing: float
+    step: float
+    age: float
+    period: float
+
+
 class End(StrEnum):
     """How a long motion ended."""
 
@@ -256,5 +272,6 @@ Event = (
     | ElementLost
     | ElementSilent
     | LaserScanned
+    | SweepReceived
     | MotionEnded
 )

@@ -42,6 +42,7 @@ class Journey(ABC):
         self._odometry = odometry
         self._started = now
         self._resting_since = self._unstalled_at = now
+        self._rest = 0.0  # s for which both wheels have stood
 
     @abstractmethod
     def frames(self) -> Iterator[bytes]:
@@ -63,7 +64,7 @@ class Journey(ABC):
             self._resting_since = now
         if not (sip.left_stalled or sip.right_stalled):
             self._unstalled_at = now
-        resting = now - self._resting_since
+        self._rest = resting = now - self._resting_since
         started = now - self._started >= TIME_TO_START or abs(self.done) > self.tolerance
         if started and resting >= REST_TO_ARRIVE and abs(self.goal - self.done) <= self.tolerance:
             return End.REACHED
@@ -97,7 +98,9 @@ class Move(Journey):
 class Turn(Journey):
     """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is told in steps.
 
-    Headings on the wire are whole degrees; the steps of one turn add up to the whole degree nearest to its angle.
+    Headings on the wire are whole degrees; the steps of one turn add up to the whole degree nearest to its angle. Steps
+    are added with DCHEAD while the robot turns. A robot that comes to rest after that does not know DCHEAD, as some
+    simulators, or the frame was lost: the rest of the turn is told with DHEAD, from the measured heading.
     """
 
     tolerance = radians(3.0)
@@ -112,19 +115,33 @@ class Turn(Journey):
         self._scale = command / angle if angle else 1.0
         self._total = round(degrees(command))
         self._told: int | None = None
+        self._is_extended = False  # DCHEAD was the last command
 
     def frames(self) -> Iterator[bytes]:
         """Translation ends, rotation begins; further steps as the turn goes on."""
         if self._told is None:
-            self._told = self._total if abs(self._total) <= self.LARGEST_AT_ONCE else self._step()
+            self._told = self._next_step(0)
             yield encode_command(Command.VEL, 0.0)
             yield encode_command(Command.DHEAD, radians(self._told))
-        elif self._told != self._total and abs(self._told - degrees(self.done * self._scale)) < self.AHEAD:
+            return
+        turned = degrees(self.done * self._scale)
+        if self._is_extended and self._rest >= REST_TO_ARRIVE and abs(self._told - turned) > degrees(self.tolerance):
+            self._is_extended = False
+            step = self._next_step(round(turned))
+            self._told = round(turned) + step
+            yield encode_command(Command.DHEAD, radians(step))
+        elif self._told != self._total and abs(self._told - turned) < self.AHEAD:
             step = self._total - self._told
             if abs(step) > self.STEP:
                 step = self._step()
             self._told += step
+            self._is_extended = True
             yield encode_command(Command.DCHEAD, radians(step))
+
+    def _next_step(self, turned: int) -> int:
+        """Degrees that a robot at rest is told next, when so many are done."""
+        left = self._total - turned
+        return left if abs(left) <= self.LARGEST_AT_ONCE else self._step()
 
     def _step(self) -> int:
         return self.STEP if self._total > 0 else -self.STEP

@@ -63,6 +63,10 @@ class Outbox:
         """Queue a request: a frame that can wait until those of `put` have left."""
         self._requests[kind] = frame
 
+    def is_waiting(self, kind: Hashable) -> bool:
+        """Whether a frame of this kind is queued and has not left."""
+        return kind in self._waiting or kind in self._requests
+
     def drop(self, *kinds: Hashable) -> None:
         """Take back what has not left yet."""
         for kind in kinds:

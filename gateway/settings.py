@@ -77,13 +77,15 @@ class Fitted:
 
     compass: false where asking for one is not wanted. joystick: there is one in the robot's socket; left out, there is
     one as soon as a hand moves it. lcd: it has a display, which never answers. ptz: its camera head; "vcc4" or "evid30"
-    serves one that hears but cannot answer as well.
+    serves one that hears but cannot answer as well. simulated_laser: ask a simulator for the laser that it sends on the
+    robot's own line; left out, robots that are known to be simulated are asked.
     """
 
     compass: bool = True
     joystick: bool | None = None
     lcd: bool = False
     ptz: PtzChoice = PtzChoice.AUTO
+    simulated_laser: bool | None = None
 
 
 class LaserUnit(StrEnum):

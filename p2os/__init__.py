@@ -40,6 +40,8 @@ from p2os.packets import (
 )
 from p2os.robot_model import InfraredSensor, LaserMount, RobotModel, SonarDisc
 from p2os.simulator_packets import (
+    SIMULATOR_NAMES,
+    SIMULATOR_SERIAL,
     ExtendedLaser,
     LaserReading,
     MapChanged,
@@ -54,6 +56,8 @@ __all__ = [
     "COMMANDS",
     "FIRMWARES",
     "PARTIAL_TIMEOUT",
+    "SIMULATOR_NAMES",
+    "SIMULATOR_SERIAL",
     "Argument",
     "ArmInformation",
     "ArmJoint",

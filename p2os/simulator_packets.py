@@ -5,6 +5,10 @@ from typing import Any, NamedTuple
 
 from p2os.fields import Field, Quantity
 
+SIMULATOR_NAMES = frozenset({"MobileSim", "AMRISim"})
+"""Names that simulators give all their robots in the answer to SYNC2."""
+SIMULATOR_SERIAL = "SIM"
+"""Serial number in a CONFIGpac by which clients know a simulator."""
 GEO_REFERENCED = 1 << 1
 ODOMETRY_ERROR = 1 << 2
 """Flags of `SimulatorState`: which of its groups are there."""

@@ -13,6 +13,7 @@ from gateway.elements.joystick import Joystick
 from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
 from gateway.elements.ports import UserPorts
 from gateway.elements.ptz import Ptz
+from gateway.elements.simulated_laser import SimulatedLaserScanner
 from gateway.elements.sonar import Sonar
 from gateway.elements.sound import Sound
 
@@ -34,4 +35,5 @@ ELEMENTS: tuple[type[Element], ...] = (
     Compass,
     Joystick,
     Ptz,
+    SimulatedLaserScanner,
 )

@@ -50,6 +50,9 @@ class Element:
     def configure(self, configuration: Configuration, now: float) -> None:
         """The robot has sent its CONFIGpac."""
 
+    def meet_simulator(self, now: float) -> None:
+        """The robot is one of a simulator; called after `begin_link`, at most twice for each link."""
+
     def lose_link(self) -> None:
         """The robot is out of touch."""
 

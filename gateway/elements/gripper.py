@@ -8,6 +8,7 @@ laid out as the digital inputs are.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
+from math import inf
 from typing import Any
 
 import configs
@@ -105,6 +106,12 @@ class Gripper(AskedElement):
         """An older firmware has no GRIPPERpac, and says here that there is one."""
         if configuration.gripper and not self.is_present:
             self._meet(configuration.gripper)
+
+    def meet_simulator(self, now: float) -> None:
+        """Do not ask: to simulators GRIPREQUEST is an old number that sets the last bearing of their laser."""
+        self._outbox.drop(Command.GRIPREQUEST)
+        self._asks_left = 0
+        self.deadline = inf
 
     def take(self, packet: object, now: float) -> None:
         """The robot says which gripper it has."""

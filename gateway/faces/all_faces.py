@@ -16,6 +16,7 @@ from gateway.faces.laser import LaserFace
 from gateway.faces.panel import ChargerFace, DisplayFace, PowerFace, ServosFace
 from gateway.faces.powercube import PowerCubeFace
 from gateway.faces.ptz import PtzFace
+from gateway.faces.simulated_laser import SimulatedLaserFace
 from gateway.faces.sound import SoundFace
 
 FACES: tuple[type[Face], ...] = (
@@ -32,6 +33,7 @@ FACES: tuple[type[Face], ...] = (
     ServosFace,
     PowerFace,
     ChargerFace,
+    SimulatedLaserFace,
 )
 
 CABLE_FACES: Mapping[str, type[CableFace[Any]]] = {face.name: face for face in (LaserFace, PowerCubeFace, CameraFace)}

@@ -1,0 +1,86 @@
+"""The laser of a simulator on the bus: sweeps that came on the robot's own line."""
+
+from collections.abc import Iterable, Mapping
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+
+from bus import keys
+from bus.keys import Topic, frame
+from bus.messages import LaserScan, TransformStamped, header, placed
+from gateway.driver import Driver
+from gateway.elements.simulated_laser import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
+from gateway.events import Event, SweepReceived
+from gateway.faces.face import Face
+from p2os import RobotModel
+
+NEAREST = 0.01
+"""m; simulators write 0 where there is no reading."""
+FARTHEST = 32.0
+"""m; what MobileSim's laser sees. A simulator writes its own farthest range where nothing was near enough."""
+NS_PER_S = 1_000_000_000
+
+
+class SimulatedLaserFace(Face):
+    """Publishes `<robot>/scan` in `<robot>/laser`, which sits where the robot's model has its laser.
+
+    Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no reading.
+    """
+
+    name = "laser"
+    streams = (keys.SCAN,)
+
+    def __init__(self, robot: str, model: RobotModel) -> None:
+        super().__init__(robot, model)
+        self._frame = frame(robot, "laser")
+        self._base = frame(robot, "base_link")
+        self._is_seen = False
+
+    def is_present(self, driver: Driver) -> bool:
+        """A whole sweep has come."""
+        return driver.has(SimulatedLaserScanner)
+
+    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+        """A scan with every sweep."""
+        if isinstance(event, SweepReceived):
+            self._is_seen = True
+            yield keys.SCAN, self._scan(event, stamp)
+
+    def transforms(self, stamp: int) -> Iterable[TransformStamped]:
+        """`<robot>/laser` in `<robot>/base_link`."""
+        if self._is_seen:
+            mount = self._model.laser
+            yield placed(header(stamp, self._base), self._frame, mount.x, mount.y, mount.heading)
+
+    def describe(self, driver: Driver) -> Mapping[str, Any]:
+        """Geometry and reach."""
+        mount = self._model.laser
+        beams = driver.lookup(SimulatedLaserScanner).beams
+        return {
+            "type": "simulated",
+            "frame": self._frame,
+            "geometry": {"x": mount.x, "y": mount.y, "z": 0.0, "heading": mount.heading, "flipped": False},
+            "angle_min": FIRST_BEARING,
+            "angle_max": LAST_BEARING,
+            "angle_increment": (LAST_BEARING - FIRST_BEARING) / max(1, beams - 1),
+            "beams": beams,
+            "range_max": FARTHEST,
+        }
+
+    def _scan(self, sweep: SweepReceived, stamp: int) -> LaserScan:
+        ranges = np.array(sweep.ranges, np.float32)
+        ranges[ranges >= FARTHEST] = inf
+        ranges[ranges < NEAREST] = nan
+        return LaserScan(
+            header=header(stamp - round(sweep.age * NS_PER_S), self._frame),
+            angle_min=sweep.first_bearing,
+            angle_max=sweep.first_bearing + (len(ranges) - 1) * sweep.step,
+            angle_increment=sweep.step,
+            time_increment=0.0,  # a simulator looks everywhere at once
+            scan_time=sweep.period,
+            range_min=NEAREST,
+            range_max=FARTHEST,
+            ranges=ranges,
+            intensities=np.array(sweep.reflectances, np.float32),
+        )
