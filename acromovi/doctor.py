@@ -15,8 +15,9 @@ from acromovi.options import add_bus
 from configs import ConfigError
 from gateway.bridge import Bridge, steady_clock
 from gateway.driver import Driver
-from gateway.errors import GatewayError
+from gateway.errors import GatewayError, PortBusy
 from gateway.events import Event, HandshakeCompleted, SipReceived
+from gateway.local_ports import candidates, holders
 from gateway.search import Search, model_finder, rates_to_try
 from gateway.serial_port import open_port
 from gateway.settings import Settings
@@ -77,6 +78,8 @@ def examine(port: str | None, bus_profile: str) -> Iterator[Finding]:
     yield _bus(bus_profile)
     if port is not None:
         yield from _robot(port)
+    else:
+        yield Finding("ports", True, _ports_here())
 
 
 def _python() -> Finding:
@@ -110,16 +113,25 @@ def _bus(profile: str) -> Finding:
     return Finding("bus", True, f"profile {profile} opens; {where}")
 
 
+def _ports_here() -> str:
+    here = candidates()
+    return f"ports of this computer: {', '.join(here)}" if here else "this computer has no port that may be a robot's"
+
+
 def _robot(name: str) -> Iterator[Finding]:
     try:
         port = open_port(name)
+    except PortBusy as error:
+        held = " and ".join(map(str, holders(name)))
+        yield Finding("port", False, str(error), f"it is held by {held or 'a program of another user'}")
+        return
     except GatewayError as error:
-        yield Finding("port", False, str(error))
+        yield Finding("port", False, str(error), _ports_here())
         return
     yield Finding("port", True, f"{name} is there and free")
     driver = Driver(model_finder(QUIET_SETTINGS), rates_to_try(port, None), QUIET_SETTINGS)
     bridge = Bridge(driver, port, lambda: open_port(name))
-    visit = _Visit(name, bridge.stop)
+    visit = _Visit(name, driver, bridge.stop)
     try:
         bridge.run(visit)
         yield from visit.findings()
@@ -132,15 +144,16 @@ def _robot(name: str) -> Iterator[Finding]:
 class _Visit:
     """Listens to a robot until enough is known."""
 
-    def __init__(self, port: str, leave: Callable[[], None]) -> None:
+    def __init__(self, port: str, driver: Driver, leave: Callable[[], None]) -> None:
         self._search = Search(port, steady_clock())
+        self._driver = driver
         self._leave = leave
         self._sips: list[StandardSip] = []
         self.deadline = steady_clock() + PORT_PATIENCE
 
     def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events; raises GatewayError when there is no robot."""
-        self._search.take(events, now)
+        self._search.take(events, self._driver.link_problem, now)
         self._sips += [event.sip for event in events if isinstance(event, SipReceived)]
         if any(isinstance(event, HandshakeCompleted) for event in events):
             self.deadline = now + SIP_PATIENCE
@@ -151,7 +164,9 @@ class _Visit:
         """What was learnt."""
         found = self._search.found
         if found is None:
-            yield Finding("robot", False, "the port went away while we were looking", "check the plug and the cable")
+            problem = self._driver.link_problem
+            found_instead = problem.sentence if problem else "the port went away while we were looking"
+            yield Finding("robot", False, found_instead, "" if problem else "check the plug and the cable")
             return
         name, _, subtype = found.identity
         at = f" at {found.baud} bit/s" if found.baud else ""

@@ -18,10 +18,12 @@ from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver, ElementThread
 from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
-from gateway.errors import CameraNotUsable, GatewayError, NoSuchPort
-from gateway.gateway import Gateway, Options, tell
+from gateway.errors import CameraNotUsable, GatewayError, NoSuchPort, PortBusy
+from gateway.gateway import Gateway, Options, tell, tell_problem
 from gateway.line import RADIO_BAUD
-from gateway.search import model_finder, rates_to_try
+from gateway.link_diagnosis import LinkDiagnosis, LinkReports
+from gateway.local_ports import holders
+from gateway.search import model_finder, rates_to_probe, rates_to_try
 from gateway.serial_port import Port, has_rate, open_port
 from gateway.settings import Settings, load_settings
 from p2os import BAUD_CODES
@@ -73,6 +75,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_OK
     except ConfigError as error:
         return _fail(error, EXIT_USAGE)
+    except PortBusy as error:
+        held = " and ".join(map(str, holders(arguments.port)))
+        return _fail(f"{error}; it is held by {held}" if held else error, error.exit_code)
     except GatewayError as error:
         return _fail(error, error.exit_code)
     return EXIT_OK
@@ -88,7 +93,8 @@ def _serve(
     find_model = model_finder(settings)
     port = _open_first(options)
     cables = [*(_cable(name, at, settings, options.waits) for name, at in ports.items()), *cameras]
-    driver = Driver(find_model, rates_to_try(port, RADIO_BAUD if settings.radio else baud), settings)
+    rates = rates_to_try(port, RADIO_BAUD if settings.radio else baud)
+    driver = Driver(find_model, rates, settings, probe_rates=rates_to_probe(port, settings, rates))
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
     with _signals(lambda *_: bridge.stop()), ExitStack() as leaving:
@@ -148,15 +154,19 @@ def _camera(where: str) -> ElementThread:
 def _open_first(options: Options) -> Port:
     """Open the port; wait for it only if asked to."""
     is_told = False
+    diagnosis, reports = LinkDiagnosis(), LinkReports()
     while True:
         try:
             return open_port(options.port)
-        except NoSuchPort:
+        except NoSuchPort as error:
             if not options.waits:
                 raise
+            diagnosis.begin(steady_clock())
+            diagnosis.note_no_port(str(error))
         if not is_told:
             tell(options, f"waiting for {options.port}", {"event": "waiting"})
             is_told = True
+        tell_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
         time.sleep(REOPEN_PERIOD)
 
 
@@ -169,7 +179,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
     parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
-    parser.add_argument("--baud", type=_baud, metavar="auto|N", help="the only rate to try, bit/s (default: auto)")
+    parser.add_argument("--baud", type=_baud, metavar="auto|N", help="connect at this rate only, bit/s (default: auto)")
     parser.add_argument("--radio", action="store_true", help="dial a radio modem, and ask no more than it carries")
     for name, part in CABLES.items():
         parser.add_argument(f"--{name}", metavar="PORT", help=part.help)
@@ -199,7 +209,7 @@ def _baud(text: str) -> int | None:
     return int(text)
 
 
-def _fail(error: Exception, code: int) -> int:
+def _fail(error: Exception | str, code: int) -> int:
     print(f"p2os-gateway: {error}", file=sys.stderr)
     return code
 

@@ -118,6 +118,7 @@ class Bridge(Generic[D]):
         self._port = port
         self._reopen = reopen
         self._lost: PortLost | None = None
+        self._why_not_open = ""
         self._reopen_at = -inf if port is None else inf
         self._clock = clock
         self._backoff = Backoff(REOPEN_PERIOD, LONGEST_BACKOFF, rng or random.Random())
@@ -264,9 +265,14 @@ class Bridge(Generic[D]):
         """Try to open the port; not under the lock, since a connection may take its time to fail."""
         try:
             port = self._reopen()
-        except GatewayError:
-            self._reopen_at = self._clock() + REOPEN_PERIOD  # it is not back yet
+        except GatewayError as error:  # it is not back yet
+            self._reopen_at = self._clock() + REOPEN_PERIOD
+            if str(error) != self._why_not_open:
+                self._why_not_open = str(error)
+                with self._lock:
+                    self._driver.port_lost(self._why_not_open, self._clock())
             return
+        self._why_not_open = ""
         with self._lock:
             self._reopen_at = inf
             self._port = port

@@ -42,6 +42,8 @@ CLOSE = encode_command(Command.CLOSE)
 
 ROUNDS_FOR_A_TALKER = 3
 """Rounds on a rate at which sound frames come, before the next rate."""
+PROBE_AT, PROBE_EVERY = 2, 8
+"""Sweep in which other rates are probed for the first time, and sweeps until it is done again."""
 REST = 0.5
 """Seconds before an unwanted robot is asked again."""
 LISTENING = 0.35
@@ -66,7 +68,14 @@ class Connector:
     deadline: when `watch` is due, s.
     """
 
-    def __init__(self, rates: Sequence[int], outbox: Outbox, rng: random.Random, line: Line = CABLE) -> None:
+    def __init__(
+        self,
+        rates: Sequence[int],
+        outbox: Outbox,
+        rng: random.Random,
+        line: Line = CABLE,
+        probe_rates: Sequence[int] = (),
+    ) -> None:
         """Prepare to look for a robot.
 
         Args:
@@ -74,8 +83,13 @@ class Connector:
             outbox: Takes frames for the robot.
             rng: Of the pauses.
             line: What leads to the robot.
+            probe_rates: bit/s at which a robot is not connected, but looked for now and then after the others, so that
+                a person can be told.
         """
         self._rates = tuple(rates)
+        self._probe_rates = tuple(probe_rates)
+        self._sweeps = 0
+        self._answers_at: int | None = None
         self._line = line
         self._dialler = Dialler(line.dial) if line.dial else None
         self._must_dial = self._dialler is not None
@@ -89,7 +103,7 @@ class Connector:
         self._window = line.first_window
         self._talks = False
         self._rounds_left = 0
-        self._bytes_heard = 0
+        self._bytes_heard = self._frames_heard = 0
         outbox.share = line.share
         self._is_bare = False  # this attempt sends SYNC0 without STOP and CLOSE before it
         self.hangs_up_on_close = False
@@ -103,7 +117,7 @@ class Connector:
             now: Steady time, s.
             is_new_connection: The port has just been opened, and nothing was sent on it.
         """
-        self._bytes_heard = 0
+        self._bytes_heard = self._frames_heard = 0
         if is_new_connection and self.hangs_up_on_close:
             self._plan = []
             self._listen(now)
@@ -113,6 +127,10 @@ class Connector:
             self._plan = others
         else:
             self._plan = [rate for other in others for rate in (self._known, other)] or [self._known]
+        self._sweeps += 1
+        if self._probe_rates and self._sweeps % PROBE_EVERY == PROBE_AT:
+            self._answers_at = None
+            self._plan += self._probe_rates
         self._next_rate(now)
 
     def hear(self, data: bytes, now: float) -> None:
@@ -127,6 +145,10 @@ class Connector:
 
     def receive(self, payload: bytes, now: float) -> Identity | None:
         """Take the payload of a sound frame; return the robot's identity once it has given it."""
+        self._frames_heard += 1
+        if self.baud not in self._rates:  # a probe
+            self._answers_at = self.baud
+            return None
         if not self._talks:
             self._talks = True
             self._rounds_left = ROUNDS_FOR_A_TALKER
@@ -178,6 +200,16 @@ class Connector:
     def change_rate(self, baud: int) -> None:
         """The robot has been told another rate, bit/s: talk at it, and look for the robot there first."""
         self.baud = self._outbox.baud = self._known = baud
+
+    @property
+    def so_far(self) -> SweepFailed:
+        """What the sweep under way has shown, as if it ended now."""
+        return SweepFailed(self._rates, self._bytes_heard, self._frames_heard, self._answers_at)
+
+    @property
+    def is_searching(self) -> bool:
+        """An attempt is under way."""
+        return self._phase is not _Phase.PAUSED
 
     def lose_line(self) -> None:
         """The port was lost before the robot was open; find out whether the peer closes connections on CLOSE."""
@@ -253,4 +285,4 @@ class Connector:
         self._must_dial = True
         self.deadline = now + self._rng.uniform(0.0, self._backoff)
         self._backoff = min(2.0 * self._backoff, line.last_backoff)
-        return SweepFailed(self._rates, self._bytes_heard)
+        return self.so_far

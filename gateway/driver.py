@@ -30,6 +30,7 @@ from gateway.events import (
 )
 from gateway.helm import Helm
 from gateway.journey import is_at_rest
+from gateway.link_diagnosis import LinkDiagnosis, LinkProblem
 from gateway.plausibility import Plausibility
 from gateway.rate_raiser import RateRaiser
 from gateway.settings import Settings
@@ -61,6 +62,7 @@ class Driver(Helm):
 
     identity, model, configuration: of the robot, once known; they stay after it is lost. damaged: bytes that were no
     frame, counted by reason. implausible: SIPs not believed, likewise. lost: how often the link was lost, by reason.
+    link_problem: why no robot is connected, after some seconds without one.
     """
 
     def __init__(
@@ -69,11 +71,13 @@ class Driver(Helm):
         rates: Sequence[int],
         settings: Settings | None = None,
         rng: random.Random | None = None,
+        probe_rates: Sequence[int] = (),
     ) -> None:
         super().__init__(settings or Settings())
         self._find_model = find_model
         self._line = self._settings.line
-        self._connector = Connector(rates, self._outbox, rng or random.Random(), self._line)
+        self._connector = Connector(rates, self._outbox, rng or random.Random(), self._line, probe_rates)
+        self._diagnosis = LinkDiagnosis()
         wanted_rate = None if self._settings.radio else self._settings.raise_baud_to
         self._rate_raiser = RateRaiser(self._outbox, self._connector, wanted_rate)
         self._decoder = FrameDecoder()
@@ -94,6 +98,7 @@ class Driver(Helm):
         self.damaged: Counter[str] = Counter()
         self.implausible: Counter[str] = Counter()
         self.lost: Counter[str] = Counter()
+        self.link_problem: LinkProblem | None = None
 
     @property
     def accelerations(self) -> dict[str, float] | None:
@@ -146,13 +151,21 @@ class Driver(Helm):
         """There is a line to talk on; begin."""
         self._last_run = now
         self.has_port = True
+        self._diagnosis.begin(now)
         self._begin(now, is_new_connection=True)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone: cable, adapter or emulator. `receive` still reports what follows from it."""
+        """The line is gone: cable, adapter or emulator; or it cannot be opened again, for this reason.
+
+        `receive` still reports what follows from it.
+        """
         self._last_run = now
-        if self.has_port and not self._is_open:
+        self._diagnosis.begin(now)
+        if not self.has_port:
+            self._diagnosis.note_no_port(reason)
+        elif not self._is_open and self._connector.is_searching:
             self._connector.lose_line()
+            self._diagnosis.note_hang_up(reason, now)
         self.has_port = False
         self._lose(reason, now)
 
@@ -175,6 +188,7 @@ class Driver(Helm):
             elif self._is_open:
                 self.damaged[found.reason.value] += 1
         self._watch(now)
+        self.link_problem = self._diagnosis.problem(now)
         events = self._events[:]
         self._events.clear()
         return events
@@ -218,6 +232,7 @@ class Driver(Helm):
                 element.lose_link()
             if self.is_connected:
                 self._events.append(LinkLost(reason))
+        self._diagnosis.begin(now)
         self._is_open = self.is_connected = False
         self._outbox.clear()
 
@@ -232,7 +247,12 @@ class Driver(Helm):
             failed = self._connector.watch(now)
             if failed is not None:
                 self._events.append(failed)
+                self._diagnosis.note_sweep(failed, now)
+            elif self._diagnosis.is_due(now):
+                self._diagnosis.note_sweep(self._connector.so_far, now)
         elif now - self._sip_at >= self._line.sip_timeout:
+            if not self.is_connected:
+                self._diagnosis.note_silence(now)
             self._restart("the robot fell silent", now)
         else:
             self._motion.watch(now)
@@ -264,6 +284,7 @@ class Driver(Helm):
             model = self.model or self._find_model(identity)
         except GatewayError as error:
             self._events.append(RobotRejected(error))
+            self._diagnosis.note_rejected(str(error))
             self._connector.rest(now)
             self._outbox.put("close", CLOSE)
             return
@@ -326,6 +347,7 @@ class Driver(Helm):
         self.odometry.update(sip, self.model, turned if believes_gyro else None)
         odometry = self.odometry
         is_first, self.is_connected = not self.is_connected, True
+        self._diagnosis.end()
         self._events.append(
             SipReceived(sip, odometry.pose, odometry.covariance, odometry.linear, odometry.angular, is_first)
         )

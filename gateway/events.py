@@ -122,11 +122,14 @@ class LinkLost(NamedTuple):
 class SweepFailed(NamedTuple):
     """No rate brought an answer, once round.
 
-    rates: bit/s tried. bytes_heard: how many bytes came all the same.
+    rates: bit/s tried. bytes_heard: how many bytes came all the same. frames_heard: sound frames among them.
+    answers_at: bit/s of another rate at which a robot answered, None if it did not or was not looked for there.
     """
 
     rates: tuple[int, ...]
     bytes_heard: int
+    frames_heard: int = 0
+    answers_at: int | None = None
 
 
 class RobotRejected(NamedTuple):

@@ -14,7 +14,8 @@ from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
 from gateway.element_news import ElementNews
 from gateway.errors import NameNotValid
-from gateway.events import Event, HandshakeCompleted, LinkLost, RobotRejected
+from gateway.events import Event, HandshakeCompleted, LinkLost
+from gateway.link_diagnosis import LinkProblem, LinkReports
 from gateway.search import Search, bus_name
 from gateway.settings import Settings
 
@@ -52,6 +53,16 @@ def tell(options: Options, sentence: str, facts: dict[str, Any]) -> None:
         print(sentence, flush=True)
 
 
+def tell_problem(options: Options, problem: LinkProblem | None) -> None:
+    """Print why there is no robot, if that is to be printed: on standard error, or as JSON on standard output."""
+    if problem is None:
+        return
+    if options.is_json:
+        tell(options, "", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
+    else:
+        print(f"p2os-gateway: {options.port}: {problem.sentence}", file=sys.stderr, flush=True)
+
+
 class Gateway:
     """Hears the bridge, and brings the robot to the bus as soon as both are there.
 
@@ -75,6 +86,7 @@ class Gateway:
         self._cables = cables
         self._element_news = ElementNews(cables)
         self._search = Search(options.port, now)
+        self._link_reports = LinkReports()
         self._kept: list[Event] = []
         self._complaint = ""
         self._bus: Bus | None = None
@@ -101,9 +113,11 @@ class Gateway:
         if self._bus_error is not None:
             raise self._bus_error
         if self._search.found is None and not self._options.waits:
-            self._search.take(events, now)
+            self._search.take(events, self._driver.link_problem, now)
         for event in events:
             self._say(event)
+        if self._options.waits or self._search.found is not None:
+            tell_problem(self._options, self._link_reports.due(self._driver.link_problem, now))
         if self._robot is None:
             self._kept = [*self._kept, *events][-MOST_KEPT:]
             if self._driver.identity is not None:
@@ -187,8 +201,6 @@ class Gateway:
                 )
             case LinkLost(reason):
                 self._tell(f"lost: {reason}; looking for the robot", {"event": "lost", "reason": reason})
-            case RobotRejected(error):
-                self._complain(str(error))
 
     def _say_elements(self, now: float) -> None:
         """What has become of the elements on cables of their own."""

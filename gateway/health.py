@@ -23,6 +23,8 @@ def faults(
         cable_faces: Of the elements on cables of their own.
     """
     found = [] if driver.is_connected else ["the robot is not connected"]
+    if driver.link_problem is not None:
+        found.append(driver.link_problem.sentence)
     if driver.is_estopped:
         found.append("the e-stop is latched")
     if sip is not None:
@@ -69,8 +71,12 @@ def diagnostics(
     """Counters since the gateway's start: damaged frames, SIPs not believed, lost links, refused commands."""
     robot = name if driver.identity is None else driver.identity.subtype
     level = DiagnosticStatus.OK if not found else DiagnosticStatus.WARN
-    status = {
-        "robot": (level if driver.is_connected else DiagnosticStatus.ERROR, "; ".join(found) or "all is well", {}),
+    status: dict[str, tuple[int, str, Mapping[str, Any]]] = {
+        "robot": (
+            level if driver.is_connected else DiagnosticStatus.ERROR,
+            "; ".join(found) or "all is well",
+            {} if driver.link_problem is None else {"cause": driver.link_problem.cause.value},
+        ),
         "cable": (
             DiagnosticStatus.OK,
             f"{sum(driver.damaged.values())} damaged frames, {sum(driver.lost.values())} links lost",

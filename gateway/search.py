@@ -2,13 +2,14 @@
 
 import difflib
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import configs
 from gateway.connector import AS_IT_IS, RATES
 from gateway.driver import ModelFinder
-from gateway.errors import GatewayError, NotARobot, RobotSilent, UnknownModel
+from gateway.errors import GatewayError, NoSuchPort, NotARobot, RobotSilent, UnknownModel
 from gateway.events import Event, HandshakeCompleted, RobotRejected, SweepFailed
+from gateway.link_diagnosis import Cause, LinkProblem
 from gateway.serial_port import Port
 from gateway.settings import Settings
 from p2os import Identity, RobotModel
@@ -17,6 +18,10 @@ PATIENCE = 2.5
 """Seconds to look for a robot, at the least."""
 SWEEPS = 2
 """Times to try every rate, at the least."""
+NO_SWEEPS = (Cause.NO_PORT, Cause.HANG_UP)
+"""Causes for which no rate is tried to the end."""
+FAILURES: Mapping[Cause, type[GatewayError]] = {Cause.NO_PORT: NoSuchPort, Cause.NO_ANSWER: RobotSilent}
+"""What a cause means to whoever started the gateway; other causes are `NotARobot`."""
 NOT_IN_A_KEY = re.compile(r"[^\w.+-]", re.ASCII)
 
 
@@ -32,6 +37,13 @@ def rates_to_try(port: Port, baud: int | None) -> tuple[int, ...]:
     if baud is not None:
         return (baud,)
     return tuple(sorted(RATES, key=lambda rate: rate != port.rate))
+
+
+def rates_to_probe(port: Port, settings: Settings, rates: Sequence[int]) -> tuple[int, ...]:
+    """Other rates, bit/s, at which a robot may answer that is not found at those to try; none behind a radio modem."""
+    if port.rate is None or settings.radio:
+        return ()
+    return tuple(rate for rate in RATES if rate not in rates)
 
 
 def model_finder(settings: Settings) -> ModelFinder:
@@ -73,14 +85,17 @@ class Search:
         self._port_name = port_name
         self._since = now
         self._sweeps = 0
-        self._bytes_heard = 0
         self.found: HandshakeCompleted | None = None
 
-    def take(self, events: Sequence[Event], now: float) -> None:
+    def take(self, events: Sequence[Event], problem: LinkProblem | None, now: float) -> None:
         """Take the driver's events.
 
+        Args:
+            events: In their order.
+            problem: Why no robot is connected, as the driver has it.
+            now: Steady time, s.
         Raises:
-            GatewayError: There is no robot here: RobotSilent, NotARobot, UnknownModel.
+            GatewayError: There is no robot here: RobotSilent, NotARobot, UnknownModel, NoSuchPort.
         """
         for event in events:
             match event:
@@ -88,20 +103,9 @@ class Search:
                     self.found = event
                 case RobotRejected(error):
                     raise error
-                case SweepFailed(rates, bytes_heard) if self.found is None:
+                case SweepFailed():
                     self._sweeps += 1
-                    self._bytes_heard += bytes_heard
-                    if self._sweeps >= SWEEPS and now - self._since >= PATIENCE:
-                        raise self._failure(rates)
-
-    def _failure(self, rates: Sequence[int]) -> GatewayError:
-        at = "" if rates == (AS_IT_IS,) else f" at {', '.join(map(str, rates))} bit/s"
-        if self._bytes_heard:
-            return NotARobot(
-                f"something answers on {self._port_name}, but not as a P2OS robot does: {self._bytes_heard} bytes{at} "
-                "and no handshake; check which cable this is"
-            )
-        return RobotSilent(
-            f"no robot answers on {self._port_name}{at}; switch it on, check the cable, and see that its own computer "
-            "is off"
-        )
+        if self.found is not None or problem is None or now - self._since < PATIENCE:
+            return
+        if self._sweeps >= SWEEPS or problem.cause in NO_SWEEPS:
+            raise FAILURES.get(problem.cause, NotARobot)(f"{self._port_name}: {problem.sentence}")

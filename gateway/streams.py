@@ -58,7 +58,7 @@ class Streams(Subscription):
         self._battery_shown: tuple[float, int | None, bool] | None = None
         self._ports_shown: tuple[int, int] | None = None
         self._state_shown: tuple[Any, ...] | None = None
-        self._judged: tuple[Any, ...] = (None,) * 4  # what the faults were last looked for in
+        self._judged: tuple[Any, ...] = (None,) * 5  # what the faults were last looked for in
         self._streams: Mapping[Topic, Publisher] = {
             topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
         }
@@ -128,7 +128,8 @@ class Streams(Subscription):
             stamp: Wall clock, ns.
         """
         is_due = now >= self.due_at
-        news = self._sip, self._driver.is_connected, self._driver.is_estopped, refusal
+        driver = self._driver
+        news = self._sip, driver.is_connected, driver.is_estopped, refusal, driver.link_problem
         if not is_due and all(map(is_, news, self._judged)):
             return  # nothing has come that faults could follow from
         self._judged = news

@@ -44,7 +44,7 @@ class CableDriver(Protocol):
         ...
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone. `receive` still reports what follows from it."""
+        """The line is gone, or cannot be opened for this reason. `receive` still reports what follows from it."""
         ...
 
     def receive(self, data: bytes, now: float) -> list[Event]:
