@@ -34,7 +34,7 @@ examples:
       the services of the team acromovi: monitor, subscription, arbiter, loader
   acromovi container --services acromovi --property arbiter.audit_file=leases.jsonl
       the same, and the arbiter appends its record to a file
-  acromovi container workshop --apps ~/robots
+  acromovi container workshop --apps examples
       an empty one; acromovi agent start NAME KIND --in workshop starts agents there, of kinds that Acromovi brings or
       that the folder has
 

@@ -1,12 +1,13 @@
 """Agents for every element of every robot: a platform, components, services and wrappers, on the bus.
 
-What a program needs that drives robots is here; all else is in the packages beneath. It is loaded when it is asked for,
-so that a container does not carry what only programs use.
+Exports what a program needs to drive robots (`Team`, from `agents.face`) and what an agent needs (`Agent` and its
+decorators, from `agents.platform`). Each is loaded on its first use, so that a container does not load the face.
 """
 
 from typing import TYPE_CHECKING
 
 __all__ = [
+    "Agent",
     "Failed",
     "LeaseLost",
     "NotThere",
@@ -16,21 +17,27 @@ __all__ = [
     "Stopped",
     "Team",
     "TimedOut",
+    "every",
+    "on",
     "request",
+    "subscription",
 ]
 
 if TYPE_CHECKING:
-    from agents.face import Failed, LeaseLost, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut, request
+    from agents.face import Failed, LeaseLost, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut
+    from agents.platform import Agent, every, on, request, subscription
 else:
+    _OF_PLATFORM = {"Agent", "every", "on", "request", "subscription"}
 
     def __getattr__(name: str) -> object:
-        """Load the face on its first use (PEP 562)."""
+        """Load a name on its first use (PEP 562)."""
         if name not in __all__:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from agents import face
+        from importlib import import_module
 
-        globals().update({each: getattr(face, each) for each in __all__})
-        return globals()[name]
+        value = getattr(import_module("agents.platform" if name in _OF_PLATFORM else "agents.face"), name)
+        globals()[name] = value
+        return value
 
     def __dir__() -> list[str]:
         return sorted({*globals(), *__all__})

@@ -54,7 +54,12 @@ ELEMENT_ALIVE = Topic(
     "There while the robot has the element that is named; its agent lives as long",
 )
 ODOM = Topic(
-    "odom", Kind.STREAM, "nav_msgs/msg/Odometry", "every SIP", "Pose in <robot>/odom and twist in <robot>/base_link"
+    "odom",
+    Kind.STREAM,
+    "nav_msgs/msg/Odometry",
+    "every SIP",
+    "Pose in <robot>/odom, twist in <robot>/base_link; "
+    "the origin of odom is where the robot stood when its gateway first connected",
 )
 SONAR = Topic(
     "sonar", Kind.STREAM, "acromovi_msgs/msg/RangeArray", "every SIP", "Fresh sonar ranges, each in its disc's frame"

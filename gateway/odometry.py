@@ -1,8 +1,10 @@
 """The robot's pose in `odom`: continuous over roll-overs and reconnects, calibrated, with its uncertainty.
 
-`odom` begins where the gateway first heard the robot: the first pose is zero, whatever the robot's counters hold. After
-a reconnect the counters are believed if the robot can have driven there meanwhile: what it rolled unheard is then in
-the pose. Otherwise, and when the counters are back at zero (a reset), the pose goes on from where it was.
+The origin of `odom` is where the robot stood when its gateway first connected, and its x axis points to where the robot
+faced then: the first pose is zero, whatever the robot's counters hold. A gateway that is restarted has a new origin.
+
+After a reconnect the counters are believed if the robot can have driven there meanwhile: what it rolled unheard is then
+in the pose. Otherwise, and when the counters are back at zero (a reset), the pose goes on from where it was.
 """
 
 from math import cos, hypot, sin

@@ -21,6 +21,8 @@ from gateway.commands import COMMANDS
 from gateway.faces.all_faces import FACES
 from gateway.streams import STREAMS
 from tests.acromovi.agents_alive import living
+from tests.live_team import own_bus
+from tests.reader import Reader, links
 from tests.waiting import wait_until
 
 ROOT = Path(__file__).parents[1]
@@ -94,16 +96,40 @@ def test_looking_lines_of_readme_show_the_robot(setting: Setting) -> None:
         assert setting.name in done.stdout
 
 
+def own_program() -> str:
+    """README's program on the bus."""
+    (program,) = [block for block in blocks("python") if "from bus import" in block]
+    return program
+
+
 def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> None:
-    *_, program = blocks("python")
     start = setting.robots.ask("truth", robot=setting.name)
     setting.robots.ask("pose", robot=setting.name, x=13.8, y=6.1, heading=0.0)
     done = subprocess.run(
-        [sys.executable, "-c", setting.personal(program)], cwd=ROOT, capture_output=True, text=True, timeout=DEADLINE
+        [sys.executable, "-c", setting.personal(own_program())],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
     )
     assert done.returncode == 0, done.stderr
     end = setting.robots.ask("truth", robot=setting.name)
     assert end["x"] > 13.9 > start["x"]
+
+
+def test_program_of_readme_ends_with_a_message_when_the_robot_is_not_there(robot: str) -> None:
+    program = re.sub(r"\bpowerbot\b", robot, own_program())
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=DEADLINE)
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"no sonar readings of {robot} for 3 s; start its gateway")
+
+
+def test_plugin_test_of_readme_passes(tmp_path: Path) -> None:
+    (program,) = [block for block in blocks("python") if "emulated_robot" in block]
+    (tmp_path / "test_mine.py").write_text(program)
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "test_mine.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
 def test_first_program_of_readme_is_the_example_that_is_tried_elsewhere() -> None:
@@ -121,20 +147,42 @@ class Base(Agent):
         return distance
 
 
-class Follow(Base):
-    """An application of README's reader."""
+AGENTS = README.partition("## Agents")[2].partition("## ")[0]
+AGENT_LINES = [f"acromovi {line}" for line in re.findall(r"`acromovi (.*?)`", AGENTS)]
+WITH_PROCESSES = ("acromovi container ", "acromovi agent ")
+
+
+@pytest.fixture
+def reader(tmp_path: Path) -> Iterator[Reader]:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    reader = Reader(own_bus(tmp_path))
+    yield reader
+    reader.leave()
+
+
+def test_agent_lines_of_readme_work_in_their_order(reader: Reader) -> None:
+    shown = {
+        "container": "the container {} serves; stop with Ctrl-C\n",
+        "start": "follow@happy is active in workshop\n",
+        "suspend": "follow@happy is suspended in workshop\n",
+        "resume": "follow@happy is active in workshop\n",
+        "move": "follow@happy is active in attic\n",
+        "stop": "follow@happy is deleted in attic\n",
+    }
+    lines = [line.split() for line in AGENT_LINES if line.startswith(WITH_PROCESSES)]
+    assert {words[1] if words[1] == "container" else words[2] for words in lines} == shown.keys()
+    for words in lines:
+        reader.type(" ".join(words))
+        reader.see(shown[words[1] if words[1] == "container" else words[2]].format(words[2]))
 
 
 def test_agents_do_what_readme_says_of_them(robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    section = README.partition("## Agents")[2].partition("## ")[0]
-    lines = [shlex.split(line) for line in re.findall(r"`acromovi (.*?)`", section)]
-    assert {line[0] for line in lines} == {"ps", "directory", "ask", "sniff", "introspect", "container", "agent"}
-    names = {"base@happy": f"base@{robot}", "follow@happy": f"follow@{robot}", "10": "0.5"}
-    with living(robot, Base(AgentName("base", robot)), Follow(AgentName("follow", robot))):
+    lines = [shlex.split(line)[1:] for line in AGENT_LINES if not line.startswith(WITH_PROCESSES)]
+    assert {line[0] for line in lines} == {"ps", "directory", "ask", "sniff", "introspect"}
+    names = {"base@happy": f"base@{robot}", "10": "0.5"}
+    with living(robot, Base(AgentName("base", robot))):
         for line in lines:
-            if line[0] == "container" or line[:2] in (["agent", "start"], ["agent", "move"]):
-                continue  # need processes, and are tested with some
             assert main([names.get(word, word) for word in line]) == 0
     assert "<svg" in (tmp_path / "talk.svg").read_text()
 
@@ -160,6 +208,6 @@ def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
         assert short_name in row or topic.type_name == "application/json"
 
 
-@pytest.mark.parametrize("target", re.findall(r"\]\((?!http)([^)]+)\)", README))
-def test_links_of_readme_lead_somewhere(target: str) -> None:
-    assert (ROOT / target).exists()
+@pytest.mark.parametrize("target", links(ROOT / "README.md"), ids=str)
+def test_links_of_readme_lead_somewhere(target: Path) -> None:
+    assert target.exists()

@@ -23,7 +23,8 @@ examples:
   acromovi navigate picture happy now.svg
   acromovi navigate ORDER --help             more about one of them
 
-Places are in m in the frame `odom`: where the robot's gateway connected is 0 0, and x points to where it looked then.
+Places are in m in the frame `odom`. Its origin, 0 0, is where the robot stood when its gateway first connected, and its
+x axis points to where the robot faced then.
 
 Exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM.
 """

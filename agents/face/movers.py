@@ -101,7 +101,11 @@ class Mover(Element[R], Generic[R]):
 
 
 class Base(Mover[BaseReading]):
-    """Wheels and odometry. Poses are in the robot's frame `odom`, which begins where the robot was switched on."""
+    """Wheels and odometry.
+
+    Poses are in the robot's frame `odom`. Its origin is where the robot stood when its gateway first connected, and its
+    x axis points to where the robot faced then.
+    """
 
     reading = BaseReading
 

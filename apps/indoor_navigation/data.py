@@ -1,7 +1,8 @@
 """What flows between the components of the navigation.
 
 Lengths in m, angles in rad, counter-clockwise, speeds in m/s and rad/s, stamps in s since 1970. Unless said otherwise,
-places are in the robot's `odom` frame, whose x points to where the robot looked when its gateway connected.
+places are in the robot's `odom` frame. Its origin is where the robot stood when its gateway first connected, and its x
+axis points to where the robot faced then.
 """
 
 from collections.abc import Mapping
