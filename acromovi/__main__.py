@@ -64,7 +64,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code.
     """
     given = list(sys.argv[1:] if argv is None else argv)
-    parser = _parser(given)
+    try:
+        parser = _parser(given)
+    except _user_errors() as err:  # an extra is missing, without which the command cannot be loaded
+        print(f"acromovi: {err}", file=sys.stderr)
+        return 1
     arguments, strange = parser.parse_known_args(given)
     if strange:
         called = f"acromovi {arguments.command}"

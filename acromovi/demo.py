@@ -10,12 +10,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from importlib.util import find_spec
 from pathlib import Path
 
 from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
 from apps.waypoints import Follower
 from bus import Bus, BusError, Sample, ZenohBus, keys, messages
+from configs.extras import require
 from geometry import Pose2D
 
 EPILOG = """\
@@ -24,7 +24,6 @@ example:
 
 Exit codes: 0 the whole route was driven, 1 it was not (the reason is on stderr), 130 stopped by Ctrl-C.
 """
-EXTRAS = {"pybullet": "emu", "matplotlib": "vision"}
 MODEL = "powerbot"
 ROBOT = "powerbot"
 WORLD = "office"
@@ -96,10 +95,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo: 0 when the whole route was driven, 1 otherwise."""
-    missing = [extra for module, extra in EXTRAS.items() if find_spec(module) is None]
-    if missing:
-        print(f"acromovi demo: install what it needs: pip install 'acromovi[{','.join(missing)}]'", file=sys.stderr)
-        return 1
+    require("the demo", "emu", "plots")
     from acromovi.picture import draw_drive
     from p2os_emu.world import load_world
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from acromovi.options import add_bus
 from configs import ConfigError
+from configs.extras import EXTRAS, install_command, missing
 from gateway.bridge import Bridge, steady_clock
 from gateway.driver import Driver
 from gateway.errors import GatewayError, PortBusy
@@ -28,6 +29,8 @@ examples:
   acromovi doctor
   acromovi doctor /dev/ttyUSB0 --json
 
+An extra that is not installed is marked NOTE: only the commands that it is needed for do not work.
+
 Exit codes: 0 everything is in order, 1 something is not, 2 wrong usage, 130 stopped by Ctrl-C.
 """
 OLDEST, NEWEST = (3, 11), (3, 13)
@@ -42,12 +45,19 @@ SIP_PATIENCE = 2.0
 
 
 class Finding(NamedTuple):
-    """One step. advice: what to do where it is not OK."""
+    """One step. advice: what to do where it is not OK, or where it is and something optional is missing."""
 
     check: str
     is_ok: bool
     found: str
     advice: str = ""
+
+    @property
+    def label(self) -> str:
+        """Return OK, FAIL, or NOTE for an optional part that is missing."""
+        if not self.is_ok:
+            return "FAIL"
+        return "NOTE" if self.advice else "OK"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
             print(json.dumps(finding._asdict()), flush=True)
         else:
             advice = f": {finding.advice}" if finding.advice else ""
-            print(f"{'OK  ' if finding.is_ok else 'FAIL'} {finding.check}: {finding.found}{advice}", flush=True)
+            print(f"{finding.label:4} {finding.check}: {finding.found}{advice}", flush=True)
     return 0 if all_ok else 1
 
 
@@ -75,6 +85,7 @@ def examine(port: str | None, bus_profile: str) -> Iterator[Finding]:
     """Take the steps one after the other; the way to the robot ends with the first that is not OK."""
     yield _python()
     yield from map(_package, PACKAGES)
+    yield from map(_extra, EXTRAS)
     yield _bus(bus_profile)
     if port is not None:
         yield from _robot(port)
@@ -96,6 +107,14 @@ def _package(module: str) -> Finding:
         return Finding(distribution, True, version(distribution))
     except (ImportError, PackageNotFoundError) as error:
         return Finding(distribution, False, str(error), f"pip install {distribution}")
+
+
+def _extra(extra: str) -> Finding:
+    """Report whether an extra is installed. A missing one is no failure, since most commands do not need it."""
+    if not missing(extra):
+        return Finding(f"extra {extra}", True, "installed")
+    found = f"not installed, needed for {EXTRAS[extra].purpose}"
+    return Finding(f"extra {extra}", True, found, f"install with {install_command(extra)}")
 
 
 def _bus(profile: str) -> Finding:

@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from acromovi.options import count
+from configs.extras import require
 
 ROLES = {
     "viewer": "reads everything, moves nothing",
@@ -65,13 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Make, renew or list keys."""
-    try:
-        from acromovi.authority import AUTHORITY, Authority, KeysError
-    except ModuleNotFoundError as err:
-        if err.name != "cryptography":
-            raise
-        print("acromovi keys: this needs the package cryptography: pip install 'acromovi[security]'", file=sys.stderr)
-        return 1
+    require("making keys", "security")
+    from acromovi.authority import AUTHORITY, Authority, KeysError
+
     now = datetime.now(UTC)
     try:
         if arguments.action == "list":

@@ -56,8 +56,11 @@ def run(arguments: argparse.Namespace) -> int:
     from acromovi.team.identities import folder_of_keys
     from acromovi.team.plan import Choices, load_team
     from acromovi.team.team import TeamFailed
+    from configs.extras import require
 
     team = load_team(arguments.team, arguments.only)
+    if team.emulated:
+        require("a team with emulated robots", "emu")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
     choices = Choices(arguments.bus, arguments.seed, tuple(arguments.apps), keys)
     folder = Path(tempfile.mkdtemp(prefix=FOLDER))

@@ -22,6 +22,7 @@ import zenoh
 
 from bus.errors import BusUnavailable, NotAllowed
 from bus.loopback import LocalBus
+from configs.extras import require
 from configs.loader import ConfigError, find, read
 
 OURS = "acromovi"  # the table of a profile that is not Zenoh's
@@ -172,10 +173,9 @@ def valid_name(certificate: Path) -> str:
         ConfigError: It cannot be read.
         BusUnavailable: It is not valid yet, or not any more.
     """
-    try:
-        from cryptography import x509
-    except ImportError as err:
-        raise ConfigError("keys need the package cryptography: pip install 'acromovi[security]'") from err
+    require("a secure bus", "security")
+    from cryptography import x509
+
     try:
         found = x509.load_pem_x509_certificate(_present(certificate).read_bytes())
         (attribute,) = found.subject.get_attributes_for_oid(x509.NameOID.COMMON_NAME)

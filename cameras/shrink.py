@@ -1,9 +1,9 @@
 """Pictures made smaller, for whoever can carry only so many bytes of them."""
 
-from importlib.util import find_spec
 from math import sqrt
 
 from cameras.errors import CameraNotUsable
+from configs.extras import missing, needs
 
 TRIES = 8
 SPARE = 0.9
@@ -18,8 +18,8 @@ def shrunk(jpeg: bytes, most: int) -> bytes:
     """
     if len(jpeg) <= most:
         return jpeg
-    if find_spec("cv2") is None:
-        raise CameraNotUsable("a picture is made smaller by OpenCV; install it with: pip install 'acromovi[vision]'")
+    if missing("vision"):
+        raise CameraNotUsable(needs("making a picture smaller", "vision"))
     import cv2  # here and not at the top: it is a large part that only this needs
     import numpy as np
 

@@ -7,12 +7,12 @@ import time
 from contextlib import suppress
 from http import HTTPStatus
 from http.client import HTTPConnection, HTTPException, HTTPSConnection
-from importlib.util import find_spec
 from typing import Protocol
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from cameras.errors import CameraLost, CameraNotUsable
 from cameras.multipart import MultipartDecoder, NoPictures, boundary_of
+from configs.extras import missing, needs
 
 PATIENCE = 3.0
 """Seconds without a picture after which a camera has stalled."""
@@ -60,8 +60,8 @@ def check_source(where: str) -> None:
         raise CameraNotUsable(f"{where} is no camera; give a URL that begins with http://, or a device as /dev/video0")
     if parts.scheme and not parts.hostname:
         raise CameraNotUsable(f"{where} names no host; write http://HOST:PORT/PATH")
-    if not parts.scheme and find_spec("cv2") is None:
-        raise CameraNotUsable(f"{where} is opened by OpenCV; install it with: pip install 'acromovi[vision]'")
+    if not parts.scheme and missing("vision"):
+        raise CameraNotUsable(needs(f"the camera {where}", "vision"))
 
 
 def open_source(where: str) -> Source:

@@ -15,6 +15,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import configs
+from configs.extras import ExtraMissing
 from p2os_emu.cassette import CassetteError
 from p2os_emu.control import ControlSocket
 from p2os_emu.emulator import STEP, Emulator
@@ -151,8 +152,8 @@ def _make_world(options: Options) -> "World":
     # The engine takes longer to load than all the rest: what needs none of it should not wait for it.
     try:
         from p2os_emu.world import World, WorldError, load_world
-    except ImportError as error:
-        raise PhysicsError(f"{error}; install the physics engine with: pip install 'acromovi[emu]'") from error
+    except ExtraMissing as error:
+        raise PhysicsError(str(error)) from error
     try:
         spec = load_world(options.world)
     except WorldError as error:

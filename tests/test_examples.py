@@ -1,6 +1,7 @@
 """The example that others copy, run as they would run it."""
 
 import ast
+import re
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,14 @@ def test_foreign_driver_is_foreign() -> None:
 
 
 def test_ci_of_the_example_installs_what_its_readme_says() -> None:
-    command = 'install -e . "acromovi[emu]" pytest pytest-timeout'
-    assert command in (EXAMPLE / "README.md").read_text()
-    assert command in (EXAMPLE / ".github" / "workflows" / "ci.yml").read_text()
+    ci, readme = ((EXAMPLE / name).read_text() for name in (".github/workflows/ci.yml", "README.md"))
+    assert 'pip install -e . "$ACROMOVI" pytest pytest-timeout' in ci
+    (source,) = re.findall(r'ACROMOVI: "(.*)"', ci)
+    assert f'`"{source}"`' in readme
+
+
+def test_source_of_acromovi_in_the_example_s_install_command_is_this_checkout() -> None:
+    (source,) = re.findall(
+        r'^pip install -e \. "(.*)\[emu\]" pytest', (EXAMPLE / "README.md").read_text(), re.MULTILINE
+    )
+    assert (EXAMPLE / source / "pyproject.toml").resolve() == ROOT / "pyproject.toml"

@@ -12,7 +12,7 @@ BELOW: dict[str, set[str]] = {
     "p2os": set(),
     "geometry": set(),
     "configs": set(),
-    "cameras": set(),
+    "cameras": {"configs"},
     "bus": {"geometry", "configs"},
     "p2os_emu": {"p2os", "geometry", "configs"},
     "gateway": {"p2os", "bus", "cameras", "geometry", "configs"},

@@ -59,6 +59,12 @@ def test_wheel_names_the_three_commands_and_the_pytest_plugin(unpacked: Path) ->
     assert dict(points["pytest11"]) == {"p2os_emu": "p2os_emu.pytest_plugin"}
 
 
+def test_wheel_has_the_name_that_the_example_installs(unpacked: Path) -> None:
+    (info,) = unpacked.glob("*.dist-info")
+    named = f"/path/to/{info.name.removesuffix('.dist-info')}-py3-none-any.whl[emu]"
+    assert named in (ROOT / "examples" / "foreign-driver" / "README.md").read_text()
+
+
 def test_wheel_is_what_runs_when_it_is_installed(unpacked: Path) -> None:
     where = run(unpacked, "-c", "import p2os_emu, configs; print(p2os_emu.__file__); print(configs.__file__)")
     assert all(line.startswith(str(unpacked)) for line in where.split())

@@ -10,6 +10,7 @@ from acromovi.missions.matrix import Instead, Result, play, play_all
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
 from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job, all_jobs
+from configs.extras import require
 
 EPILOG = """\
 examples:
@@ -53,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     if options.robot and options.robot not in ROBOTS:
         print(f"acromovi missions: --robot must be one of {', '.join(ROBOTS)}", file=sys.stderr)
         return 2
+    if options.picture or options.all:
+        require("a picture of missions", "plots")
     if options.smoke or options.all:
         jobs = all_jobs(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
         results = play_many(jobs)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acromovi.navigation.snapshot import Snapshot
-from configs.loader import ConfigError
+from configs.extras import require
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,16 +29,13 @@ def draw(path: Path, shot: Snapshot) -> None:
     """Draw an SVG or a PNG, by the ending of `path`; equal snapshots give equal files.
 
     Raises:
-        ConfigError: matplotlib is not installed.
+        ExtraMissing: matplotlib is not installed.
         OSError: The file cannot be written.
     """
-    try:
-        import matplotlib as mpl
-        from matplotlib.figure import Figure  # slow to import, and only needed here
-    except ImportError as err:
-        raise ConfigError(
-            "pictures of missions need matplotlib; install it with: pip install acromovi[vision]"
-        ) from err
+    require("a picture of a mission", "plots")
+    import matplotlib as mpl
+    from matplotlib.figure import Figure  # slow to import, and only needed here
+
     page = Figure(figsize=(WIDTH, height := _height(shot)))
     # By hand: what is beside the floor is as wide as its texts, and the floor has the rest.
     axes = page.add_axes((0.6 / WIDTH, 0.6 / height, FLOOR / WIDTH, 1.0 - 1.1 / height), anchor="NW")

@@ -7,6 +7,7 @@ import uuid
 from acromovi.children import ChildFailed
 from acromovi.scenes.stage import SceneFailed, set_stage
 from bus import BusError
+from configs.extras import require
 
 EPILOG = """\
 examples:
@@ -38,6 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
         if name not in SCENES:
             print(f"acromovi try: there is no {name!r}; choose one of {', '.join(SCENES)}", file=sys.stderr)
             return 2
+    require("a scene", "emu")
     return max(_play(name) for name in arguments.scene)
 
 

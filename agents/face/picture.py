@@ -1,13 +1,13 @@
 """One picture, in a program's hands."""
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from agents.face.errors import RobotError
+from configs.extras import missing, needs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,8 +36,8 @@ class Picture:
         Raises:
             RobotError: It is no picture, or OpenCV is missing, which takes it apart.
         """
-        if find_spec("cv2") is None:
-            raise RobotError("a picture's pixels are found by OpenCV; install it with: pip install 'acromovi[vision]'")
+        if missing("vision"):
+            raise RobotError(needs("Picture.pixels", "vision"))
         import cv2  # here and not at the top: it is a large part that only this needs
 
         found = cv2.imdecode(np.frombuffer(self.data, np.uint8), cv2.IMREAD_COLOR)

@@ -3,6 +3,7 @@
 from typing import Any
 
 from agents.wrappers.wrapper_file import Colours
+from configs.extras import missing, needs
 
 QUALITY = 90  # of JPEG, percent
 
@@ -45,9 +46,9 @@ def compressed(image: bytes, width: int, height: int) -> bytes:
 
 
 def _opencv() -> tuple[Any, Any]:
-    try:
-        import cv2  # late: only wrappers with pictures need it
-        import numpy
-    except ImportError as error:
-        raise PicturesNotPossible("pictures need OpenCV; install it with: pip install 'acromovi[vision]'") from error
+    if missing("vision"):
+        raise PicturesNotPossible(needs("a wrapper with pictures", "vision"))
+    import cv2  # late: only wrappers with pictures need it
+    import numpy
+
     return cv2, numpy

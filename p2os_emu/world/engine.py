@@ -5,6 +5,10 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from configs.extras import require
+
+require("the emulator", "emu")
+
 
 @contextmanager
 def _quiet() -> Iterator[None]:

@@ -1,11 +1,13 @@
 """The demo, on a route of its own that is driven in seconds."""
 
 import argparse
+import sys
 from pathlib import Path
 
 import pytest
 
 from acromovi import demo
+from acromovi.__main__ import main
 
 WORLD = """\
 walls = [{ from_m = [3.0, -2.0], to_m = [3.0, 2.0] }]
@@ -38,9 +40,11 @@ def test_demo_drives_its_route_draws_it_and_says_how_to_go_on(
 def test_demo_without_physics_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(demo, "EXTRAS", {"no_such_module": "emu"})
-    assert demo.run(options(tmp_path)) == 1
-    assert "pip install 'acromovi[emu]'" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    assert main(["demo", "--out", str(tmp_path)]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("acromovi demo: the demo needs the extra emu, not installed here; install with: ")
+    assert error.endswith("[emu]'\n")
 
 
 def test_demo_whose_emulator_does_not_start_fails_in_one_sentence(

@@ -1,5 +1,7 @@
 """Making pictures smaller."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,6 @@ def test_what_is_no_picture_cannot_be_made_smaller() -> None:
 
 
 def test_without_opencv_one_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cameras.shrink.find_spec", lambda name: None)
-    with pytest.raises(CameraNotUsable, match=r"pip install 'acromovi\[vision\]'"):
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    with pytest.raises(CameraNotUsable, match=r"needs the extra vision, not installed here; install with: "):
         shrunk(bytes(1000), 100)

@@ -3,6 +3,7 @@
 import asyncio
 import base64
 import socket
+import sys
 import threading
 from collections.abc import Awaitable, Callable, Iterator
 
@@ -142,7 +143,7 @@ def test_picture_that_is_too_large_comes_smaller() -> None:
 def test_picture_that_is_too_large_and_cannot_be_made_smaller_says_where_the_stream_is(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("cameras.shrink.find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "cv2", None)
 
     async def story(desk: Desk) -> None:
         desk.show(JPEG[:-2] + bytes(MOST) + JPEG[-2:])
