@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from importlib import import_module
 from types import FrameType
 
+from configs.command_line import CommandParser, add_version
+
 # Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
 COMMANDS = {
     "echo": ("acromovi.echo", "Print what flows on a key"),
@@ -72,7 +74,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments, strange = parser.parse_known_args(given)
     if strange:
         called = f"acromovi {arguments.command}"
-        parser.exit(2, f"{called}: error: unrecognized arguments: {' '.join(strange)}; {called} --help lists all\n")
+        parser.exit(2, f"{called}: error: {parser.unrecognized(strange)}; {called} --help lists all\n")
     module = import_module(COMMANDS[arguments.command][0])
     try:
         with _terminable():
@@ -91,12 +93,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+def _parser(given: Sequence[str]) -> CommandParser:
     """The parser, with the arguments of the command asked for."""
     raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="acromovi", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw, allow_abbrev=False
     )
+    add_version(parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     asked_for = next((word for word in given if not word.startswith("-")), None)
     for name, (module, summary) in COMMANDS.items():

@@ -13,6 +13,7 @@ from typing import NoReturn
 
 from configs import ConfigError
 from configs.default_bus import VARIABLE, default_bus
+from configs.command_line import CommandParser, add_version
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
 from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver, ElementThread
@@ -171,12 +172,13 @@ def _open_first(options: Options) -> Port:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="p2os-gateway",
         description="Bring a robot on a port to the bus: odometry, sonar and more under NAME/; NAME/cmd_vel drives.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    add_version(parser)
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
     parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
     parser.add_argument("--baud", type=_baud, metavar="auto|N", help="connect at this rate only, bit/s (default: auto)")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
+from configs.command_line import CommandParser, add_version
 from configs.team_file import TeamFile
 from geometry import Pose2D
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
@@ -150,13 +151,14 @@ def _add_emulated(given: argparse.Namespace, team: TeamFile) -> dict[str, Pose2D
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="p2os-emu",
         description="Emulates Pioneer and PowerBot robots: a client that opens the port meets one as on its own cable.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
+    add_version(parser)
     _add_team(parser)
     _add_ports(parser)
     _add_run(parser)

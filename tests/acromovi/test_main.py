@@ -1,11 +1,17 @@
 """What all commands of `acromovi` have in common."""
 
+import argparse
 import subprocess
 import sys
+from collections.abc import Callable
+from importlib import import_module
+from importlib.metadata import version
 
 import pytest
 
 from acromovi.__main__ import COMMANDS, main
+from gateway.__main__ import main as gateway
+from p2os_emu.__main__ import main as emulator
 
 
 @pytest.mark.parametrize("command", ["ps", "topics", "directory", "router"])
@@ -49,3 +55,39 @@ def test_every_command_has_its_help(capsys: pytest.CaptureFixture[str]) -> None:
             main([command, "--help"])
         assert caught.value.code == 0
         assert capsys.readouterr().out.startswith(f"usage: acromovi {command} ")
+
+
+@pytest.mark.parametrize(("name", "program"), [("acromovi", main), ("p2os-gateway", gateway), ("p2os-emu", emulator)])
+def test_every_program_has_its_version(
+    name: str, program: Callable[[list[str]], int], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        program(["--version"])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out == f"{name} {version('acromovi')}\n"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "ask base@happy move --timeout 3 distance=1",
+        "ask --timeout 3 base@happy --json move distance=1 --bus local speed=0.2",
+        "command happy --timeout 3 move distance=1",
+        "agent start follow@happy follow:Follow --in workshop robot=happy",
+        "agent start --json follow@happy follow:Follow robot=happy --in workshop speed=1",
+        "run wander --bus local robot=happy",
+        "promote wander --name a --bus local robot=happy",
+        "sniff base@happy --json sonar@happy",
+    ],
+)
+def test_options_stand_before_and_after_key_value_arguments(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    words = line.split()
+    taken: list[argparse.Namespace] = []
+
+    def run(arguments: argparse.Namespace) -> int:
+        taken.append(arguments)
+        return 0
+
+    monkeypatch.setattr(import_module(COMMANDS[words[0]][0]), "run", run)
+    assert main(words) == 0
+    assert len(taken) == 1
