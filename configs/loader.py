@@ -51,9 +51,38 @@ def find(kind: str, name: str) -> Path:
         raise ConfigError(
             f"there is no file {name}; give one that is there, or one of the {called} {_listed(names(kind))}"
         )
-    near = difflib.get_close_matches(name.lower(), names(kind), 3, 0.4)
+    near = [described(kind, each) for each in nearest(kind, name)] if name else []
     hint = f"did you mean {_listed(near)}?" if near else f"choose one of {_listed(names(kind))}"
     raise ConfigError(f"there is no {name!r} among the {called}; {hint}")
+
+
+def nearest(kind: str, name: str, likeness: float = 0.4) -> list[str]:
+    """The names that are spelt most like one, by the name itself or by the full name that the file gives.
+
+    Args:
+        kind: One of `KINDS`.
+        name: What somebody wrote, `pioneer 3dx` for example.
+        likeness: 0 to 1; what is less like it is left out.
+    Returns:
+        At most three, the nearest first; only one when that is the same but for upper and lower case.
+    """
+    known = {full_name(kind, each).lower(): each for each in names(kind)} | {each: each for each in names(kind)}
+    wanted = name.lower()
+    if wanted in known:
+        return [known[wanted]]
+    return list(dict.fromkeys(known[text] for text in difflib.get_close_matches(wanted, known, 6, likeness)))[:3]
+
+
+def described(kind: str, name: str) -> str:
+    """A name with its full name, as `p3dx (Pioneer 3-DX)`; without, where its file gives none."""
+    full = full_name(kind, name)
+    return f"{name} ({full})" if full else name
+
+
+def full_name(kind: str, name: str) -> str:
+    """What people call one of the files of a kind, `Pioneer 3-DX`; empty where the file does not say."""
+    path = find(kind, name)
+    return str(read(path).get("full_name", "")) if path.suffix == SUFFIX else ""
 
 
 def read(path: Path) -> dict[str, Any]:

@@ -49,8 +49,11 @@ def parse(text: str, known: Callable[[str], Mapping[str, Any]], names: Sequence[
                 lasers.setdefault(section, {})[key] = row
             case key:
                 values.setdefault(key, row)
-    table = {**known(_base(values, names)), **_converted(values)}
+    base = _base(values, names)
+    table = {**known(base), **_converted(values)}
     table |= {"name": _text(values, "subclass"), "robot_class": _text(values, "class") or "Pioneer"}
+    if table["name"].lower() != base:
+        table["full_name"] = table["name"]
     if not table["name"]:
         raise ParameterError("there is no Subclass; is this a robot's parameter file?")
     table |= {"sonar": sorted(each for each in sonar if each[1:3] != [0.0, 0.0]), "ir": infrared}

@@ -1,6 +1,5 @@
 """Looking for a robot on a port: which rates, which model, and what to tell a person when there is none."""
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 
@@ -60,10 +59,11 @@ def model_finder(settings: Settings) -> ModelFinder:
         subtype = identity.subtype.lower()
         known = configs.names("robots")
         if subtype not in known:
-            near = difflib.get_close_matches(subtype, known, 3, 0.0)
+            near = configs.nearest("robots", subtype, 0.0)
+            full = ", ".join(configs.described("robots", each) for each in near)
             raise UnknownModel(
                 f"the robot {identity.name!r} is a {identity.subtype!r}, which is no known model; nearest are "
-                f"{', '.join(near)}: name one in a file for --config, as in model = {near[0]!r}"
+                f"{full}: name one in a file for --config, as in model = {near[0]!r}"
             )
         return configs.load(RobotModel, "robots", subtype)
 

@@ -52,7 +52,8 @@ class LaserMount:
 class RobotModel:
     """What one robot model is; SI.
 
-    name: the subtype that the robot answers. wheel_track: effective, as turning implies it (2 / DiffConvFactor).
+    name: the subtype that the robot answers. full_name: what people call it, `Pioneer 3-DX`.
+    wheel_track: effective, as turning implies it (2 / DiffConvFactor).
     vel2_unit: m/s per count of a VEL2 wheel speed. ticks_per_metre: of the encoders. scales: of the wire.
     front_bumpers, rear_bumpers: segments fitted, 0 for none. sonar: discs that exist, rising numbers.
     request_io_packets: clients ask for IOpac by themselves. flash: what the controller starts from.
@@ -84,6 +85,7 @@ class RobotModel:
     irs: tuple[InfraredSensor, ...]
     lasers: tuple[LaserMount, ...]
     flash: FlashDefaults
+    full_name: str = ""
 
     @property
     def laser(self) -> LaserMount:
@@ -132,6 +134,7 @@ class RobotModel:
             ),
             lasers=tuple(_laser(each) for each in row.tables("laser")),
             flash=_flash(FIRMWARES[firmware].flash, row.table("flash")),
+            full_name=row.text("full_name") if row.has("full_name") else row.text("name"),
         )
         row.finish()
         return model

@@ -24,12 +24,13 @@ def listing(kind: str) -> str:
 
 
 def _robots() -> Iterator[Row]:
-    for name in configs.names("robots"):
-        model = configs.load(RobotModel, "robots", name)
+    models = {name: configs.load(RobotModel, "robots", name) for name in configs.names("robots")}
+    width = max(len(model.full_name) for model in models.values())
+    for name, model in models.items():
         bumpers = model.front_bumpers + model.rear_bumpers
         size = f"{model.length:.2f} x {model.width:.2f} m, {model.max_velocity:.1f} m/s"
         sensors = f"{len(model.sonar)} sonar discs, {bumpers or 'no'} bumper segments"
-        yield name, f"{model.firmware.value:6}  {size}, {sensors}"
+        yield name, f"{model.full_name:{width}}  {model.firmware.value:6}  {size}, {sensors}"
 
 
 def _parts() -> Iterator[Row]:

@@ -72,8 +72,11 @@ def test_a_path_elsewhere_is_taken_as_it_is(file_of: Callable[[str | bytes], Pat
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("powerbotsh", "there is no 'powerbotsh' among the robots; did you mean powerbot-sh, "),
-        ("P3DX-SH", "there is no 'P3DX-SH' among the robots; did you mean p3dx-sh"),
+        ("powerbotsh", "there is no 'powerbotsh' among the robots; did you mean powerbot-sh (PowerBot, SH2), "),
+        ("P3DX-SH", "there is no 'P3DX-SH' among the robots; did you mean p3dx-sh (Pioneer 3-DX, SH2)?"),
+        ("Pioneer 3-DX", "there is no 'Pioneer 3-DX' among the robots; did you mean p3dx (Pioneer 3-DX)?"),
+        ("pioneer 3dx", "there is no 'pioneer 3dx' among the robots; did you mean p3dx (Pioneer 3-DX), "),
+        ("p3xd", "there is no 'p3xd' among the robots; did you mean p3dx (Pioneer 3-DX), "),
         ("zzz", "there is no 'zzz' among the robots; choose one of amigo, "),
         ("", "there is no '' among the robots; choose one of amigo, "),
     ],
@@ -82,6 +85,21 @@ def test_an_unknown_name_is_answered_with_the_nearest(name: str, message: str) -
     with pytest.raises(ConfigError) as caught:
         configs.find("robots", name)
     assert str(caught.value).startswith(message)
+
+
+def test_every_robot_model_has_a_full_name_of_its_own() -> None:
+    full_names = [configs.full_name("robots", name) for name in configs.names("robots")]
+    assert all(full_names)
+    assert len(set(full_names)) == len(full_names)
+
+
+def test_what_is_like_no_name_has_no_nearest() -> None:
+    assert configs.nearest("robots", "zzz") == []
+    assert len(configs.nearest("robots", "zzz", 0.0)) == 3
+
+
+def test_a_file_without_a_full_name_is_described_by_its_name() -> None:
+    assert configs.described("bus", "local") == "local"
 
 
 def test_a_bus_profile_is_called_so() -> None:
@@ -209,4 +227,14 @@ def test_an_unknown_key_of_a_robot_is_reported_with_file_and_nearest_key(
 
 
 def test_all_lists_the_public_names() -> None:
-    assert sorted(configs.__all__) == ["ConfigError", "build", "find", "load", "names", "read"]
+    assert sorted(configs.__all__) == [
+        "ConfigError",
+        "build",
+        "described",
+        "find",
+        "full_name",
+        "load",
+        "names",
+        "nearest",
+        "read",
+    ]

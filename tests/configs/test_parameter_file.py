@@ -91,6 +91,11 @@ def test_what_the_file_does_not_say_comes_from_the_model_that_it_names(load: Loa
 def test_a_robot_of_ones_own_is_like_the_nearest_known_one(load: Load, subclass: str, like: str) -> None:
     model = load(f"Section General settings\nSubclass {subclass}\n")
     assert (model.name, model.mass) == (subclass, configs.load(RobotModel, "robots", like).mass)
+    assert model.full_name == subclass
+
+
+def test_a_file_of_a_known_model_has_its_full_name(load: Load) -> None:
+    assert load("Subclass p3dx\n").full_name == "Pioneer 3-DX"
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,8 @@ def test_unknown_model_names_the_nearest(complain: Complain) -> None:
     with peer(robot_called("p3dx-shh")) as port:
         code, said = complain(port)
     assert code == 9
-    assert "p3dx-sh" in said
+    assert "nearest are p3dx-sh (Pioneer 3-DX, SH2), " in said
+    assert "model = 'p3dx-sh'" in said
 
 
 @pytest.mark.parametrize(

@@ -266,6 +266,14 @@ def test_machine_that_stood_still_for_long_drops_what_is_beyond_a_second() -> No
         assert "more than a second late" in emulator.end()[2]
 
 
+def test_the_list_of_robots_has_their_full_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list-robots"]) == 0
+    rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert rows["p3dx"].startswith("Pioneer 3-DX  ")
+    assert rows["p3dx-sh"].startswith("Pioneer 3-DX, SH2  ")
+    assert rows["powerbot"].startswith("PowerBot  ")
+
+
 def test_listing_into_a_closed_pipe_ends_quietly() -> None:
     reader, writer = os.pipe()
     os.close(reader)
