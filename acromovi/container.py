@@ -178,11 +178,12 @@ async def live(container: "Container", arguments: argparse.Namespace, end: End) 
 async def follow_robot(container: "Container", robot: str, end: End) -> None:
     """Keep the container's agents the same as the robot's elements."""
     from agents.components.robot_agents import RobotAgents
+    from agents.platform.errors import in_words
 
     try:
         await RobotAgents(container, robot).run()
     except Exception as err:  # without it the container is of no use; whoever watches over it starts another
-        print(f"acromovi container: {robot} cannot be followed: {type(err).__name__}: {err}", file=sys.stderr)
+        print(f"acromovi container: {robot} cannot be followed: {in_words(err)}", file=sys.stderr)
         end.tell(1)
 
 

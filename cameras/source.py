@@ -90,8 +90,7 @@ class UrlSource:
             self._answer = self._connection.getresponse()
         except (OSError, HTTPException) as error:
             self._connection.close()
-            why = getattr(error, "strerror", None) or error
-            raise CameraLost(f"{url.hostname} does not answer: {why}") from error
+            raise CameraLost(_unanswered(str(url.hostname), error)) from error
         boundary = boundary_of(self._answer.getheader("Content-Type", ""))
         if self._answer.status != HTTPStatus.OK or boundary is None:
             said = f"{self._answer.status} {self._answer.reason}, {self._answer.getheader('Content-Type', 'no type')}"
@@ -110,7 +109,7 @@ class UrlSource:
             except TimeoutError as error:
                 raise CameraLost(STALLED) from error
             except (OSError, NoPictures, HTTPException) as error:
-                raise CameraLost(f"the camera is lost: {error}") from error
+                raise CameraLost(f"the camera is lost: {_in_words(error)}") from error
             if not data and newest:
                 break  # the last one; who reads on learns that there are no more
             if not data:
@@ -172,3 +171,15 @@ def _login(url: SplitResult) -> dict[str, str]:
         return {}
     login = f"{unquote(url.username)}:{unquote(url.password or '')}"
     return {"Authorization": "Basic " + base64.b64encode(login.encode()).decode()}
+
+
+def _unanswered(host: str, error: OSError | HTTPException) -> str:
+    """What happened when a camera was asked for its stream."""
+    if isinstance(error, HTTPException) and not isinstance(error, OSError):
+        return f"{host} answers, but not in HTTP; check the camera's address and port"
+    return f"{host} does not answer: {_in_words(error)}"
+
+
+def _in_words(error: Exception) -> str:
+    """The reason that an error gives; its type where it gives none."""
+    return getattr(error, "strerror", None) or str(error).strip() or type(error).__name__

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import TracebackType
 
 from agents.face.errors import RobotError, Stopped
+from agents.platform.errors import in_words
 
 
 def complaint(error: BaseException, file: Path) -> str:
@@ -16,7 +17,7 @@ def complaint(error: BaseException, file: Path) -> str:
     frames = traceback.extract_tb(error.__traceback__)
     line = next((frame.lineno for frame in reversed(frames) if frame.filename == str(file)), None)
     where = file.name if line is None else f"{file.name}, line {line}"
-    return f"{where}: {type(error).__name__}: {error}"
+    return f"{where}: {in_words(error)}"
 
 
 def complain_in_a_sentence() -> None:

@@ -7,6 +7,7 @@ import bus
 from agents.face.errors import NotThere, Refused, RobotError
 from agents.face.holding import Lease
 from agents.face.stage import Stage
+from agents.platform.errors import in_words
 from bus import Publisher, keys, messages
 
 PERIOD = 0.1  # s; half a second of silence stops the robot
@@ -71,7 +72,7 @@ class Driving:
         try:
             await self._stage.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
         except bus.Refused as err:
-            raise Refused(f"{self._robot} refuses to drive: {err.why}") from err
+            raise Refused(f"{self._robot} refuses to drive: {in_words(err)}") from err
         except TimeoutError as err:
             raise NotThere(f"nobody drives {self._robot}; see whether its p2os-gateway runs") from err
 

@@ -27,6 +27,7 @@ from typing import Any
 
 from agents.face.complaints import complaint
 from agents.face.errors import RobotError
+from agents.platform.errors import in_words
 from agents.platform.handler import Handler, NotUnderstood
 
 PACKAGE = "apps"
@@ -140,7 +141,7 @@ def _load_module(name: str) -> ModuleType:
     try:
         return importlib.import_module(name)
     except Exception as err:
-        raise ProgramNotValid(f"the module {name} cannot be loaded: {type(err).__name__}: {err}") from err
+        raise ProgramNotValid(f"the module {name} cannot be loaded: {in_words(err)}") from err
 
 
 def _names_in_package() -> list[str]:

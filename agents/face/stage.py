@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from agents.face.errors import RobotError, Stopped
 from agents.platform import Agent, AgentError
+from agents.platform.errors import in_words
 from bus import BusError
 
 ATTENTION = 1.0  # s after its last call for which a program counts as being at work
@@ -119,7 +120,7 @@ class Stage:
         except concurrent.futures.CancelledError as err:
             raise Stopped(self._why_stopped or "the program has ended") from err
         except (BusError, AgentError) as err:
-            raise RobotError(str(err)) from err
+            raise RobotError(in_words(err)) from err
         finally:
             future.cancel()
             with self._changed:

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 from agents.platform.arrivals import Arrivals
 from agents.platform.departures import Departures
 from agents.platform.directory import check_free
-from agents.platform.errors import AgentError
+from agents.platform.errors import AgentError, in_words
 from agents.platform.introspection import introspect
 from agents.platform.kinds import kind_of
 from agents.platform.life import State
@@ -127,7 +127,7 @@ class Control:
                 conversation.refuse(str(err))
             except Exception as err:
                 log.error("the container %s cannot do %.200s", self._container.name, arguments, exc_info=err)
-                conversation.refuse(f"the container {self._container.name} failed with {type(err).__name__}: {err}")
+                conversation.refuse(f"the container {self._container.name} failed with {in_words(err)}")
 
     def _call(self, given: Given, conversation: Conversation) -> None:
         """Hand a conversation to an agent that has moved here: its replies are the agent's own."""

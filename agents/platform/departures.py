@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from agents.platform.agent import Agent
 from agents.platform.door import Caller, Letter
 from agents.platform.ends import End
-from agents.platform.errors import AgentError, NotMoved, UnknownAgent
+from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
 from agents.platform.life import State
 from agents.platform.luggage import Luggage, enveloped, packed
@@ -102,7 +102,7 @@ class Departures:
         except AgentError:
             raise
         except Exception as err:
-            raise NotMoved(f"{agent.name} cannot pack: {type(err).__name__}: {err}") from err
+            raise NotMoved(f"{agent.name} cannot pack: {in_words(err)}") from err
 
     async def _hand_over(self, agent: Agent, luggage: Luggage, there: ContainerName) -> None:
         """Have it begin to live there; what goes wrong has not happened, as far as can be known."""
@@ -221,4 +221,4 @@ class Departures:
 def _why(error: BaseException, there: ContainerName) -> str:
     if isinstance(error, TimeoutError):
         return f"{there} does not answer"
-    return str(error)
+    return in_words(error)

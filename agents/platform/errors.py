@@ -55,6 +55,14 @@ class RequestNotDone(AgentError):
     """What another agent was asked for was not done; the message says how it ended and why."""
 
 
-def in_words(error: Exception) -> str:
-    """An exception as the end of a sentence: ours say all there is to say, of others the type often says most."""
-    return str(error) if isinstance(error, AgentError | BusError) else f"{type(error).__name__}: {error}"
+def in_words(error: BaseException) -> str:
+    """An exception as the end of a sentence, never empty.
+
+    The text of our own errors is complete; of other errors the type is given as well, or alone where there is no text.
+    """
+    text = str(error).strip()
+    if isinstance(error, AgentError | BusError) and text:
+        return text
+    if isinstance(error, TimeoutError) and not text:
+        return "a timeout"
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

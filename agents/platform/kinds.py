@@ -95,7 +95,7 @@ class Kinds:
         except UnknownKind:
             raise
         except Exception as err:  # an application's own mistake must not end the container
-            raise UnknownKind(f"the module {name} cannot be loaded: {type(err).__name__}: {err}") from err
+            raise UnknownKind(f"the module {name} cannot be loaded: {in_words(err)}") from err
 
     def _application(self, spec: ModuleSpec) -> ModuleType:
         """A module of a folder, executed if it has not been, or if its file has changed since."""

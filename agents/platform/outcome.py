@@ -55,8 +55,8 @@ class Outcome:
 def why_of(message: AclMessage) -> str:
     """The reason that a no carries, in one sentence."""
     match message.content:
-        case {"why": str(why)}:
+        case {"why": str(why)} if why.strip():
             return why
-        case None:
+        case None | {"why": str()}:
             return "no reason is given"
     return str(message.content)

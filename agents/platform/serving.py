@@ -8,6 +8,7 @@ from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.heartbeat import watched
+from agents.platform.errors import in_words
 from agents.platform.home import Home
 from agents.platform.names import AgentName
 from bus import BusUnavailable, Conversation, KeyNotValid, Refused
@@ -143,9 +144,9 @@ class Serving:
             self._say_no(f"{self._me} has ended")
             raise
         except Refused as err:
-            self._say_no(err.why)
+            self._say_no(in_words(err))
         except Exception as err:
-            why = f"{name} failed with {type(err).__name__}: {err}"
+            why = f"{name} failed with {in_words(err)}"
             self.say(Performative.FAILURE, {"why": why[:LONGEST_REASON]})
             return err
         finally:

@@ -25,6 +25,7 @@ from agents.platform import (
     RequestNotDone,
     Template,
 )
+from agents.platform.errors import in_words
 from agents.services.gateway_leases import ANSWER_TIME, GatewayAway, GatewayLeases
 from agents.services.lease_book import new_id
 from agents.services.leases import ONTOLOGY, SERVICE, LeaseEvent, LeaseLost, LeaseNews, Place
@@ -136,7 +137,7 @@ class HeldLease:
         try:
             self.token = await self._gateways.take(self.place, str(self._agent.name), self.priority, self.seconds)
         except Refused as err:
-            raise RequestNotDone(f"{Ending.REFUSED}: {err.why}") from err
+            raise RequestNotDone(f"{Ending.REFUSED}: {in_words(err)}") from err
         except GatewayAway as err:
             raise RequestNotDone(f"{Ending.DIED}: {err}") from err
 

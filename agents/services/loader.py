@@ -20,6 +20,7 @@ from agents.face.backstage import PLATFORM
 from agents.face.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
 from agents.platform.ends import End
+from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.platform.talk import hand_over
 from agents.services.loaded import KIND, check_text, locate
@@ -127,7 +128,9 @@ class Loader(Agent):
             await self._start(load, PROCESS_TIME)
         except Exception as err:
             await self._forget(load)
-            raise Refused(err.why if isinstance(err, Refused) else f"{load.name} has not begun: {err}") from err
+            raise Refused(
+                err.why if isinstance(err, Refused) else f"{load.name} has not begun: {in_words(err)}"
+            ) from err
         load.has_begun = True
         return self._row(load)
 
@@ -209,7 +212,7 @@ class Loader(Agent):
             except Refused as err:
                 load.why = err.why
             except (BusError, TimeoutError) as err:
-                load.why = f"its container {load.container} does not answer: {err}"
+                load.why = f"its container {load.container} does not answer: {in_words(err)}"
                 return  # it begins again when that comes back
             else:
                 return

@@ -15,6 +15,7 @@ from typing import Any
 from agents.platform import AgentName, OneShot
 from agents.platform.behaviours import Behaviour
 from agents.platform.ends import End
+from agents.platform.errors import in_words
 from agents.platform.names import ContainerName
 from agents.services.events import Level
 from agents.services.loaded import KIND as APPLICATION
@@ -114,7 +115,7 @@ class Supervision:
                 continue
             except (BusError, TimeoutError) as err:
                 what = f"{agent} is not started again: its container {container} does not answer"
-                self._tell(agent, f"{what} ({err})", Level.ERROR)
+                self._tell(agent, f"{what} ({in_words(err)})", Level.ERROR)
                 return
             self._tell(agent, f"{agent} has been started again", Level.OK)
             return

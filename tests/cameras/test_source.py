@@ -68,8 +68,9 @@ def test_camera_that_hangs_up_is_lost(camera: IpCamera) -> None:
     [
         (b"HTTP/1.0 404 Not Found\r\nContent-Length: 0\r\n\r\n", "404 Not Found"),
         (b"HTTP/1.0 200 OK\r\nContent-Type: text/html\r\n\r\n<html>", "200 OK, text/html"),
-        (b"nonsense\r\n\r\n", "does not answer"),
-        (b"", "does not answer"),
+        (b"nonsense\r\n\r\n", "127.0.0.1 answers, but not in HTTP; check the camera's address and port$"),
+        (b"\r\n\r\n", "127.0.0.1 answers, but not in HTTP; check the camera's address and port$"),
+        (b"", r"127.0.0.1 does not answer: \w"),
     ],
 )
 def test_what_is_no_stream_of_pictures_is_lost_with_what_was_said(camera: IpCamera, answer: bytes, says: str) -> None:

@@ -30,9 +30,10 @@ from agents.platform import (
     request,
 )
 from agents.platform.desk import MOST_REQUESTS
+from agents.platform.outcome import why_of
 from agents.platform.schedule import FAIL_AGENT
 from agents.platform.virtual_time import VirtualTimeLoop
-from bus import Conversation, MemoryBus, MemoryNetwork, Refused, Sample
+from bus import Conversation, MemoryBus, MemoryNetwork, NoAnswer, Refused, Sample
 from bus.messages import twist
 
 BASE, CONSOLE = AgentName("base", "happy"), AgentName("console", "lab")
@@ -159,6 +160,29 @@ def test_who_listens_to_many_keys_can_tell_them_apart(bench: Bench) -> None:
         bench.lab.bus.put(f"{robot}/note", {"x": number})
     bench.loop.run_for(0.1)
     assert heard == [("happy/note", 0), ("dopey/note", 1)]
+
+
+@pytest.mark.parametrize(
+    ("error", "why"),
+    [
+        (Refused(""), "Refused"),
+        (TimeoutError(), "broken failed with a timeout"),
+        (ValueError(), "broken failed with ValueError"),
+        (ValueError("no"), "broken failed with ValueError: no"),
+        (NoAnswer(" "), "broken failed with a timeout"),
+    ],
+)
+def test_a_reason_is_never_empty(bench: Bench, error: Exception, why: str) -> None:
+    def fail() -> None:
+        raise error
+
+    bench.base.answer("broken", fail)
+    assert bench.ask("broken").why == why
+
+
+def test_who_gives_no_reason_has_that_said() -> None:
+    refusal = AclMessage(performative=Performative.REFUSE, sender=BASE, receivers=(CONSOLE,), content={"why": " "})
+    assert why_of(refusal) == "no reason is given"
 
 
 def test_a_handler_can_tell_who_asks(bench: Bench) -> None:
