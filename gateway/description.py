@@ -14,6 +14,7 @@ from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
 from gateway.faces.face import Face
 from gateway.settings import Settings
+from gateway.telemetry import SONAR_CONE
 from p2os import Configuration, RobotModel
 
 MOST_AGE = 1.0
@@ -76,7 +77,7 @@ def describe(
         "emulated": bool(settings.emulated),
         "connected": driver.is_connected,
         "elements": [*_elements(name, driver, model, settings), *_cabled(name, cable_faces)],
-        "geometry": _geometry(model),
+        "geometry": _geometry(name, model),
         "limits": {"linear": driver.max_linear, "angular": driver.max_angular, **(driver.accelerations or {})},
         "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
         "serial": configuration.serial,
@@ -165,7 +166,7 @@ def _element(name: str, kind: str, streams: tuple[Topic, ...], commands: tuple[T
     }
 
 
-def _geometry(model: RobotModel) -> dict[str, Any]:
+def _geometry(name: str, model: RobotModel) -> dict[str, Any]:
     return {
         "radius": model.radius,
         "width": model.width,
@@ -176,5 +177,15 @@ def _geometry(model: RobotModel) -> dict[str, Any]:
         "wheel_diameter": model.wheel_diameter,
         "front_bumpers": model.front_bumpers,
         "rear_bumpers": model.rear_bumpers,
-        "sonar": [{"number": disc.number, "x": disc.x, "y": disc.y, "heading": disc.heading} for disc in model.sonar],
+        "sonar": [
+            {
+                "number": disc.number,
+                "frame": keys.frame(name, f"sonar_{disc.number}"),
+                "x": disc.x,
+                "y": disc.y,
+                "heading": disc.heading,
+                "field_of_view": SONAR_CONE,
+            }
+            for disc in model.sonar
+        ],
     }

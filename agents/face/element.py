@@ -39,7 +39,7 @@ class Element(Generic[R]):
             within: s to wait.
             arguments: JSON values by name.
         Returns:
-            What the agent answers, made of JSON.
+            What the agent answers, made of JSON; objects whose keys are all whole numbers have these as `int`.
         Raises:
             RobotError: It was not done; which one says how that came.
         """
@@ -47,7 +47,7 @@ class Element(Generic[R]):
         outcome = self._stage.call(self._stage.agent.request(self.agent, request, reply_within=within, **given))
         if not outcome.is_done:
             raise error_of(outcome, self.agent, request)
-        return outcome.result
+        return numbered(outcome.result)
 
     def read(self) -> R:
         """The latest reading; waits a little for the first.
@@ -101,7 +101,7 @@ class Element(Generic[R]):
 
 
 def plain(value: Any) -> Any:
-    """The same with plain numbers in place of NumPy's, which programs that look at pictures have."""
+    """Return what JSON can carry: plain numbers in place of NumPy's, and text in place of numbers as keys."""
     match value:
         case bool():
             return value
@@ -110,10 +110,29 @@ def plain(value: Any) -> Any:
         case Real():
             return float(value)
         case Mapping():
-            return {name: plain(item) for name, item in value.items()}
+            return {str(name): plain(item) for name, item in value.items()}
         case list() | tuple():
             return [plain(item) for item in value]
     return value
+
+
+def numbered(value: Any) -> Any:
+    """Return the same with the numbers that JSON objects can have as text only: `{"3": 1.2}` becomes `{3: 1.2}`.
+
+    An object is converted if it has keys, and if all of them are whole numbers as Python writes them.
+    """
+    match value:
+        case dict():
+            items = {name: numbered(item) for name, item in value.items()}
+            return {int(name): item for name, item in items.items()} if items and all(map(_is_number, items)) else items
+        case list():
+            return [numbered(item) for item in value]
+    return value
+
+
+def _is_number(name: Any) -> bool:
+    digits = str(name).removeprefix("-")
+    return digits.isascii() and digits.isdecimal() and str(int(name)) == str(name) if digits else False
 
 
 def _replace(latest: "asyncio.Queue[dict[str, Any]]", result: dict[str, Any]) -> None:

@@ -213,8 +213,8 @@ class Arm(Mover[ArmReading]):
 
     reading = ArmReading
 
-    def move(self, joints: Mapping[str, float], speed: float | None = None) -> ArmReading:
-        """Move joints, by name, to angles, rad, at rad/s: `arm.move({"1": 0.5})`."""
+    def move(self, joints: Mapping[int, float] | Mapping[str, float], speed: float | None = None) -> ArmReading:
+        """Move joints, by number, to angles, rad, at rad/s: `arm.move({1: 0.5})`."""
         return self._done("move", joints=dict(joints), **_given(speed=speed))
 
     def home(self) -> ArmReading:

@@ -1,5 +1,6 @@
 """One picture, in a program's hands."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,12 +13,23 @@ from configs.extras import missing, needs
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """One picture. format: `jpeg` or `png`. data: such a file. width, height: pixels, None where they are not known."""
+    """One picture.
+
+    format: `jpeg` or `png`. data: such a file. width, height: pixels, None where they are not known.
+    stamp: when it was taken, s since 1970 on the clock of the robot's gateway; NaN where that is not known.
+    """
 
     format: str
     width: int | None
     height: int | None
     data: bytes
+    stamp: float = math.nan
+
+    def __repr__(self) -> str:
+        """Its size and stamp: `<Picture jpeg, 320 x 240 pixels, 10.4 kB, stamp 1793404800.512>`."""
+        size = "unknown size" if self.width is None or self.height is None else f"{self.width} x {self.height} pixels"
+        stamp = "" if math.isnan(self.stamp) else f", stamp {self.stamp:.3f}"
+        return f"<Picture {self.format}, {size}, {len(self.data) / 1000:.1f} kB{stamp}>"
 
     def save(self, file: str | Path) -> None:
         """Write it into a file.

@@ -10,7 +10,10 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, Self
 
 from agents.face.errors import RobotError
-from geometry import Pose2D
+from agents.platform.errors import in_words
+from geometry import Pose2D, wrap_angle
+
+ROUNDING = 1e-6  # rad; a disc at the very edge of a sector counts
 
 
 def _metres(value: Any) -> float:
@@ -33,13 +36,13 @@ def _numbers(value: Any) -> tuple[float, ...]:
     return tuple(map(_number, value))
 
 
-def _by_name(value: Any) -> dict[str, float]:
-    return {str(name): _number(number) for name, number in value.items()}
+def _by_number(value: Any) -> dict[int, float]:
+    return {int(name): _number(number) for name, number in value.items()}
 
 
 # How a field is read that is not taken as it is.
 METRES, RING, ROW, TUPLE = ({"reader": each} for each in (_metres, _ring, _row, tuple))
-NUMBER, NUMBERS, BY_NAME = ({"reader": each} for each in (_number, _numbers, _by_name))
+NUMBER, NUMBERS, BY_NUMBER = ({"reader": each} for each in (_number, _numbers, _by_number))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,12 +61,14 @@ class Reading:
         given: dict[str, Any] = {}
         try:
             for each in fields(cls):
+                if each.metadata.get("described"):
+                    continue
                 if each.name in result or each.default is MISSING:
                     reader: Callable[[Any], Any] = each.metadata.get("reader", lambda value: value)
                     given[each.name] = reader(result[each.name])
             return cls(**given)
         except (KeyError, TypeError, ValueError, AttributeError) as err:
-            raise RobotError(f"what {said_by} says cannot be read: {type(err).__name__}: {err}") from err
+            raise RobotError(f"what {said_by} says cannot be read: {in_words(err)}") from err
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,10 +96,56 @@ class RangesReading(Reading):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SonarDisc:
+    """One sonar disc, by the robot's description.
+
+    frame: in which the bus publishes its range, `happy/sonar_3`. x, y: m in base_link. heading: where it points, rad in
+    base_link. field_of_view: of its cone, rad.
+    """
+
+    number: int
+    frame: str
+    x: float
+    y: float
+    heading: float
+    field_of_view: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SonarReading(RangesReading):
-    """Ranges of the sonar discs. bearing: of the nearest, from straight ahead, rad; NaN when nothing is near."""
+    """Ranges of the sonar discs, `{3: 1.2}`.
+
+    bearing: of the nearest, from straight ahead, rad; NaN when nothing is near. discs: the discs by number, from the
+    robot's description.
+    """
 
     bearing: float = field(metadata=NUMBER)
+    discs: Mapping[int, SonarDisc] = field(default_factory=dict, repr=False, metadata={"described": True})
+
+    def within(self, angle: float, width: float) -> float:
+        """Return the nearest echo in a sector: `within(0.0, 0.6)` is ahead, `within(pi / 2, 0.6)` is to the left.
+
+        Args:
+            angle: Where the middle of the sector points, rad in base_link.
+            width: Of the whole sector, rad, more than 0.
+        Returns:
+            m; infinite when no disc whose cone reaches into the sector has an echo.
+        Raises:
+            RobotError: The width is not positive, or no disc points there: nothing would be known of obstacles.
+        """
+        if not (math.isfinite(angle) and width > 0.0):
+            given = f"within({angle!r}, {width!r})"
+            raise RobotError(
+                f"the sonar's within takes an angle and a width above 0, rad, not {given}; try within(0, 0.6)"
+            )
+        discs = self.discs.values()
+        reach = width / 2 + ROUNDING
+        there = [each for each in discs if abs(wrap_angle(each.heading - angle)) <= reach + each.field_of_view / 2]
+        if not there:
+            headings = ", ".join(f"{heading:.3g}" for heading in sorted({each.heading for each in discs}))
+            where = f"within {width / 2:.3g} rad of {angle:.3g} rad"
+            raise RobotError(f"no sonar disc points {where}; discs point to {headings or 'no known heading'} rad")
+        return min(self.ranges.get(each.number, math.inf) for each in there)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,9 +224,9 @@ class PtzReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmReading(Reading):
-    """Where the arm is. joints: by name, rad."""
+    """Where the arm is. joints: by number, from 1 at the base, rad; a gripper's is the last, m."""
 
-    joints: dict[str, float] = field(metadata=BY_NAME)
+    joints: dict[int, float] = field(metadata=BY_NUMBER)
     powered: bool
     homed: bool
     moving: bool

@@ -2,9 +2,12 @@
 
 import base64
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 from agents.face.element import Element
+from agents.face.errors import RobotError
 from agents.face.picture import Picture
 from agents.face.readings import (
     BatteryReading,
@@ -15,14 +18,40 @@ from agents.face.readings import (
     LaserReading,
     OtherReading,
     RangesReading,
+    SonarDisc,
     SonarReading,
 )
+from agents.face.stage import Stage
+from agents.platform import AgentName
+from agents.platform.errors import in_words
+from bus.keys import frame
 
 
 class Sonar(Element[SonarReading]):
     """The ring of sonar discs."""
 
     reading = SonarReading
+
+    def __init__(self, stage: Stage, agent: AgentName) -> None:
+        super().__init__(stage, agent)
+        self._discs: dict[int, SonarDisc] | None = None
+
+    @property
+    def discs(self) -> dict[int, SonarDisc]:
+        """The discs by number: where each is, where it points, and its frame; empty where the robot gives none.
+
+        Raises:
+            RobotError: The agent does not answer.
+        """
+        if self._discs is None:
+            described = self._stage.call(self._stage.agent.query(self.agent.description_key))
+            rows = dict(described.get("properties") or {}).get("discs") or []
+            self._discs = {disc.number: disc for disc in (_disc(row, self.agent) for row in rows)}
+        return dict(self._discs)
+
+    def within(self, angle: float, width: float) -> float:
+        """Return the nearest echo now, m, in a sector of `width` rad around `angle`; see `SonarReading.within`."""
+        return self.read().within(angle, width)
 
     def nearest(self) -> float:
         """The nearest echo, m; infinite when there is none."""
@@ -31,6 +60,29 @@ class Sonar(Element[SonarReading]):
     def power(self, on: bool = True) -> None:
         """Switch the discs."""
         self.ask("power", on=on)
+
+    def _read(self, result: Any) -> SonarReading:
+        return replace(super()._read(result), discs=self.discs)
+
+
+def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDisc:
+    """A disc of the agent's description.
+
+    Raises:
+        RobotError: It cannot be read.
+    """
+    try:
+        number = int(row["number"])
+        return SonarDisc(
+            number=number,
+            frame=str(row.get("frame") or frame(said_by.platform, f"sonar_{number}")),
+            x=float(row["x"]),
+            y=float(row["y"]),
+            heading=float(row["heading"]),
+            field_of_view=float(row.get("field_of_view", 0.0)),
+        )
+    except (KeyError, TypeError, ValueError) as err:
+        raise RobotError(f"the discs of {said_by} cannot be read: {in_words(err)}") from err
 
 
 class Laser(Element[LaserReading]):
@@ -96,6 +148,7 @@ class Camera(Element[CameraReading]):
             width=taken["width"],
             height=taken["height"],
             data=base64.b64decode(taken["data"]),
+            stamp=taken.get("stamp", math.nan),
         )
 
 

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from agents.face.backstage import Backstage
 from agents.face.complaints import complain_in_a_sentence
-from agents.face.element import PATIENCE, plain
+from agents.face.element import PATIENCE, numbered, plain
 from agents.face.errors import RobotError, Stopped, error_of
 from agents.face.horizon import Horizon
 from agents.face.robot import Robot
@@ -85,7 +85,7 @@ class Team:
             within: s to wait.
             arguments: JSON values by name.
         Returns:
-            What the agent answers, made of JSON.
+            What the agent answers, made of JSON; objects whose keys are all whole numbers have these as `int`.
         Raises:
             RobotError: It was not done; which one says how that came.
         """
@@ -97,7 +97,7 @@ class Team:
         outcome = self._stage.call(self._stage.agent.request(peer, request, reply_within=within, **given))
         if not outcome.is_done:
             raise error_of(outcome, agent, request)
-        return outcome.result
+        return numbered(outcome.result)
 
     def sleep(self, seconds: float) -> None:
         """Wait; what drives goes on driving."""

@@ -12,6 +12,7 @@ import pytest
 
 from agents import RobotError, Team
 from agents.components.all_components import COMPONENTS, component_for
+from agents.face.element import numbered
 from agents.face.picture import Picture
 from agents.face.readings import OtherReading
 from agents.face.robot import ELEMENTS
@@ -48,6 +49,8 @@ CALLS: dict[str, list[Callable[[Any], object]]] = {
     ],
     "arm": [
         lambda arm: arm.move({"1": 0.5}),
+        lambda arm: arm.move({1: 0.5}),
+        lambda arm: arm.move({np.int64(1): np.float32(0.5)}),
         lambda arm: arm.move({"1": 0.5}, speed=0.3),
         lambda arm: arm.home(),
         lambda arm: arm.park(),
@@ -73,7 +76,8 @@ def told_by(element: str) -> list[str]:
 
 @pytest.mark.parametrize("element", READ)
 def test_a_reading_has_the_fields_that_its_component_tells(element: str) -> None:
-    assert {each.name for each in fields(ELEMENTS[element].reading)} == {"stamp", *told_by(element)}
+    told = {each.name for each in fields(ELEMENTS[element].reading) if not each.metadata.get("described")}
+    assert told == {"stamp", *told_by(element)}
 
 
 @pytest.mark.parametrize("element", READ)
@@ -109,10 +113,109 @@ def test_a_picture_is_a_file_or_pixels(world: World, team: Team, tmp_path: Path)
     picture = team.robot("happy").camera.picture()
     assert (picture.width, picture.height) == (6, 4)
     assert picture.pixels().tolist() == blue.tolist()
+    assert "stamp" not in repr(picture)
     picture.save(tmp_path / "here.png")
     assert (tmp_path / "here.png").read_bytes() == png.tobytes()
     with pytest.raises(RobotError, match=r"cannot be written to .*: No such file or directory"):
         picture.save(tmp_path / "nowhere" / "here.png")
+
+
+def test_a_picture_is_shown_by_its_size_and_stamp(world: World, team: Team) -> None:
+    data = bytes(10_400)
+    given = {
+        "stamp": 1793404800.5,
+        "format": "jpeg",
+        "width": 320,
+        "height": 240,
+        "data": base64.b64encode(data).decode(),
+    }
+    camera = Part("camera@happy")
+    camera.answer("picture", lambda: given)
+    world.add(camera)
+    picture = team.robot("happy").camera.picture()
+    assert picture.stamp == 1793404800.5
+    assert repr(picture) == "<Picture jpeg, 320 x 240 pixels, 10.4 kB, stamp 1793404800.500>"
+    assert str(picture) == repr(picture)
+    assert repr(Picture(format="png", width=None, height=None, data=b"")) == "<Picture png, unknown size, 0.0 kB>"
+
+
+DISCS = [
+    {"number": number, "x": 0.1, "y": 0.0, "heading": math.radians(heading), "frame": f"happy/sonar_{number}"}
+    for number, heading in enumerate((90, 50, 30, 10, -10, -30, -50, -90, 180))
+]
+
+
+@pytest.fixture
+def sonar(world: World, team: Team) -> Any:
+    """Discs as on a Pioneer, each at 1 m and as many cm as its number; disc 8 points to the rear and has no echo."""
+    ranges = {str(number): 1.0 + number / 100 for number in range(8)} | {"8": None}
+    part = Part("sonar@happy", {"ranges": ranges, "nearest": 1.0, "bearing": math.pi / 2})
+    part.properties["discs"] = [{**each, "field_of_view": math.radians(15)} for each in DISCS]
+    world.add(part)
+    return team.robot("happy").sonar
+
+
+def test_the_sonar_says_where_its_discs_point(sonar: Any) -> None:
+    disc = sonar.discs[3]
+    assert (disc.number, disc.frame, disc.x, disc.y) == (3, "happy/sonar_3", 0.1, 0.0)
+    assert disc.heading == pytest.approx(math.radians(10))
+    reading = sonar.read()
+    assert reading.discs == sonar.discs
+    assert reading.ranges == {**{number: 1.0 + number / 100 for number in range(8)}, 8: math.inf}
+
+
+@pytest.mark.parametrize(
+    ("angle", "width", "nearest"),
+    [
+        (0.0, 0.6, 1.03),  # 17 degrees to each side: the cones at 30 degrees begin at 22.5
+        (0.0, 0.9, 1.02),
+        (0.0, 0.1, 1.03),
+        (math.pi / 2, 0.2, 1.0),
+        (-math.pi / 2, 0.2, 1.07),
+        (math.pi, 0.5, math.inf),
+        (-math.pi, 0.5, math.inf),
+        (2 * math.pi, 0.1, 1.03),
+        (0.0, 10.0, 1.0),
+    ],
+)
+def test_the_sonar_is_asked_what_is_in_a_sector(sonar: Any, angle: float, width: float, nearest: float) -> None:
+    assert sonar.read().within(angle, width) == pytest.approx(nearest)
+    assert sonar.within(angle, width) == pytest.approx(nearest)
+
+
+@pytest.mark.parametrize(
+    ("angle", "width", "why"),
+    [
+        (2.3, 0.1, "no sonar disc points within 0.05 rad of 2.3 rad; discs point to -1.57, -0.873, "),
+        (0.3, -0.3, r"takes an angle and a width above 0, rad, not within\(0.3, -0.3\); try within\(0, 0.6\)"),
+        (0.0, 0.0, "above 0"),
+        (math.nan, 0.1, "above 0"),
+        (0.0, math.nan, "above 0"),
+    ],
+)
+def test_a_sector_where_the_sonar_is_blind_is_an_error(sonar: Any, angle: float, width: float, why: str) -> None:
+    with pytest.raises(RobotError, match=why):
+        sonar.within(angle, width)
+
+
+def test_numbers_are_keys_as_in_python(world: World, team: Team) -> None:
+    world.add(Part("sonar@happy", {"ranges": {"3": 1.2, "4": None}, "nearest": 1.2, "bearing": 0.1}))
+    world.add(Part("arm@happy", {"joints": {"1": 0.5, "2": None}, "powered": True, "homed": True, "moving": False}))
+    robot = team.robot("happy")
+    assert robot.sonar.ask("read")["ranges"] == {3: 1.2, 4: None}
+    assert team.ask("sonar@happy", "read")["ranges"] == {3: 1.2, 4: None}
+    assert robot.arm.read().joints == {1: 0.5, 2: pytest.approx(math.nan, nan_ok=True)}
+
+
+@pytest.mark.parametrize(
+    "value", [{}, {"1": 2, "x": 3}, {"01": 1}, {"1.0": 1}, {"": 1}, {"-": 1}, {"\u0661": 1}, [1, "2"], "3", None]
+)
+def test_other_keys_stay_text(value: Any) -> None:
+    assert numbered(value) == value
+
+
+def test_keys_are_numbers_at_any_depth() -> None:
+    assert numbered([{"a": {"-1": {"0": "x"}}}]) == [{"a": {-1: {0: "x"}}}]
 
 
 def test_what_is_no_picture_is_told() -> None:
