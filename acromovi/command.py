@@ -48,12 +48,14 @@ def run(arguments: argparse.Namespace) -> int:
     """Ask once, print the answer."""
     from acromovi.presence import Presence
     from bus import NoAnswer, ZenohBus, keys
+    from configs.suggestion import hint
 
     known = {topic.suffix for topic in keys.TOPICS if topic.kind is keys.Kind.QUERY}
     suffix = next((each for each in (f"command/{arguments.what}", arguments.what) if each in known), None)
     if suffix is None:
-        names = ", ".join(sorted(each.removeprefix("command/") for each in known))
-        print(f"acromovi command: there is no {arguments.what!r}; choose one of {names}", file=sys.stderr)
+        names = sorted(each.removeprefix("command/") for each in known)
+        wrong = f"there is no {arguments.what!r}{hint(arguments.what, names)}"
+        print(f"acromovi command: {wrong}; choose one of {', '.join(names)}", file=sys.stderr)
         return 2
     key = f"{keys.robot_name(arguments.robot)}/{suffix}"
     with ZenohBus.open(arguments.bus) as bus:

@@ -1,13 +1,13 @@
 """What the command lines of all programs have in common: `--version`, suggestions, options anywhere."""
 
 import argparse
-import difflib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from typing import Any
 
+from configs.suggestion import meant
+
 DISTRIBUTION = "acromovi"
-LIKENESS = 0.6  # of `difflib`, from which on a word counts as misspelt
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -45,8 +45,8 @@ class CommandParser(argparse.ArgumentParser):
         known = {option.lstrip("-"): option for option in self._options()}
         for word in words:
             name = word.partition("=")[0].lstrip("-") if word.startswith("--") else ""
-            if near := difflib.get_close_matches(name, known, 1, LIKENESS):
-                return f"unrecognized arguments: {' '.join(words)}; did you mean {known[near[0]]}?"
+            if near := meant(name, known):
+                return f"unrecognized arguments: {' '.join(words)}; did you mean {known[near]}?"
         return f"unrecognized arguments: {' '.join(words)}"
 
     def _options(self) -> Iterator[str]:
@@ -62,19 +62,15 @@ class CommandParser(argparse.ArgumentParser):
         try:
             super()._check_value(action, value)
         except argparse.ArgumentError as err:
-            hint = suggestion(str(value), map(str, action.choices or ()))
-            raise argparse.ArgumentError(action, f"{err.message}{hint}") from err
+            near = meant(str(value), map(str, action.choices or ()))
+            raise argparse.ArgumentError(
+                action, f"{err.message}; did you mean {near}?" if near else err.message
+            ) from err
 
 
 def add_version(parser: argparse.ArgumentParser) -> None:
     """Add `--version`, which prints the program's name and the version of the distribution, and exits with 0."""
     parser.add_argument("--version", action=_PrintVersion, nargs=0, help="print the version and exit")
-
-
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """The end of an error message about a misspelt word: `; did you mean distance?`; empty when nothing is like it."""
-    near = difflib.get_close_matches(word, list(known), 1, LIKENESS)
-    return f"; did you mean {near[0]}?" if near else ""
 
 
 class _PrintVersion(argparse.Action):

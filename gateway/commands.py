@@ -11,6 +11,7 @@ from typing import Any
 
 from bus import keys
 from bus.keys import Topic
+from configs.suggestion import not_taken
 from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
 from gateway.elements.sonar import Sonar
@@ -131,8 +132,7 @@ def check_arguments(name: str, given: Arguments, takes: Mapping[str, type], opti
     """
     unknown = [key for key in given if key not in takes and key not in optional]
     if unknown:
-        known = ", ".join((*takes, *optional)) or "nothing"
-        raise CommandRefused(f"{name} does not take {', '.join(map(repr, unknown))}; it takes {known}")
+        raise CommandRefused(not_taken(name, unknown, (*takes, *optional)))
     missing = [key for key in takes if key not in given]
     if missing:
         raise CommandRefused(f"{name} needs {missing[0]}: {_KINDS[takes[missing[0]]]}")

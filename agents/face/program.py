@@ -78,9 +78,10 @@ class Program:
         if team in arguments:
             raise ProgramNotValid(f"{team} in main of {self.name} is its team; {_takes(others)}")
         try:
-            Handler("main", self.module.main).check({team: None, **arguments})
+            Handler("main", self.module.main, given=(team,)).check(arguments)
         except NotUnderstood as err:
-            raise ProgramNotValid(f"{self.name}: {err}; {_takes(others)}") from err
+            takes = "" if "it takes" in str(err) else f"; {_takes(others)}"
+            raise ProgramNotValid(f"{self.name}: {err}{takes}") from err
 
     def run(self, team: Any, arguments: Mapping[str, Any]) -> None:
         """Run it to its end.

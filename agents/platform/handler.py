@@ -1,8 +1,11 @@
 """A function of an agent's that answers others, and the arguments that it takes."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from inspect import Parameter
 from typing import Any, get_type_hints
+
+from configs.suggestion import not_taken
 
 
 class NotUnderstood(Exception):
@@ -10,29 +13,46 @@ class NotUnderstood(Exception):
 
 
 class Handler:
-    """A function that does what others ask for, and the arguments it takes."""
+    """A function that does what others ask for, and the arguments it takes.
 
-    def __init__(self, name: str, function: Callable[..., Any], agrees_itself: bool = False) -> None:
+    `given`: parameters that do not come from whoever asks.
+    """
+
+    def __init__(
+        self, name: str, function: Callable[..., Any], agrees_itself: bool = False, given: Sequence[str] = ()
+    ) -> None:
         self.name = name
         self.function = function
         self.agrees_itself = agrees_itself
-        self._signature = inspect.signature(function)
+        self._parameters = {
+            parameter.name: parameter
+            for parameter in inspect.signature(function).parameters.values()
+            if parameter.name not in given
+        }
         self._hints = get_type_hints(function)
 
     def check(self, arguments: Mapping[str, Any]) -> None:
         """Refuse arguments that the function does not take.
 
         Raises:
-            NotUnderstood: One is unknown, missing or of the wrong type.
+            NotUnderstood: One is unknown, missing or of the wrong type; the message names it, and what may be meant.
         """
-        try:
-            self._signature.bind(**arguments)
-        except TypeError as err:
-            raise NotUnderstood(f"{self.name} does not take these arguments: {err}") from err
+        takes_any = any(each.kind is Parameter.VAR_KEYWORD for each in self._parameters.values())
+        known = [each.name for each in self._parameters.values() if each.kind in _BY_NAME]
+        if not takes_any and (unknown := [name for name in arguments if name not in known]):
+            raise NotUnderstood(not_taken(self.name, unknown, known))
+        for name in known:
+            if name not in arguments and self._parameters[name].default is Parameter.empty:
+                raise NotUnderstood(f"{self.name} needs {name}{self._kind(name)}")
         for name, value in arguments.items():
             expected = self._hints.get(name)
             if isinstance(expected, type) and expected in _PLAIN and not _PLAIN[expected](value):
                 raise NotUnderstood(f"{self.name} takes {name} as {expected.__name__}, not {type(value).__name__}")
+
+    def _kind(self, name: str) -> str:
+        """The type that an argument is annotated with, in brackets."""
+        expected = self._hints.get(name)
+        return f" ({expected.__name__})" if isinstance(expected, type) and expected in _PLAIN else ""
 
     async def call(self, arguments: Mapping[str, Any]) -> Any:
         """Call it, whether or not it is a coroutine function."""
@@ -40,6 +60,7 @@ class Handler:
         return await result if inspect.isawaitable(result) else result
 
 
+_BY_NAME = (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
 _PLAIN: dict[Any, Callable[[Any], bool]] = {
     bool: lambda value: isinstance(value, bool),
     int: lambda value: isinstance(value, int) and not isinstance(value, bool),

@@ -7,6 +7,7 @@ from typing import Any
 from agents.platform.acl import AclMessage
 from agents.platform.dialogue import ONTOLOGY
 from agents.platform.handler import Handler, NotUnderstood
+from configs.suggestion import hint
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,6 @@ def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mappin
             raise NotUnderstood(f'the content of {message.performative} is {{"action": name, "arguments": {{...}}}}')
     if action not in handlers:
         known = ", ".join(sorted(handlers)) or "none"
-        raise NotUnderstood(f"there is no {noun} {action!r} here; known: {known}")
+        raise NotUnderstood(f"there is no {noun} {action!r} here{hint(action, handlers)}; known: {known}")
     handlers[action].check(arguments)
     return Opening(handlers[action], arguments)

@@ -90,7 +90,7 @@ def test_ask_follows_what_an_agent_tells_until_it_ends(laser: str, capsys: pytes
     [
         (["sleep"], "refused: I never sleep"),
         (["break"], "the mirror stands"),
-        (["reed"], "not-understood: there is no request 'reed' here; known: "),
+        (["reed"], "not-understood: there is no request 'reed' here (did you mean read?); known: "),
         (["read", "sector=3"], "read takes sector as str, not int"),
     ],
 )

@@ -44,7 +44,7 @@ def application(tmp_path: Path) -> str:
     [
         (["nosuch.py"], "there is no application 'nosuch.py'; write one with `acromovi new nosuch`"),
         (["wandr"], "there is no application 'wandr'; did you mean wander?"),
-        (["wander", "spede=1"], "it takes robot, speed, near"),
+        (["wander", "spede=1"], "does not take 'spede' (did you mean speed?); it takes robot, speed, near"),
         (["waypoints"], "waypoints has no function main(team)"),
     ],
 )

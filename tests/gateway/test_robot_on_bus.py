@@ -228,6 +228,11 @@ def test_sonar_output_stop_and_enable_are_obeyed(office: Office) -> None:
         ("command/move", {"distance": 1e999}, "finite"),
         ("command/move", {"distance": 10**400}, "finite"),
         ("command/move", {"distance": 1.0, "speed": 1}, "does not take 'speed'"),
+        (
+            "command/move",
+            {"distanc": 1.0},
+            r"move does not take 'distanc' \(did you mean distance\?\); it takes distance, token",
+        ),
         ("command/turn", {"angle": True}, "must be a number"),
         ("command/enable", {"on": 1}, "true or false"),
         ("command/output", {"mask": 1.5, "value": 0}, "a whole number"),

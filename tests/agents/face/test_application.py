@@ -109,7 +109,7 @@ def test_the_nearest_name_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ({"spede": 1.0}, "it takes robot, side"),
+        ({"sied": 1.0}, "main does not take 'sied' (did you mean side?); it takes robot, side"),
         ({"side": "far"}, "main takes side as float, not str; it takes robot, side"),
         ({"team": 1}, "team in main of patrol is its team"),
     ],
@@ -145,7 +145,7 @@ def test_an_application_is_an_agent_that_runs_and_answers(tmp_path: Path, world:
 
 def test_what_an_application_is_asked_wrongly_is_told(tmp_path: Path, world: World, team: Team) -> None:
     world.add(application_agent(write(tmp_path, PATROL), "patrol@lab"))
-    with pytest.raises(Refused, match="does not take these arguments"):
+    with pytest.raises(Refused, match="does not take"):
         team.ask("patrol@lab", "laps", team=1)
     with pytest.raises(Refused, match="takes plus as int, not str"):
         team.ask("patrol@lab", "laps", plus="one")

@@ -416,8 +416,10 @@ def test_a_handler_that_raises_is_a_failure_and_is_reported(bench: Bench) -> Non
     ("name", "arguments", "why"),
     [
         ("fly", {}, "there is no request 'fly' here; known: break, drive, infinite, look, ponder"),
-        ("drive", {}, "missing a required argument: 'distance'"),
-        ("drive", {"distance": 1.0, "colour": "red"}, "unexpected keyword argument 'colour'"),
+        ("drive", {}, "drive needs distance (float)"),
+        ("drive", {"distance": 1.0, "colour": "red"}, "drive does not take 'colour'; it takes distance, speed"),
+        ("drive", {"distanc": 1.0}, "drive does not take 'distanc' (did you mean distance?); it takes distance, speed"),
+        ("drvie", {"distance": 1.0}, "there is no request 'drvie' here (did you mean drive?); known: "),
         ("drive", {"distance": "far"}, "drive takes distance as float, not str"),
         ("drive", {"distance": True}, "drive takes distance as float, not bool"),
     ],

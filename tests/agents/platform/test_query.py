@@ -48,5 +48,7 @@ def test_whether_something_is_so(world: TwoContainers) -> None:
 
 def test_what_is_done_is_not_queried_nor_what_is_known_requested(world: TwoContainers) -> None:
     queried = world.run(world.console.query_ref(BATTERY, "charge"))
-    assert queried == Outcome(Ending.NOT_UNDERSTOOD, why="there is no query 'charge' here; known: charging, voltage")
+    assert queried == Outcome(
+        Ending.NOT_UNDERSTOOD, why="there is no query 'charge' here (did you mean charging?); known: charging, voltage"
+    )
     assert world.run(world.console.request(BATTERY, "voltage")).ending is Ending.NOT_UNDERSTOOD

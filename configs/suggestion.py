@@ -1,0 +1,28 @@
+"""What may have been meant by a misspelt word."""
+
+import difflib
+from collections.abc import Iterable
+
+LIKENESS = 0.6  # of `difflib`, from which on a word counts as misspelt
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The known word that is spelt most like another one; empty when none is."""
+    near = difflib.get_close_matches(word, list(known), 1, LIKENESS)
+    return near[0] if near else ""
+
+
+def not_taken(name: str, unknown: Iterable[str], known: Iterable[str]) -> str:
+    """The error for arguments that a command does not know.
+
+    `move does not take 'distanc' (did you mean distance?); it takes distance, speed`.
+    """
+    takes = list(known)
+    named = ", ".join(f"{word!r}{hint(word, takes)}" for word in unknown)
+    return f"{name} does not take {named}; it takes {', '.join(takes) or 'nothing'}"
+
+
+def hint(word: str, known: Iterable[str]) -> str:
+    """A suggestion in brackets, ` (did you mean distance?)`; empty when no known word is spelt alike."""
+    near = meant(word, known)
+    return f" (did you mean {near}?)" if near else ""
