@@ -12,8 +12,8 @@ from types import FrameType
 from typing import NoReturn
 
 from configs import ConfigError
-from configs.default_bus import VARIABLE, default_bus
 from configs.command_line import CommandParser, add_version
+from configs.default_bus import VARIABLE, default_bus
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
 from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver, ElementThread

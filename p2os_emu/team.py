@@ -8,7 +8,7 @@ from typing import Any
 import configs
 from configs import ConfigError
 from geometry import Pose2D
-from p2os import SIMULATOR_SERIAL, RobotModel
+from p2os import RobotModel
 from p2os_emu.cassette import CassetteError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fit import Fit, FitError, read_fit

@@ -7,8 +7,8 @@ from contextvars import ContextVar
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.heartbeat import watched
 from agents.platform.errors import in_words
+from agents.platform.heartbeat import watched
 from agents.platform.home import Home
 from agents.platform.names import AgentName
 from bus import BusUnavailable, Conversation, KeyNotValid, Refused
