@@ -1,8 +1,8 @@
-"""Which agents and robots are in sight, and waiting a little for those that come late."""
+"""Which agents and robots are on the bus, and waiting for those that start late or are being restarted."""
 
 import asyncio
 import difflib
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from agents.face.errors import NotThere
 from agents.platform import AgentName, Directory
@@ -11,6 +11,8 @@ from bus import Bus
 
 MEETING_TIME = 3.0  # s in which whoever is there has been seen, on a loaded machine too
 QUIET = 0.4  # s without anything new, after which all are taken to have been seen
+RETURN_TIME = 20.0  # s in which a robot or an element that disappeared is back after a restart, on a loaded machine too
+FORGET_TIME = 60.0  # s for which a disappearance is kept for messages
 NO_ROBOTS = "start a team with `acromovi up acromovi`, and see whether both use the same bus"
 COMPONENT = "component"  # what the agents of robots' elements offer
 
@@ -23,7 +25,8 @@ class Horizon:
         self._loop = asyncio.get_running_loop()
         self._moved = asyncio.Event()
         self._last_change = self._opened = self._loop.time()
-        self._directory = Directory(bus, lambda name, is_there: hand_over(self._loop, self._note))
+        self._left: dict[AgentName, float] = {}  # agents that disappeared lately, and when
+        self._directory = Directory(bus, lambda name, is_there: hand_over(self._loop, self._note, name, is_there))
 
     def close(self) -> None:
         """Look no more."""
@@ -33,18 +36,20 @@ class Horizon:
         """Whether it lives."""
         return self._directory.knows(agent)
 
-    async def element(self, agent: AgentName) -> None:
+    async def element(self, agent: AgentName, within: float | None = None) -> None:
         """Wait until an element's agent is there.
 
+        Args:
+            agent: The agent of the element.
+            within: s to wait; by default longer for an agent that was there a moment ago than for one never seen.
         Raises:
-            NotThere: It has not come; says which elements the robot has.
+            NotThere: It has not come; the message names the elements that the robot has.
         """
-        if await self._until(lambda: self.sees(agent)):
-            return
-        elements = await self.elements(agent.platform)
-        if not elements:
-            raise NotThere(f"{agent.platform} is not there any more; see `acromovi ps` for who is")
-        raise NotThere(f"{agent.platform} has no {agent.local}; it has {_listed(elements)}")
+        begun, moved = self._loop.time(), self._moved
+        while not self.sees(agent):
+            if not await self._is_set(moved, self._end_of_wait(begun, within, self._left.get(agent))):
+                raise await self._no_element(agent)
+            moved = self._moved
 
     async def elements(self, robot: str) -> list[str]:
         """The names of a robot's elements, in the order of the alphabet; none when there is no such robot."""
@@ -55,35 +60,69 @@ class Horizon:
         await self._settled()
         return await self._robots(having)
 
-    async def any_robot(self, having: Iterable[str]) -> str:
+    async def any_robot(self, having: Iterable[str], within: float | None = None) -> str:
         """The first robot that has all these elements.
 
+        Args:
+            having: Names of elements.
+            within: s to wait for one; by default only until all robots have had time to be seen.
         Raises:
             NotThere: No robot has.
         """
+        end, moved = self._loop.time() + (within or 0.0), self._moved
         found = await self.robots(having)
-        if found:
-            return found[0]
-        if others := await self._robots(()):
-            raise NotThere(f"no robot has {_listed(list(having))}; there {_are(others)}")
-        raise NotThere(f"there is no robot: {NO_ROBOTS}")
+        while not found:
+            if not await self._is_set(moved, end):
+                raise await self._none_has(having)
+            moved = self._moved
+            found = await self._robots(having)
+        return found[0]
 
-    async def robot(self, name: str, having: Iterable[str]) -> None:
+    async def robot(self, name: str, having: Iterable[str], within: float | None = None) -> None:
         """Wait until a robot is there, and these of its elements.
 
+        Args:
+            name: The robot.
+            having: Names of elements.
+            within: s to wait; by default longer for a robot that was there a moment ago than for one never seen.
         Raises:
-            NotThere: It has not come; says which robots there are.
+            NotThere: It has not come; the message names the robots that are there.
         """
-        if await self._until(lambda: self._has_agents(name)) and await self.elements(name):
-            for element in having:
-                await self.element(AgentName(element, name))
-            return
+        begun, moved = self._loop.time(), self._moved
+        while not (self._has_agents(name) and await self.elements(name)):
+            if not await self._is_set(moved, self._end_of_wait(begun, within, self._left_at(name))):
+                raise await self._no_robot(name)
+            moved = self._moved
+        for element in having:
+            rest = None if within is None else max(begun + within - self._loop.time(), 0.0)
+            await self.element(AgentName(element, name), rest)
+
+    async def _no_element(self, agent: AgentName) -> NotThere:
+        elements = await self.elements(agent.platform)
+        if not elements:
+            return NotThere(f"{agent.platform} is not there any more; see `acromovi ps` for who is")
+        has = f"it has {_listed(elements)}"
+        if (left := self._left.get(agent)) is None:
+            return NotThere(f"{agent.platform} has no {agent.local}; {has}")
+        return NotThere(f"{agent.platform} has lost its {agent.local} {self._ago(left)}; {has}")
+
+    async def _no_robot(self, name: str) -> NotThere:
         others = await self._robots(())
+        there = f"there {_are(others)}" if others else ""
+        if (left := self._left_at(name)) is not None:
+            return NotThere(
+                f"the robot {name!r} left {self._ago(left)} and has not come back; {there or 'no robot is there'}"
+            )
         if not others:
-            raise NotThere(f"there is no robot {name!r}, nor any other: {NO_ROBOTS}")
+            return NotThere(f"there is no robot {name!r}, nor any other: {NO_ROBOTS}")
         near = difflib.get_close_matches(name, others, 1)
-        meant = f"did you mean {near[0]!r}? There" if near else "there"
-        raise NotThere(f"there is no robot {name!r}; {meant} {_are(others)}")
+        meant = f"did you mean {near[0]!r}? There {_are(others)}" if near else there
+        return NotThere(f"there is no robot {name!r}; {meant}")
+
+    async def _none_has(self, having: Iterable[str]) -> NotThere:
+        if others := await self._robots(()):
+            return NotThere(f"no robot has {_listed(list(having))}; there {_are(others)}")
+        return NotThere(f"there is no robot: {NO_ROBOTS}")
 
     async def _robots(self, having: Iterable[str]) -> list[str]:
         elements: dict[str, set[str]] = {}
@@ -101,19 +140,47 @@ class Horizon:
                 return
             await asyncio.sleep(QUIET / 4)
 
-    async def _until(self, condition: Callable[[], bool]) -> bool:
-        deadline = self._loop.time() + MEETING_TIME
-        while not condition():
-            try:
-                async with asyncio.timeout_at(deadline):
-                    await self._moved.wait()
-            except TimeoutError:
-                return condition()
+    def _left_at(self, platform: str) -> float | None:
+        """When the last of a platform's agents disappeared; None if none has lately, or one is still there."""
+        if self._has_agents(platform):
+            return None
+        return max((left for name, left in self._left.items() if name.platform == platform), default=None)
+
+    def _ago(self, left: float) -> str:
+        return f"{self._loop.time() - left:.0f} s ago"
+
+    def _end_of_wait(self, begun: float, within: float | None, left: float | None) -> float:
+        """Until when to wait for something, in the loop's time.
+
+        Args:
+            begun: When the wait began.
+            within: s that the caller wants to wait, if it says so.
+            left: When it disappeared, if it was there a moment ago.
+        """
+        if within is not None:
+            return begun + within
+        return max(begun + MEETING_TIME, 0.0 if left is None else left + RETURN_TIME)
+
+    async def _is_set(self, moved: asyncio.Event, end: float) -> bool:
+        """Wait until an agent appears or disappears; False if none has before `end`.
+
+        Args:
+            moved: `_moved` as it was before the caller looked, so that no change meanwhile is missed.
+            end: In the loop's time.
+        """
+        try:
+            async with asyncio.timeout_at(end):
+                await moved.wait()
+        except TimeoutError:
+            return False
         return True
 
-    def _note(self) -> None:
-        """Somebody has come or gone."""
-        self._last_change = self._loop.time()
+    def _note(self, name: AgentName, is_there: bool) -> None:
+        """An agent has appeared or disappeared."""
+        now = self._last_change = self._loop.time()
+        self._left = {agent: left for agent, left in self._left.items() if now - left < FORGET_TIME and agent != name}
+        if not is_there:
+            self._left[name] = now
         self._moved.set()
         self._moved = asyncio.Event()
 

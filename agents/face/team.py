@@ -56,24 +56,27 @@ class Team:
         """All robots, or those that have an element, or several, in the order of the alphabet."""
         return [self._robot(name) for name in self._stage.call(self._horizon.robots(_tuple(having)))]
 
-    def robot(self, name: str = "", having: str | tuple[str, ...] = ()) -> Robot:
-        """One robot; waits a little for one that is about to come.
+    def robot(self, name: str = "", having: str | tuple[str, ...] = (), within: float | None = None) -> Robot:
+        """One robot; waits for a robot that is starting or restarting.
 
         Args:
             name: Its name; without one, the first that has what is wanted.
             having: An element that it must have, or several.
+            within: s to wait for it. By default 3 s, and 20 s from its disappearance for a robot that was there.
         Raises:
             NotThere: It is not there; says which robots are.
         """
         if not isinstance(name, str):
             raise RobotError(f"a robot's name is a text, not {name!r}")
+        if within is not None and not within >= 0.0:
+            raise RobotError(f"within must be a time of 0 s or more, not {within!r}")
         if not name:
-            return self._robot(self._stage.call(self._horizon.any_robot(_tuple(having))))
+            return self._robot(self._stage.call(self._horizon.any_robot(_tuple(having), within)))
         try:
             robot_name(name)
         except BusError as err:
             raise RobotError(str(err)) from err
-        self._stage.call(self._horizon.robot(name, _tuple(having)))
+        self._stage.call(self._horizon.robot(name, _tuple(having), within))
         return self._robot(name)
 
     def ask(self, agent: str, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:

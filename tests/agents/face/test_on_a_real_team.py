@@ -190,4 +190,4 @@ def test_a_gateway_that_is_killed_in_a_motion(dwarfs: RunningTeam, team: Team) -
     (pid,) = (each["pid"] for each in answer.value["processes"] if each["name"] == "the gateway of happy")
     told = during_a_move(dwarfs, team.robot("happy"), threading.Thread(target=os.kill, args=[pid, signal.SIGKILL]))
     assert told.startswith("base@happy could not move: ")
-    wait_until(lambda: team.robot("happy").has("base"), "happy has its base again")
+    assert team.robot("happy", having="base").name == "happy"

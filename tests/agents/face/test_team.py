@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
+from agents.face import horizon
 from agents.face.readings import OtherReading
 from agents.platform import AgentName
 from bus import MemoryBus
-from tests.agents.face.conftest import BasePart, Part, World
+from tests.agents.face.conftest import LASER, BasePart, Part, World
 from tests.waiting import wait_until
 
 
@@ -50,6 +51,62 @@ def test_a_robot_that_comes_late_is_waited_for(world: World, team: Team) -> None
         late.start()
         assert team.robot("doc").name == "doc"
         late.join()
+
+
+def stop(world: World, agent: str, team: Team) -> None:
+    """Stop an agent, and wait until the team has noticed."""
+    name = AgentName.parse(agent)
+    world.run(world.container.stop(name))
+    wait_until(lambda: not team._horizon.sees(name), f"{agent} is missed")
+
+
+def test_a_robot_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(world: World, team: Team) -> None:
+    assert team.robot("grumpy").base.pose().x == 0.0
+    stop(world, "base@grumpy", team)
+    back = threading.Timer(3 * horizon.MEETING_TIME, lambda: world.add(BasePart("base@grumpy")))
+    back.start()
+    assert team.robot("grumpy").base.move(1.0).x == 1.0
+    back.join()
+
+
+def test_an_element_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(world: World, team: Team) -> None:
+    happy = team.robot("happy")
+    stop(world, "laser@happy", team)
+    back = threading.Timer(3 * horizon.MEETING_TIME, lambda: world.add(Part("laser@happy", LASER)))
+    back.start()
+    assert happy.laser.nearest() == 0.7
+    back.join()
+
+
+def test_a_robot_or_an_element_that_does_not_come_back_is_named_with_when_it_left(
+    world: World, team: Team, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(horizon, "RETURN_TIME", 0.4)
+    stop(world, "laser@happy", team)
+    with pytest.raises(NotThere, match=r"happy has lost its laser \d+ s ago; it has base"):
+        _ = team.robot("happy").laser
+    stop(world, "base@grumpy", team)
+    with pytest.raises(NotThere, match=r"the robot 'grumpy' left \d+ s ago and has not come back; there is happy"):
+        team.robot("grumpy")
+    stop(world, "base@happy", team)
+    with pytest.raises(NotThere, match=r"the robot 'happy' left \d+ s ago and has not come back; no robot is there"):
+        team.robot("happy")
+
+
+@pytest.mark.parametrize("wanted", [{"name": "doc"}, {"having": "arm"}, {"name": "happy", "having": "arm"}], ids=str)
+def test_how_long_a_robot_is_waited_for_can_be_said(world: World, team: Team, wanted: dict[str, str]) -> None:
+    comes = f"{wanted.get('having', 'base')}@{wanted.get('name', 'doc')}"
+    with pytest.raises(NotThere):
+        team.robot(within=0.0, **wanted)
+    late = threading.Timer(3 * horizon.MEETING_TIME, lambda: world.add(Part(comes)))
+    late.start()
+    assert team.robot(within=60.0, **wanted).name == AgentName.parse(comes).platform
+    late.join()
+
+
+def test_a_time_to_wait_that_is_none_is_a_robot_error(team: Team) -> None:
+    with pytest.raises(RobotError, match="within must be a time of 0 s or more, not -1"):
+        team.robot("happy", within=-1.0)
 
 
 @pytest.mark.parametrize(
