@@ -17,12 +17,14 @@ from tests.acromovi.container_process import ROOT, container
 
 WANDERER = """
 import asyncio
+from pathlib import Path
 from agents.platform import Agent, request
 
 class Wanderer(Agent):
     async def setup(self):
         self.served, self.heard = [], []
-        await asyncio.sleep(self.properties.get("setup", 0.0))
+        while "gate" in self.properties and not Path(self.properties["gate"]).exists():
+            await asyncio.sleep(0.02)
         self.add(self.hear)
 
     def pack(self):
@@ -46,12 +48,21 @@ class Wanderer(Agent):
         return {"served": self.served, "heard": self.heard}
 """
 KIND = "wanderer_in_processes:Wanderer"
+MOST_AT_A_TIME = 50  # requests; an agent that moves lets 100 of one asker wait and refuses more, however long it takes
 
 
 @pytest.fixture
 def apps(tmp_path: Path) -> str:
     (tmp_path / "wanderer_in_processes.py").write_text(WANDERER)
     return str(tmp_path)
+
+
+@pytest.fixture
+def gate(tmp_path: Path) -> Path:
+    """While this file is missing, the setup of an agent that is told of it does not end."""
+    gate = tmp_path / "gate"
+    gate.touch()
+    return gate
 
 
 @pytest.fixture
@@ -63,7 +74,7 @@ def processes(robot: str, apps: str) -> "Iterator[dict[str, subprocess.Popen[str
 
 
 class Crowd:
-    """Talks to one agent without a pause: requests, and messages that are numbered.
+    """Talks to one agent without a pause: requests, `MOST_AT_A_TIME` of them, and messages that are numbered.
 
     asked: the requests. told: how many messages were sent.
     """
@@ -83,6 +94,8 @@ class Crowd:
 
     async def _ask(self) -> None:
         while True:
+            while len([asked for asked in self.asked if not asked.done()]) >= MOST_AT_A_TIME:
+                await asyncio.sleep(0.05)
             number = len(self.asked)
             request = self._console.request(self._peer, "serve", reply_within=60.0, number=number)
             self.asked.append(asyncio.ensure_future(request))
@@ -126,12 +139,13 @@ def test_an_agent_moves_there_and_back_under_fire_and_nothing_is_lost_or_doubled
 
 
 def test_a_container_that_is_killed_in_the_middle_leaves_the_agent_where_it_was(
-    robot: str, processes: "dict[str, subprocess.Popen[str]]"
+    robot: str, processes: "dict[str, subprocess.Popen[str]]", gate: Path
 ) -> None:
     peer, (here, there) = AgentName("wanderer", robot), processes
 
     async def main(console: Agent) -> None:
-        await acromovi("agent", "start", str(peer), KIND, "setup=1.5", "--in", here)
+        await acromovi("agent", "start", str(peer), KIND, f"gate={gate}", "--in", here)
+        gate.unlink()
         crowd = Crowd(console, peer)
         moving = asyncio.ensure_future(acromovi("agent", "move", str(peer), there))
         await until_it_arrives(console, peer, there)
@@ -149,12 +163,13 @@ def test_a_container_that_is_killed_in_the_middle_leaves_the_agent_where_it_was(
 
 
 def test_a_container_that_is_killed_after_it_has_packed_an_agent_loses_neither_it_nor_its_state(
-    robot: str, processes: "dict[str, subprocess.Popen[str]]"
+    robot: str, processes: "dict[str, subprocess.Popen[str]]", gate: Path
 ) -> None:
     peer, (here, there) = AgentName("wanderer", robot), processes
 
     async def main(console: Agent) -> None:
-        await acromovi("agent", "start", str(peer), KIND, "setup=1.5", "--in", here)
+        await acromovi("agent", "start", str(peer), KIND, f"gate={gate}", "--in", here)
+        gate.unlink()
         for number in range(3):
             assert (await console.request(peer, "serve", number=number)).result == here
         moving = asyncio.ensure_future(acromovi("agent", "move", str(peer), there))
@@ -164,6 +179,7 @@ def test_a_container_that_is_killed_after_it_has_packed_an_agent_loses_neither_i
         processes[here].kill()
         waited = await waits  # before the door of the one that died; it hears of that at once
         assert (await moving)[0] == 1
+        gate.touch()
         async with asyncio.timeout(30.0):
             while not (outcome := await console.request(peer, "serve", number=4)).is_done:
                 await asyncio.sleep(0.1)
