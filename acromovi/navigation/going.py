@@ -5,6 +5,7 @@ import asyncio
 import json
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from bus.bus import Bus
 
 LONG = 3600.0  # s; a mission ends by itself long before
+LAST_LINES = 5.0  # s in which the rest of the log comes after the end; only a face that has died since needs so long
 AWAY = 20.0  # s in which the face of the navigation is back after it has died; the mission goes on meanwhile
 EPILOG = """\
 examples:
@@ -94,10 +96,13 @@ async def go(bus: "Bus", face: "AgentName", arguments: argparse.Namespace) -> in
         if not arguments.wait:
             print(json.dumps(begun) if arguments.json else f"{begun['mission']} has begun; {_advice(arguments.robot)}")
             return 0
-        telling = None if arguments.json else asyncio.ensure_future(tell(agent, face, begun["mission"]))
+        told = _MissionLog(agent, face, begun["mission"])
+        telling = None if arguments.json else asyncio.ensure_future(told.show())
         try:
             async with asyncio.timeout(arguments.timeout):
                 ended = await end_of(agent, face, begun["mission"])
+            if telling is not None:
+                await told.until(ended.get("logged"))
         except TimeoutError:
             why = f"{begun['mission']} has not ended within {arguments.timeout:g} s; {_advice(arguments.robot)}"
             print(f"acromovi navigate go: {why}", file=sys.stderr)
@@ -129,13 +134,33 @@ async def end_of(agent: "Agent", face: "AgentName", mission: str) -> Mapping[str
         await asyncio.sleep(1.0)
 
 
-async def tell(agent: "Agent", face: "AgentName", mission: str) -> None:
-    """Print what is told of a mission, until this is cancelled."""
-    from acromovi.navigation.log import line, messages
+class _MissionLog:
+    """Prints the messages about one mission."""
 
-    async for message in messages(agent, face):
-        if message.get("mission") == mission:
-            print(line(message), flush=True)
+    def __init__(self, agent: "Agent", face: "AgentName", mission: str) -> None:
+        self._agent = agent
+        self._face = face
+        self._mission = mission
+        self._shown: set[float] = set()  # stamps
+        self._more = asyncio.Event()
+
+    async def show(self) -> None:
+        """Print each message as it comes, until this is cancelled."""
+        from acromovi.navigation.log import line, messages
+
+        async for message in messages(self._agent, self._face):
+            if message.get("mission") == self._mission:
+                print(line(message), flush=True)
+                self._shown.add(message["stamp"])
+                self._more.set()
+
+    async def until(self, stamp: float | None) -> None:
+        """Wait until the message with this stamp is printed; None is that of no message."""
+        with suppress(TimeoutError):  # the face has died since; the end of the mission is known all the same
+            async with asyncio.timeout(LAST_LINES):
+                while stamp is not None and stamp not in self._shown:
+                    self._more.clear()
+                    await self._more.wait()
 
 
 def report(ended: Mapping[str, Any], as_json: bool) -> int:

@@ -3,6 +3,7 @@
 import argparse
 import asyncio
 import json
+from collections import deque
 from collections.abc import AsyncIterator, Mapping
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
     from bus.bus import Bus
 
-SILENCE = 0.5  # s without another message after which all that was kept has been told
+KEPT = 1000  # messages that are known again when the face, back after it was cut off, sends what it kept once more
 BACK = 1.0  # s between two tries to hear a face again that has died
 EPILOG = """\
 examples:
@@ -47,31 +48,32 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 async def show(bus: "Bus", face: "AgentName", follow: bool, as_json: bool) -> None:
-    """Print what is kept, and with `follow` what comes."""
+    """Print what is kept, or with `follow` that and what comes."""
     from acromovi.ask import asker
+    from acromovi.navigation.components import PATIENCE
+
+    def show_one(message: Mapping[str, Any]) -> None:
+        print(json.dumps(message, ensure_ascii=False) if as_json else line(message), flush=True)
 
     async with asker(bus, face) as agent:
-        told = aiter(messages(agent, face))
-        while True:
-            try:
-                async with asyncio.timeout(None if follow else SILENCE):
-                    message = await anext(told)
-            except TimeoutError:
-                return
-            print(json.dumps(message, ensure_ascii=False) if as_json else line(message), flush=True)
+        if follow:
+            async for message in messages(agent, face):
+                show_one(message)
+        for message in (await agent.request(face, "messages", reply_within=PATIENCE)).value():
+            show_one(message)
 
 
 async def messages(agent: "Agent", face: "AgentName") -> AsyncIterator[Mapping[str, Any]]:
     """What is told of missions: what is kept, then what comes, for ever; nothing twice when the face is back."""
     from agents.platform import RequestNotDone
 
-    last = float("-inf")
+    known: deque[Mapping[str, Any]] = deque(maxlen=KEPT)  # not by the latest stamp: components have clocks of their own
     while True:
         try:
             async with agent.subscribe(face, "log") as told:
                 async for message in told:
-                    if message["stamp"] > last:
-                        last = message["stamp"]
+                    if message not in known:
+                        known.append(message)
                         yield message
         except RequestNotDone:
             await asyncio.sleep(BACK)

@@ -49,6 +49,7 @@ class PathPlanning(Component):
         self._navigator = Navigator(self.numbers.mission, self.numbers.half_width)
         self._number = round(self.home.wall_time() * MILLISECONDS)  # higher than any before, though nothing is kept
         self._order, self._told_at = REST, float("-inf")
+        self._mission = self._navigator.told()
         self._is_under_way = False
         self._complained: set[str] = set()
         self._file = Path(self.numbers.doors_file) if self.numbers.doors_file else None
@@ -71,12 +72,14 @@ class PathPlanning(Component):
         """A person wants something."""
         self._navigator.begin(goal, self._now)
         self._is_under_way |= self._navigator.is_active
+        self._mission = self._navigator.told()
         await self._step()
 
     @hears(ObstRead)
     async def see(self, reading: ObstRead) -> None:
         """Something is seen."""
         self._navigator.see(reading, self._now)
+        self._mission = self._navigator.told()
 
     @hears(DLEData)
     async def see_doors(self, data: DLEData) -> None:
@@ -85,8 +88,11 @@ class PathPlanning(Component):
 
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:
-        """Where the mission stands; since: s ago."""
-        told = self._navigator.told()
+        """Where the mission stands. since: s ago. messages: how many LogMessages were sent about it until then.
+
+        It is read on the bus's thread, so it is what the loop noted when it had sent all messages up to this state.
+        """
+        told = self._mission
         return {**told, "since": self._now - told["since"]}
 
     @answers_query("picture")
@@ -107,6 +113,7 @@ class PathPlanning(Component):
                 self._keep_doors()
         self._is_under_way = self._navigator.is_active
         self._tell_notes()
+        self._mission = self._navigator.told()
 
     def _give(self, order: Order) -> None:
         """Tell an order when it is new, and again while a mission is under way."""
@@ -126,10 +133,7 @@ class PathPlanning(Component):
         notes = self._navigator.notes
         while notes:
             note = notes.popleft()
-            self._log(note.mission, note.level, note.what)
-
-    def _log(self, mission: str, level: str, what: str) -> None:
-        self.tell(LogMessage(self.home.wall_time(), self.name.local, mission, level, what))
+            self.tell(LogMessage(self.home.wall_time(), self.name.local, note.mission, note.level, note.what))
 
     async def _is_fuser_busy(self) -> bool:
         """Ask the fuser how it is before each step; its silence is said once, and stops nobody."""
@@ -152,7 +156,7 @@ class PathPlanning(Component):
         """Say it once, until it is over."""
         if what not in self._complained:
             self._complained.add(what)
-            self._log(self._navigator.told()["mission"], "warning", why)
+            self._navigator.note("warning", why)
 
     def _keep_doors(self) -> None:
         """Write down the doors, unless they are of another odometry than those in the file."""

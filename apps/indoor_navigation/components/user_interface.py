@@ -1,8 +1,9 @@
 """What a person talks to: takes missions, says how they go, and sees to it that none is lost."""
 
 import asyncio
-from collections import deque
+from collections import Counter, deque
 from collections.abc import AsyncIterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from math import isfinite
 from typing import Any
@@ -13,6 +14,7 @@ from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import BusUnavailable, Refused
 
 ENDED = ("done", "failed", "cancelled", "replaced")
+LATEST = 2.0  # s after the end of a mission until when messages of path planning about it are expected
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +26,10 @@ class InterfaceNumbers:
 
 
 class UserInterface(Component):
-    """Answers requests of people's programs: `go`, `wait`, `state`, `picture`, `cancel`; subscription: `log`."""
+    """Answers requests of people's programs: `go`, `wait`, `state`, `picture`, `cancel`, `messages`.
+
+    Subscription: `log`.
+    """
 
     role = Role.DELIBERATIVE
     services = ("missions",)
@@ -35,6 +40,7 @@ class UserInterface(Component):
         """Know of no mission yet."""
         self._log: deque[tuple[int, LogMessage]] = deque(maxlen=self.numbers.log)
         self._logged = 0
+        self._heard: Counter[str] = Counter()  # messages of path planning, by mission
         self._is_news = asyncio.Condition()
         self._goal: GoalPoint | None = None
         self._missions = 0
@@ -83,13 +89,24 @@ class UserInterface(Component):
 
     @request("wait", agrees_itself=True)
     async def wait_for_end(self, mission: str) -> dict[str, Any]:
-        """Wait until a mission has ended, and answer how: its state is done, failed, cancelled or replaced."""
+        """Wait until a mission has ended, and answer how: its state is done, failed, cancelled or replaced.
+
+        `logged` in the answer is the stamp of the last message about it, or None: a program that prints the log has
+        all of it once it has printed this one.
+        """
         if mission not in self._ended and (self._goal is None or self._goal.mission != mission):
             return await self._wait_for_others(mission)
         agree()
         while mission not in self._ended:
             await asyncio.sleep(self.numbers.look)
-        return self._ended[mission]
+        ended = self._ended[mission]
+        await self._hear_rest(mission, ended.get("messages", 0))
+        return {**ended, "logged": self._last_stamp(mission)}
+
+    @request("messages")
+    async def messages(self) -> list[dict[str, Any]]:
+        """The messages that are kept, oldest first."""
+        return [asdict(message) for _, message in self._log]
 
     @subscription("log")
     async def log(self) -> AsyncIterator[dict[str, Any]]:
@@ -107,6 +124,7 @@ class UserInterface(Component):
     @is_told(LogMessage)
     async def keep(self, message: LogMessage) -> None:
         """A component has something to tell."""
+        self._heard[message.mission] += 1
         await self._note(message)
 
     async def _look(self) -> None:
@@ -150,6 +168,15 @@ class UserInterface(Component):
             await asyncio.sleep(self.numbers.look)
             told = await self._asked("state")
         return told if told.get("mission") == mission else {"mission": mission, "state": "replaced", "why": ""}
+
+    async def _hear_rest(self, mission: str, messages: int) -> None:
+        """Wait for the messages about a mission that are still on their way; what is lost is waited for in vain."""
+        with suppress(TimeoutError):  # the log has a gap then, and the end of the mission is answered all the same
+            async with asyncio.timeout(LATEST), self._is_news:
+                await self._is_news.wait_for(lambda: self._heard[mission] >= messages)
+
+    def _last_stamp(self, mission: str) -> float | None:
+        return next((message.stamp for _, message in reversed(self._log) if message.mission == mission), None)
 
     def _end(self, mission: str, state: str, why: str) -> None:
         self._ended[mission] = {"mission": mission, "state": state, "why": why}

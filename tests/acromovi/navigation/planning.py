@@ -62,6 +62,7 @@ class Planning(Component):
             **{name: PICTURE[name] for name in ("since", "sub_target", "travelled", "pose")},
             "mission": self.goal.mission,
             "state": self.mission_state,
+            "messages": 1,
             "why": "as the test wants it",
             "goal": self.goal.to_json(),
         }
@@ -71,9 +72,9 @@ class Planning(Component):
         return {**PICTURE, **self.tell_state()}
 
 
-def navigation(robot: str, ends: str) -> tuple[Component, Component]:
+def navigation(robot: str, ends: str, kind: type[UserInterface] = UserInterface) -> tuple[Component, Component]:
     """A face and a path planning for a robot."""
-    face = UserInterface(
+    face = kind(
         f"user_interface@{robot}",
         {
             "tells": {"GoalPoint": ["path_planning"]},

@@ -1,12 +1,20 @@
 """What people tell and ask a navigation from the command line, on the real bus."""
 
+import asyncio
 import json
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from acromovi.__main__ import main
+from acromovi.navigation.log import messages
+from agents.platform import Agent, AgentName, Container, subscription
+from apps.indoor_navigation.components.user_interface import UserInterface
+from apps.indoor_navigation.data import LogMessage
+from bus import Refused, ZenohBus
 from tests.acromovi.agents_alive import living
 from tests.acromovi.navigation.planning import navigation
 
@@ -56,6 +64,51 @@ def test_who_waits_is_told_how_the_mission_goes_and_ends(arriving: str, capsys: 
     *log, last = capsys.readouterr().out.splitlines()
     assert last == "done: as the test wants it"
     assert any("done: to (1.00, 2.00)" in line for line in log)
+
+
+class SlowToTell(UserInterface):
+    """A face whose messages reach subscribers long after the end of the mission is answered."""
+
+    @subscription("log")
+    async def log(self) -> AsyncIterator[dict[str, Any]]:
+        await asyncio.sleep(1.0)
+        for message in await self.messages():
+            yield message
+        await asyncio.sleep(3600.0)
+
+
+def test_who_waits_is_told_all_even_when_the_last_message_comes_after_the_end(
+    robot: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with living(robot, *navigation(robot, "done", SlowToTell)):
+        assert main(["navigate", "go", robot, "1", "2", "--wait"]) == 0
+    log, last = capsys.readouterr().out.splitlines()
+    assert log.endswith("done: to (1.00, 2.00)")
+    assert last == "done: as the test wants it"
+
+
+class Jumbled(UserInterface):
+    """A face that hears of two components whose clocks differ: the later message has the earlier stamp."""
+
+    @subscription("log")
+    async def log(self) -> AsyncIterator[dict[str, Any]]:
+        yield asdict(LogMessage(5.0, "path_planning", "m1", "info", "first"))
+        yield asdict(LogMessage(4.0, "user_interface", "m1", "info", "second"))
+        yield asdict(LogMessage(5.0, "path_planning", "m1", "info", "first"))  # as after a reconnect
+        raise Refused("that is all")
+
+
+def test_messages_of_components_with_different_clocks_are_all_shown_and_once(robot: str) -> None:
+    async def heard() -> list[str]:
+        with ZenohBus.open() as bus:
+            async with Container(bus) as container:
+                person = Agent(f"person@{robot}")
+                await container.start(person)
+                told = messages(person, AgentName("user_interface", robot))
+                return [(await anext(told))["what"] for _ in range(2)]
+
+    with living(robot, *navigation(robot, "done", Jumbled)):
+        assert asyncio.run(heard()) == ["first", "second"]
 
 
 def test_a_mission_that_fails_is_an_exit_code_and_a_reason(failing: str, capsys: pytest.CaptureFixture[str]) -> None:

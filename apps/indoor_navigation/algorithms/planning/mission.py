@@ -56,6 +56,10 @@ class Navigator:
         """What there is to tell, taken out by whoever tells it."""
         return self._situation.notes
 
+    def note(self, level: str, what: str) -> None:
+        """Add a message about the present mission to the notes."""
+        self._situation.note(level, what)
+
     # What is heard.
 
     def begin(self, goal: GoalPoint, now: float) -> None:
@@ -106,13 +110,14 @@ class Navigator:
         return REST
 
     def told(self) -> dict[str, Any]:
-        """Where the mission stands, as JSON. since: s of the clock of the steps."""
+        """Where the mission stands, as JSON. messages: the number of its notes. since: s of the clock of the steps."""
         situation, pose = self._situation, self.memory.pose
         points = situation.guide.points if self.is_active else ()
         return {
             "mission": situation.goal.mission,
             "state": str(self.state),
             "why": self.why,
+            "messages": situation.noted,
             "since": situation.machine.since,
             "goal": situation.goal.to_json(),
             "sub_target": list(points[1]) if points else None,

@@ -19,9 +19,9 @@ LOOK_WAITING = 0.5  # s between two looks whether waiting has an end
 class Situation:
     """All times are s of one steady clock.
 
-    notes: what there is to tell. waiting: for what, in the state that is called so. barred: where the way was barred
-    last. no_way_since: s. looked_at, seen_at: when a way was looked for last, and when anything was seen, s. is_there:
-    it only has to turn yet. doubts: that the goal is barred.
+    notes: what there is to tell. noted: how many notes there were of this mission. waiting: for what, in the state that
+    is called so. barred: where the way was barred last. no_way_since: s. looked_at, seen_at: when a way was looked for
+    last, and when anything was seen, s. is_there: it only has to turn yet. doubts: that the goal is barred.
     """
 
     def __init__(self, numbers: MissionNumbers, memory: Memory) -> None:
@@ -97,10 +97,11 @@ class Situation:
 
     def note(self, level: str, what: str) -> None:
         """There is something to tell."""
+        self.noted += 1
         self.notes.append(Note(self.goal.mission, level, what))
 
     def _set_out(self, goal: GoalPoint) -> None:
-        self.goal, self.guide = goal, Guide(self.numbers.guide, self.memory, goal)
+        self.goal, self.guide, self.noted = goal, Guide(self.numbers.guide, self.memory, goal), 0
         self.making_way = MakingWay(self.numbers.courtesies)
         self.barred: Place | None = None
         self.no_way_since, self.looked_at = inf, -inf

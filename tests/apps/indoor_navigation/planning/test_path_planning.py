@@ -101,7 +101,8 @@ def test_a_goal_becomes_an_order_and_an_end(site: Site, others: Others) -> None:
         others.x += 0.05
         others.see()
     others.see(0.4)
-    assert site.ask("path_planning", "state")["state"] == "done"
+    state = site.ask("path_planning", "state")
+    assert (state["state"], state["messages"]) == ("done", len(others.log))
     assert others.orders[-1].aim == "rest"
     assert "info done: there, after 1.8 m" in others.said()
     assert {message.mission for message in others.log} == {"m1"}

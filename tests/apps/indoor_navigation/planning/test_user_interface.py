@@ -9,7 +9,7 @@ import pytest
 from agents.platform import Agent, Outcome
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import query_key, send_key
-from apps.indoor_navigation.components.user_interface import UserInterface
+from apps.indoor_navigation.components.user_interface import LATEST, UserInterface
 from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import MemoryBus, Sample
 from bus.messages import decode_json
@@ -28,7 +28,7 @@ class Planner:
     def __init__(self, site: Site) -> None:
         self._site = site
         self.goals: list[GoalPoint] = []
-        self.told = {"mission": "", "state": "idle"}
+        self.told: dict[str, Any] = {"mission": "", "state": "idle"}
         self.come()
 
     def come(self) -> None:
@@ -84,6 +84,14 @@ def person(site: Site) -> Person:
     return Person(site)
 
 
+def tell(site: Site, what: str, mission: str = "m1") -> float:
+    """Send a message of path planning; returns its stamp."""
+    message = LogMessage(site.time, "path_planning", mission, "info", what)
+    site.bus.send(send_key(ROBOT, "user_interface", LogMessage), message.to_json())
+    site.run(0.1)
+    return message.stamp
+
+
 def test_a_mission_is_named_at_once_and_waited_for(site: Site, planner: Planner, person: Person) -> None:
     mission = person.ask("go", x=1.0, y=2, heading=0.5).result["mission"]
     assert planner.goals == [GoalPoint(mission, 1.0, 2, 0.5, 0.25)]
@@ -94,6 +102,30 @@ def test_a_mission_is_named_at_once_and_waited_for(site: Site, planner: Planner,
     site.run(1.5)
     assert waiting.result().result["state"] == "done"
     assert person.ask("wait", mission=mission).result["why"] == "there"
+
+
+def test_the_end_of_a_mission_is_answered_after_the_last_message_about_it(
+    site: Site, planner: Planner, person: Person
+) -> None:
+    mission = person.ask("go", x=1.0, y=2.0).result["mission"]
+    waiting = person.begin("wait", mission=mission)
+    planner.told = {"mission": mission, "state": "done", "why": "there", "messages": 2}
+    tell(site, "going", mission)
+    site.run(1.0)
+    assert not waiting.done()
+    last = tell(site, "done", mission)
+    assert waiting.result().result["logged"] == last
+    assert [message["what"] for message in person.ask("messages").result] == ["going", "done"]
+
+
+def test_a_message_that_is_lost_holds_up_the_end_of_a_mission_no_longer_than_two_seconds(
+    site: Site, planner: Planner, person: Person
+) -> None:
+    mission = person.ask("go", x=1.0, y=2.0).result["mission"]
+    planner.told = {"mission": mission, "state": "failed", "why": "a wall", "messages": 1}
+    waiting = person.begin("wait", mission=mission)
+    site.run(LATEST + 1.1)
+    assert (waiting.result().result["state"], waiting.result().result["logged"]) == ("failed", None)
 
 
 def test_state_and_picture_are_those_of_planning(site: Site, planner: Planner, person: Person) -> None:
@@ -164,11 +196,6 @@ def test_an_interface_begun_anew_waits_for_a_mission_from_before(site: Site, pla
 
 
 def test_the_log_is_what_is_kept_and_what_comes(site: Site, planner: Planner, person: Person) -> None:
-    def tell(what: str) -> None:
-        message = LogMessage(site.time, "path_planning", "m1", "info", what)
-        site.bus.send(send_key(ROBOT, "user_interface", LogMessage), message.to_json())
-        site.run(0.1)
-
     heard: list[str] = []
 
     async def listen() -> None:
@@ -176,10 +203,10 @@ def test_the_log_is_what_is_kept_and_what_comes(site: Site, planner: Planner, pe
             async for message in messages:
                 heard.append(message["what"])
 
-    tell("first")
+    tell(site, "first")
     listening = site.loop.create_task(listen())
     site.run(0.1)
-    tell("second")
+    tell(site, "second")
     assert heard == ["first", "second"]
     listening.cancel()
     site.run(0.1)
