@@ -62,16 +62,21 @@ class Stage:
             Stopped: The program is to end.
         """
         try:
-            self._enter()
+            self._check_thread()
+            with self._changed:
+                self._changed.wait_for(lambda: self.is_stopped or not self._is_suspended)
+                if self.is_stopped:
+                    raise Stopped(self._why_stopped)
+                future = self._submit(work)
         except BaseException:
             work.close()
             raise
-        return self._wait(work)
+        return self._wait(future)
 
     def last(self, work: Coroutine[Any, Any, object]) -> None:
         """The same for what must be tried even when the program is to end, whose reason counts for more than this."""
         with suppress(RobotError, TimeoutError):  # the program's own reason to end counts for more
-            self._wait(_in_time(work))
+            self._wait(self._submit(_in_time(work)))
 
     def suspend(self) -> None:
         """Let calls wait until `resume`; those under way are finished."""
@@ -99,22 +104,22 @@ class Stage:
         self.moving.clear()
         await asyncio.gather(*(_in_time(halt()) for halt in halts), return_exceptions=True)
 
-    def _enter(self) -> None:
+    def _check_thread(self) -> None:
         if asyncio._get_running_loop() is self.loop:
             raise RobotError("a team waits for its robots and so cannot be used in a coroutine; use a plain function")
-        with self._changed:
-            self._changed.wait_for(lambda: self.is_stopped or not self._is_suspended)
-            if self.is_stopped:
-                raise Stopped(self._why_stopped)
 
-    def _wait(self, work: Coroutine[Any, Any, Result]) -> Result:
-        try:
-            future = asyncio.run_coroutine_threadsafe(work, self.loop)
-        except RuntimeError as err:  # the loop has ended
-            work.close()
-            raise RobotError("this team is closed; open another with `with Team() as team:`") from err
+    def _submit(self, work: Coroutine[Any, Any, Result]) -> "concurrent.futures.Future[Result]":
+        """Start something in the loop. It is under way before `stop` can look at what is, or `stop` would miss it."""
         with self._changed:
+            try:
+                future = asyncio.run_coroutine_threadsafe(work, self.loop)
+            except RuntimeError as err:  # the loop has ended
+                work.close()
+                raise RobotError("this team is closed; open another with `with Team() as team:`") from err
             self._under_way.add(future)
+            return future
+
+    def _wait(self, future: "concurrent.futures.Future[Result]") -> Result:
         try:
             return future.result()
         except concurrent.futures.CancelledError as err:

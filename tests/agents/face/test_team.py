@@ -350,6 +350,34 @@ def test_who_is_stopped_stops_at_the_next_call_and_in_the_midst_of_one(world: Wo
         base.pose()
 
 
+def test_a_call_that_begins_while_the_program_is_stopped_ends_too(
+    team: Team, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = team._stage
+    stopping = threading.Thread(target=stage.stop, args=["enough"])
+    submit = asyncio.run_coroutine_threadsafe
+    ends: list[Any] = []
+
+    def submit_as_it_is_stopped(work: Any, loop: asyncio.AbstractEventLoop) -> Any:
+        future = submit(work, loop)
+        stopping.start()
+        stopping.join(0.3)  # long enough for `stop` to look at what is under way, if nothing keeps it from that
+        return future
+
+    def sleep() -> None:
+        try:
+            team.sleep(3600.0)
+        except Stopped as stopped:
+            ends.append(str(stopped))
+
+    monkeypatch.setattr(asyncio, "run_coroutine_threadsafe", submit_as_it_is_stopped)
+    sleeping = threading.Thread(target=sleep, daemon=True)
+    sleeping.start()
+    sleeping.join(20.0)
+    monkeypatch.undo()
+    assert ends == ["enough"]
+
+
 def test_a_loop_keeps_its_beat_and_ends_when_the_program_is_to_end(team: Team) -> None:
     threading.Timer(0.3, team._stage.stop, ["enough"]).start()
     beats = list(team.every(0.05))
