@@ -350,9 +350,7 @@ def test_who_is_stopped_stops_at_the_next_call_and_in_the_midst_of_one(world: Wo
         base.pose()
 
 
-def test_a_call_that_begins_while_the_program_is_stopped_ends_too(
-    team: Team, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_call_that_begins_while_the_program_is_stopped_ends_too(team: Team, monkeypatch: pytest.MonkeyPatch) -> None:
     stage = team._stage
     stopping = threading.Thread(target=stage.stop, args=["enough"])
     submit = asyncio.run_coroutine_threadsafe
