@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known:
         known.meet()
-        report = {"leases": asyncio.run(leases(bus))}
+        report = {"leases": [*asyncio.run(leases(bus)), *named(bus, known)]}
         if arguments.audit:
             report["audit"] = audit(bus, known, arguments.audit)
     if arguments.json:
@@ -86,6 +86,26 @@ def held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     for element, lease in elements.items():
         if lease.get("holder") is not None:
             yield {"element": element, **{name: lease[name] for name in ("holder", "priority", "expires_in")}}
+
+
+def named(bus: "Bus", known: "KnownAgents") -> list[dict[str, Any]]:
+    """The leases on names that are no part of a robot, which the arbiters alone know; none where one may only look."""
+    from acromovi.ask import ask
+    from agents.services.leases import NAMED, SERVICE
+    from bus.errors import NotAllowed
+
+    found: list[dict[str, Any]] = []
+    arbiters, _ = known.describe(SERVICE)
+    for arbiter in arbiters:
+        try:
+            outcome = asyncio.run(ask(bus, arbiter.name, "leases", {}, PATIENCE))
+        except NotAllowed:
+            return []
+        if outcome.is_done:
+            found += [row for row in outcome.result if str(row["element"]).startswith(NAMED)]
+        else:
+            print(f"acromovi leases: {arbiter.name} is left out: {outcome.why}", file=sys.stderr)
+    return [{key: row[key] for key in ("element", "holder", "priority", "expires_in")} for row in found]
 
 
 def audit(bus: "Bus", known: "KnownAgents", last: int) -> list[dict[str, Any]]:

@@ -13,13 +13,14 @@ if TYPE_CHECKING:  # who holds no lease need not load the services
 
 
 class Lease:
-    """A lease in a program's hands. While it is held nobody else moves the element, but anyone may stop it.
+    """A lease in a program's hands: on an element, which nobody else moves meanwhile, though anyone may stop it, or
+    on a name, `name:doorway`, which no other program holds meanwhile.
 
     It is renewed in the background. Somebody of a higher priority may take it, and it is lost while the program is
     suspended; motions then raise `LeaseLost`, as they do from the moment on that somebody is about to take it.
     """
 
-    def __init__(self, stage: Stage, element: AgentName) -> None:
+    def __init__(self, stage: Stage, element: AgentName | str) -> None:
         self._stage = stage
         self._element = element
         self._held: HeldLease | None = None

@@ -3,6 +3,7 @@
 import asyncio
 import atexit
 from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, Self
 
@@ -10,6 +11,7 @@ from agents.face.backstage import Backstage
 from agents.face.complaints import complain_in_a_sentence
 from agents.face.element import PATIENCE, numbered, plain
 from agents.face.errors import RobotError, Stopped, error_of
+from agents.face.holding import Lease
 from agents.face.horizon import Horizon
 from agents.face.robot import Robot
 from agents.face.stage import Stage
@@ -101,6 +103,31 @@ class Team:
         if not outcome.is_done:
             raise error_of(outcome, agent, request)
         return numbered(outcome.result)
+
+    @contextmanager
+    def lease(self, name: str, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[Lease]:
+        """Hold a name during a block, which no other program holds meanwhile: `with team.lease("doorway"):`.
+
+        For whatever programs must not do at the same time and no part of a robot stands for: a doorway, a task. The
+        team's arbiter gives it; nothing hinders a program that does not ask. For a part of a robot there is
+        `robot.base.lease()`.
+
+        Args:
+            name: What the programs call it.
+            priority: Whoever has a lower one must let go.
+            seconds: How long it outlives this program at most, should that die or freeze.
+            notice: s that the present holder is given.
+        Raises:
+            Refused: Somebody else holds it, says who; no arbiter is there; or it cannot be a name.
+        """
+        from agents.services.leases import NAMED  # here and not at the top: few programs hold names
+
+        lease = Lease(self._stage, f"{NAMED}{name}")
+        lease.take(priority, seconds, notice)
+        try:
+            yield lease
+        finally:
+            lease.release()
 
     def sleep(self, seconds: float) -> None:
         """Wait; what drives goes on driving."""

@@ -5,6 +5,10 @@ So two arbiters never give one element to two holders, and an arbiter that dies 
 by itself. What it adds: a holder is warned before somebody of higher priority takes over, one that dies is stopped at
 once, and all is written down.
 
+A name such as `name:doorway` is no part of a robot: the arbiter alone says who holds it, and nothing but the agreement
+of the applications enforces that. An arbiter that has just begun gives no name for `TIME_TO_RETURN`, in which those who
+hold one from an arbiter before come back to it.
+
 A lease lasts as long as was asked for, from the last time that its holder renewed it: a holder that is frozen loses it.
 A holder is whoever an ACL message says that it is from; the right to move is the token, which only the one who asked
 has, and `renew` and `release` want the lease's id, which nobody else is told.
@@ -29,6 +33,7 @@ LONGEST_LEASE = 60.0  # s, as the gateways have it
 LONGEST_NOTICE = 5.0  # s
 HIGHEST_PRIORITY = 1000  # and the lowest is its negative
 TIME_TO_APPEAR = 0.5  # s for the token of a holder that has just begun to live
+TIME_TO_RETURN = 3.0  # s; more than a holder of a name takes to renew it
 MOST_ROWS = 500  # of the audit in one answer
 
 
@@ -53,6 +58,7 @@ class Arbiter(Agent):
             lambda err: self.home.report(self.name, "the audit is written down no more", err),
             self.properties.get("audit_file"),
         )
+        self._gives_names_from = loop.time() + TIME_TO_RETURN
         self._keeper = Keeper(self.name, self._book, self._gateways, self._audit, self.send)
         self._directory = Directory(self.bus, lambda name, lives: hand_over(loop, self._on_life, name, lives))
         watching = self.bus.watch_alive("*/alive", lambda key, lives: hand_over(loop, self._on_robot, key, lives))
@@ -68,10 +74,10 @@ class Arbiter(Agent):
 
     @request("lease", agrees_itself=True)
     async def lease(self, element: str, priority: int = 0, seconds: float = 5.0, notice: float = 0.5) -> dict[str, Any]:
-        """Give the one who asks the right to move an element such as `base@happy`, or the whole robot `happy`.
+        """Give the one who asks the right to move `base@happy` or the whole robot `happy`, or to use `name:doorway`.
 
         Args:
-            element: What.
+            element: What: an element, a robot, or a name of any kind after `name:`.
             priority: Whoever holds it with a lower one is warned, and loses it.
             seconds: How long it lasts without `renew`.
             notice: s that the present holder is given.
@@ -82,6 +88,8 @@ class Arbiter(Agent):
             _check("seconds", seconds, 0.1, LONGEST_LEASE)
             _check("notice", notice, 0.0, LONGEST_NOTICE)
             await self._await_life(wish.holder)
+            if wish.place.is_named:
+                await asyncio.sleep(self._gives_names_from - self._own_loop.time())
             grant = await self._give(wish, notice)
         except GatewayAway as err:
             raise self._no(wish, str(err)) from err
@@ -90,15 +98,21 @@ class Arbiter(Agent):
         return {**grant.told(), "token": grant.token}
 
     @request("renew", agrees_itself=True)
-    async def renew(self, lease: str, seconds: float = 0.0, token: str = "", element: str = "") -> dict[str, Any]:
+    async def renew(
+        self, lease: str, seconds: float = 0.0, token: str = "", element: str = "", priority: int = 0
+    ) -> dict[str, Any]:
         """Let a lease last for as long again, or for so many seconds from now on.
 
         With token and element a lease goes on that was given by an arbiter that is gone: the gateway knows the token.
+        A name goes on, with the priority, unless somebody else holds it by now.
         """
         _check("seconds", seconds, 0.0, LONGEST_LEASE)
         try:
             if lease not in self._book.grants and token and element:
-                return (await self._adopt(lease, token, Place.parse(element), seconds or 5.0)).told()
+                place = Place.parse(element)
+                if place.is_named:
+                    return self._take_up(lease, token, Wish(place, asker(), priority, seconds or 5.0)).told()
+                return (await self._adopt(lease, token, place, seconds or 5.0)).told()
             grant = self._own(lease)
             if not await self._keeper.renew(grant, seconds or grant.seconds):
                 raise Refused(f"the gateway of {grant.place.robot} does not know this lease any more; ask anew")
@@ -203,6 +217,16 @@ class Arbiter(Agent):
             grant = Grant(lease[:64], Wish(place, asker(), priority, seconds), token, seconds, asked_at + seconds)
             self._keeper.begin(grant, Entry.ADOPTED)
         return self._book.grants[lease]
+
+    def _take_up(self, lease: str, token: str, wish: Wish) -> Grant:
+        """Go on with a lease on a name that was given by an arbiter before."""
+        _check("priority", wish.priority, -HIGHEST_PRIORITY, HIGHEST_PRIORITY)
+        if self._book.held_against(wish) or self._book.is_claimed(wish.place):
+            agree()  # a failure is final; a refusal may mean that this arbiter is suspended
+            raise Refused(f"somebody else has {wish.place} by now; ask anew")
+        grant = Grant(lease[:64], wish, token, wish.seconds, self._own_loop.time() + wish.seconds)
+        self._keeper.begin(grant, Entry.ADOPTED)
+        return grant
 
     async def _await_life(self, holder: AgentName) -> None:
         """Refuse a holder that nobody would notice dying: one that does not live, or lies about its name."""

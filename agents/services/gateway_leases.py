@@ -1,9 +1,13 @@
-"""The gateways' own leases, which arbiters ask for: `<robot>/lease` on the bus. The gateway has the last word."""
+"""The gateways' own leases, which arbiters ask for: `<robot>/lease` on the bus. The gateway has the last word.
+
+A lease on a name has no gateway: an arbiter's book alone says who holds it.
+"""
 
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from agents.services.leases import ROBOT, Place
+from agents.services.lease_book import new_id
+from agents.services.leases import NAMED, ROBOT, Place
 from bus import NoAnswer, NotAllowed, Refused, keys
 
 ANSWER_TIME = 1.0  # s
@@ -28,6 +32,8 @@ class GatewayLeases:
         Raises:
             Refused, GatewayAway: Not so.
         """
+        if place.is_named:
+            return new_id()
         wanted = {"do": "take", "holder": holder, "priority": priority, "seconds": seconds}
         if not place.is_whole:
             wanted["element"] = place.element
@@ -38,11 +44,13 @@ class GatewayLeases:
         return token
 
     async def renew(self, place: Place, token: str, seconds: float) -> tuple[str, int]:
-        """Let a lease last so long from now; return its holder and priority.
+        """Let a lease last so long from now; return its holder and priority, which nobody knows of a name's.
 
         Raises:
             Refused, GatewayAway: Not so.
         """
+        if place.is_named:
+            return "", 0
         state = await self._ask(place.robot, {"do": "renew", "token": token, "seconds": seconds})
         if state.get("element", ROBOT) != place.element:
             raise Refused(f"this token is of a lease on another element than {place}")
@@ -54,7 +62,8 @@ class GatewayLeases:
         Raises:
             Refused, GatewayAway: Not so.
         """
-        await self._ask(robot, {"do": "release", "token": token})
+        if not robot.startswith(NAMED):
+            await self._ask(robot, {"do": "release", "token": token})
 
     async def time_left(self, place: Place, holder: str) -> float:
         """s until the lease ends that somebody has on a place; 0 when he has none.
@@ -62,6 +71,8 @@ class GatewayLeases:
         Raises:
             GatewayAway: Nobody knows.
         """
+        if place.is_named:
+            return 0.0
         match place.lease_in(await self._ask(place.robot, {"do": "show"})):
             case {"holder": str(name), "expires_in": int() | float() as left} if name == holder:
                 return float(left)
@@ -73,6 +84,8 @@ class GatewayLeases:
         Raises:
             GatewayAway: Nobody knows.
         """
+        if place.is_named:
+            return []
         return place.holders(await self._ask(place.robot, {"do": "show"}))
 
     async def _ask(self, robot: str, arguments: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ is suspended or frozen does not renew, and loses it.
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
+from math import inf
 from typing import Any
 
 from agents.platform import (
@@ -34,6 +35,9 @@ from bus import BusError, Refused
 SECONDS = 3.0
 NOTICE = 0.5
 RENEWALS = 3  # within the time that a lease lasts, so that one may fail
+LONGEST_PERIOD = (
+    0.8  # s between renewals of a name; two of them with a search are less than an arbiter's TIME_TO_RETURN
+)
 TIME_TO_LET_GO = 1.0  # s
 TIME_TO_TAKE_OVER = ANSWER_TIME  # s for the gateway to answer, once a warned holder's time is up
 
@@ -62,6 +66,16 @@ class HeldLease:
         self._on_news = on_news
         self._loop = asyncio.get_running_loop()
         self._expires_at = self._warned_until = self._loop.time()
+
+    @property
+    def period(self) -> float:
+        """s from one renewal to the next; short for a name, for which a new arbiter waits before it gives it anew."""
+        return min(self.seconds / RENEWALS, LONGEST_PERIOD if self.place.is_named else inf)
+
+    @property
+    def patience(self) -> float:
+        """s that a renewal may take."""
+        return LONGEST_PERIOD if self.place.is_named else inf
 
     @property
     def is_held(self) -> bool:
@@ -130,10 +144,13 @@ class HeldLease:
             return
         self.ended.set()
         with suppress(BusError, TimeoutError, GatewayAway):  # it expires by itself
-            if self._arbiter is None or not (await self._ask(self._arbiter, "release", TIME_TO_LET_GO)).is_done:
+            released = self._arbiter and (await self._ask(self._arbiter, "release", TIME_TO_LET_GO)).is_done
+            if not released:
                 await self._gateways.release(self.place.robot, self.token)
 
     async def _take_from_gateway(self) -> None:
+        if self.place.is_named:
+            raise RequestNotDone(f"no arbiter is there to give {self.place}: start a team with acromovi up")
         try:
             self.token = await self._gateways.take(self.place, str(self._agent.name), self.priority, self.seconds)
         except Refused as err:
@@ -148,10 +165,16 @@ class HeldLease:
             Refused: The lease has ended.
         """
         if self._arbiter is not None:
-            patience = (self._expires_at - self._loop.time()) / 2.0
+            patience = min((self._expires_at - self._loop.time()) / 2.0, self.patience)
             about = {"seconds": self.seconds, "token": self.token, "element": str(self.place)}
-            if (await self._ask(self._arbiter, "renew", patience, **about)).is_done:
+            outcome = await self._ask(self._arbiter, "renew", patience, **about, priority=self.priority)
+            if outcome.is_done:
                 return True
+            if self.place.is_named and outcome.ending is Ending.FAILED:  # a refusal may come from one that rests
+                raise Refused(outcome.why)
+        if self.place.is_named:
+            self._arbiter = await find_arbiter(self._agent, self.period / 2.0)
+            return False  # the next renewal asks that one
         try:
             await self._gateways.renew(self.place, self.token, self.seconds)
         except GatewayAway:
@@ -189,7 +212,7 @@ async def leased(
 
     Args:
         agent: Who holds it; it must be active, since one sees by its token that it lives.
-        element: `base@happy`, or `happy` for the whole robot.
+        element: `base@happy`, `happy` for the whole robot, or `name:doorway`, a name that only the arbiter knows.
         priority: Whoever holds it with a lower one loses it.
         seconds: How long it lasts when its holder can renew it no more.
         notice: s that the present holder is given to let go.
@@ -197,11 +220,11 @@ async def leased(
         on_news: Told when the lease is wanted by somebody of higher priority (`within` s are left), and when it ends.
     Raises:
         RequestNotDone: It was not given; says why.
-        Refused: There can be no such element.
+        Refused: There can be no such element, or name.
     """
     lease = HeldLease(agent, Place.parse(element), priority, seconds, on_news)
     await lease.take(arbiter or await find_arbiter(agent), notice)
-    behaviours = [agent.every(seconds / RENEWALS, lease.renew), agent.add(Cyclic(lease.hear))]
+    behaviours = [agent.every(lease.period, lease.renew), agent.add(Cyclic(lease.hear))]
     try:
         yield lease
     finally:

@@ -17,6 +17,8 @@ ONTOLOGY = "acromovi-lease"
 SERVICE = "arbitration"
 ROBOT = "robot"
 """What the gateway calls the lease on a whole robot."""
+NAMED = "name:"
+"""How a lease on something begins that is no part of a robot: `name:doorway`."""
 LONGEST_NAME = 200  # characters of robot and element
 
 
@@ -62,9 +64,9 @@ class LeaseNews:
 
 @dataclass(frozen=True, slots=True, order=True)
 class Place:
-    """What a lease is on: an element of a robot, or the robot as a whole.
+    """What a lease is on: an element of a robot, the robot as a whole, or a name that applications agree upon.
 
-    element: its name, or `ROBOT`.
+    robot: its name, or `NAMED` and the name. element: its name, or `ROBOT`.
     """
 
     robot: str
@@ -72,20 +74,30 @@ class Place:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Read `base@happy`, or `happy` for the whole robot.
+        """Read `base@happy`, `happy` for the whole robot, or `name:doorway` for a name.
 
         Raises:
-            Refused: It is neither.
+            Refused: It is none of these.
         """
         if len(text) > LONGEST_NAME:
             raise Refused(f"a lease is on an element such as base@happy; {text[:20]}… is longer than any name")
+        if text.startswith(NAMED):
+            name = text.removeprefix(NAMED)
+            if not name.strip() or name != name.strip() or not name.isprintable() or "@" in name:
+                raise Refused(f"{text!r} names nothing to lease; write name:doorway, in printable characters without @")
+            return cls(text, ROBOT)
         try:
             if "@" not in text:
                 return cls(robot_name(text), ROBOT)
-            name = AgentName.parse(text)
+            agent = AgentName.parse(text)
         except (NameNotValid, KeyNotValid) as err:
-            raise Refused(f"a lease is on an element such as base@happy, or on a robot: {err}") from err
-        return cls(name.platform, name.local)
+            raise Refused(f"a lease is on an element such as base@happy, on a robot, or on a name: {err}") from err
+        return cls(agent.platform, agent.local)
+
+    @property
+    def is_named(self) -> bool:
+        """Whether it is a name, which no gateway knows: the arbiter alone gives it."""
+        return self.robot.startswith(NAMED)
 
     @property
     def is_whole(self) -> bool:

@@ -5,8 +5,12 @@ import io
 
 import pytest
 
-from acromovi.leases import leases, show
+from acromovi.known_agents import KnownAgents
+from acromovi.leases import leases, named, show
+from agents.services.arbiter import Arbiter
 from bus import MemoryBus, Refused
+from tests.agents.face.conftest import World
+from tests.agents.services.lease_world import ARBITER
 
 FREE = {"holder": None, "priority": 0, "expires_in": None}
 MINE = {"holder": "app@lab", "priority": 2, "expires_in": 1.25}
@@ -25,6 +29,22 @@ def test_leases_of_all_robots_are_listed_in_order() -> None:
 def test_where_no_robot_is_nothing_is_listed() -> None:
     with MemoryBus() as bus:
         assert asyncio.run(leases(bus)) == []
+
+
+def test_leases_on_names_are_those_that_arbiters_know(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agents.services.arbiter.TIME_TO_RETURN", 0.0)
+    world = World()
+    try:
+        world.add(Arbiter(ARBITER))
+        with world.team() as team, team.lease("doorway", priority=3), MemoryBus(world.network) as bus:
+            with KnownAgents(bus) as known:
+                known.meet()
+                (row,) = named(bus, known)
+    finally:
+        world.close()
+    assert (row["element"], row["priority"]) == ("name:doorway", 3)
+    assert row["holder"].endswith("@apps")
+    assert 0.0 < row["expires_in"] <= 3.0
 
 
 def test_gateway_that_says_no_is_told_and_the_others_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

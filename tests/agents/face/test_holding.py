@@ -216,3 +216,35 @@ def test_who_holds_the_lease_stops_with_its_token(world: World, team: Team) -> N
         assert world.agent("gripper@happy").asked == [lease.token]
     gripper.stop()
     assert world.agent("gripper@happy").asked[1:] == [""]
+
+
+def test_a_name_is_held_during_a_block(world: LeasedWorld, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agents.services.arbiter.TIME_TO_RETURN", 0.1)
+    world.add(Arbiter(ARBITER))
+    with world.team() as first, world.team() as second:
+        with first.lease("doorway") as lease:
+            assert lease.is_held
+            refused = pytest.raises(
+                Refused, match=r"^no lease on name:doorway: refused: app-.*@apps holds name:doorway"
+            )
+            with refused, second.lease("doorway"):
+                pass
+            with second.lease("doorway", priority=1):
+                wait_until(lambda: not lease.is_held)
+                with pytest.raises(LeaseLost, match="the lease on name:doorway is lost"):
+                    _ = lease.token
+        with second.lease("doorway"):
+            pass
+
+
+@pytest.mark.parametrize("name", ["", "base@happy", "a\nb"])
+def test_what_cannot_be_a_name_is_told(world: LeasedWorld, name: str) -> None:
+    refused = pytest.raises(Refused, match="names nothing to lease; write name:doorway")
+    with world.team() as team, refused, team.lease(name):
+        pass
+
+
+def test_a_name_needs_an_arbiter(world: LeasedWorld) -> None:
+    refused = pytest.raises(Refused, match="no arbiter is there to give name:doorway: start a team")
+    with world.team() as team, refused, team.lease("doorway"):
+        pass
