@@ -9,8 +9,11 @@ import base64
 import json
 import math
 import struct
+import threading
+import time
 from collections.abc import Mapping
 from functools import cache
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +71,7 @@ __all__ = [
     "TwistStamped",
     "TwistWithCovariance",
     "Vector3",
+    "compiled_at",
     "decode",
     "decode_json",
     "encode",
@@ -139,9 +143,32 @@ def prepare(type_name: str) -> None:
     Raises:
         MessageError: The type is unknown.
     """
-    if type_name not in _typestore().fielddefs:
-        raise MessageError(f"unknown message type {type_name!r}; expected one like nav_msgs/msg/Odometry")
-    _typestore().get_msgdef(type_name)
+    if type_name in _prepared:
+        return
+    thread = threading.get_ident()
+    _compiled_at[thread] = inf
+    try:
+        if type_name not in _typestore().fielddefs:
+            raise MessageError(f"unknown message type {type_name!r}; expected one like nav_msgs/msg/Odometry")
+        _typestore().get_msgdef(type_name)
+        _prepared.add(type_name)
+    finally:
+        _compiled_at[thread] = time.monotonic()
+
+
+def compiled_at(thread: int) -> float:
+    """When a thread has last compiled the serialisers of a type.
+
+    Args:
+        thread: Its identifier.
+    Returns:
+        s of `time.monotonic`; infinite while it does so, and minus infinite when it never has.
+    """
+    return _compiled_at.get(thread, -inf)
+
+
+_prepared: set[str] = set()
+_compiled_at: dict[int, float] = {}
 
 
 def encode(message: object) -> bytes:
@@ -151,6 +178,7 @@ def encode(message: object) -> bytes:
         MessageError: The object is no message, or a value does not fit its field.
     """
     name = type_of(message)
+    prepare(name)
     try:
         return bytes(_typestore().serialize_cdr(message, name, little_endian=True))
     except ENCODE_ERRORS as err:

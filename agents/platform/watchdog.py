@@ -9,6 +9,7 @@ import linecache
 import sys
 import sysconfig
 import threading
+import time
 from collections.abc import Callable, Iterable
 from types import FrameType
 
@@ -17,6 +18,7 @@ from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Subscription
+from bus.messages import compiled_at
 
 LONGEST_TURN = 0.5  # s that one step of an agent may take
 LOOK_EVERY = 0.25  # s
@@ -51,10 +53,19 @@ class Watchdog(Subscription):
         while not self._has_ended.wait(LOOK_EVERY) and not self._loop.is_closed():
             turned = threading.Event()
             hand_over(self._loop, turned.set)
-            if not turned.wait(LONGEST_TURN) and not turned.wait(GRACE) and self._loop.is_running():
+            if not self._turns(turned) and self._loop.is_running():
                 self._tell()
                 while not turned.wait(LOOK_EVERY) and self._loop.is_running() and not self._has_ended.is_set():
                     pass
+
+    def _turns(self, turned: threading.Event) -> bool:
+        """Whether the loop turns in time; the time in which it compiles message types, each once, does not count."""
+        while True:
+            since = time.monotonic()
+            if turned.wait(LONGEST_TURN) or turned.wait(GRACE):
+                return True
+            if compiled_at(self._loop_thread) < since:
+                return False
 
     def _tell(self) -> None:
         frame = sys._current_frames().get(self._loop_thread)

@@ -36,10 +36,10 @@ def test_leases_on_names_are_those_that_arbiters_know(monkeypatch: pytest.Monkey
     world = World()
     try:
         world.add(Arbiter(ARBITER))
-        with world.team() as team, team.lease("doorway", priority=3), MemoryBus(world.network) as bus:
-            with KnownAgents(bus) as known:
-                known.meet()
-                (row,) = named(bus, known)
+        bus = MemoryBus(world.network)
+        with bus, world.team() as team, team.lease("doorway", priority=3), KnownAgents(bus) as known:
+            known.meet()
+            (row,) = named(bus, known)
     finally:
         world.close()
     assert (row["element"], row["priority"]) == ("name:doorway", 3)

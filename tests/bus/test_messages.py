@@ -1,6 +1,8 @@
 import contextlib
 import dataclasses
 import math
+import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -221,3 +223,29 @@ def test_a_stamp_comes_back_to_the_nanosecond(stamp: int) -> None:
 @given(st.floats(-math.pi, math.pi))
 def test_a_heading_comes_back_from_its_quaternion(angle: float) -> None:
     assert math.isclose(heading(quaternion(angle)), angle, abs_tol=1e-9)
+
+
+def test_one_can_tell_when_a_thread_has_compiled_a_type(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[float] = []
+
+    class Types:
+        fielddefs = ("slow_msgs/msg/Type",)
+
+        def get_msgdef(self, type_name: str) -> None:
+            seen.append(messages.compiled_at(threading.get_ident()))
+
+    def compile_type() -> None:
+        seen.append(messages.compiled_at(threading.get_ident()))
+        messages.prepare("slow_msgs/msg/Type")
+        seen.append(messages.compiled_at(threading.get_ident()))
+
+    monkeypatch.setattr(messages, "_typestore", Types)
+    monkeypatch.setattr(messages, "_prepared", set())
+    monkeypatch.setattr(messages, "_compiled_at", {})
+    before = time.monotonic()
+    thread = threading.Thread(target=compile_type)
+    thread.start()
+    thread.join()
+    never, during, after = seen
+    assert (never, during) == (-math.inf, math.inf)
+    assert before <= after <= time.monotonic()

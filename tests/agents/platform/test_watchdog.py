@@ -7,7 +7,7 @@ import pytest
 
 from agents.platform import Agent, Container, Report, request
 from agents.platform.watchdog import LONGEST_TURN
-from bus import MemoryBus, Sample
+from bus import MemoryBus, Sample, messages
 from bus.messages import decode_json
 from tests.waiting import DEADLINE
 
@@ -80,6 +80,40 @@ def test_what_is_no_agents_is_told_of_without_a_name(caplog: pytest.LogCaptureFi
     asyncio.run(main())
     assert decode_json(told[0].payload)["agent"] is None
     assert f"for longer than {LONGEST_TURN:g} s" in caplog.text
+
+
+class SlowTypes:
+    """Compiles message types as slowly as a busy machine."""
+
+    def __init__(self, count: int) -> None:
+        self.fielddefs = [f"slow_msgs/msg/Type{number}" for number in range(count)]
+
+    def get_msgdef(self, type_name: str) -> None:
+        time.sleep(LONGEST_TURN * 0.7)
+
+
+def test_compiling_message_types_is_no_fault_of_an_agent(monkeypatch: pytest.MonkeyPatch) -> None:
+    reports: list[Report] = []
+    types = SlowTypes(4)
+    monkeypatch.setattr(messages, "_typestore", lambda: types)
+
+    class Reader(Blocker):
+        async def act(self) -> None:
+            for name in types.fielddefs:
+                messages.prepare(name)
+            assert reports == []
+            await asyncio.sleep(0)
+            self.block()
+
+    async def main() -> None:
+        async with Container(MemoryBus(), "happy", reports.append) as container:
+            reader = Reader(reports)
+            await container.start(reader)
+            await reader.add(reader.act).result()
+
+    asyncio.run(main())
+    (report,) = reports
+    assert "in Blocker.block: " in report.what
 
 
 def test_a_loop_that_waits_is_not_held_up() -> None:
