@@ -225,13 +225,22 @@ class SweepReceived(NamedTuple):
 
 
 class End(StrEnum):
-    """How a long motion ended."""
+    """How a long motion ended.
+
+    Only stall bits in the SIPs make it STALLED. A robot that rests elsewhere than at the goal has gone too far
+    (OVERSHOOT), not far enough (UNDERSHOOT), or never moved (NOT_STARTED). STOPPED is by a command; STOPPED_BY_ROBOT is
+    by its STOP button, its emergency stop, or because it switched its motors off.
+    """
 
     REACHED = "reached"
     REPLACED = "replaced"
     STOPPED = "stopped"
+    STOPPED_BY_ROBOT = "stopped by the robot"
     STALLED = "stalled"
     COMMANDER_LOST = "commander lost"
+    OVERSHOOT = "overshoot"
+    UNDERSHOOT = "undershoot"
+    NOT_STARTED = "did not start"
     LOST = "lost"
     TIMEOUT = "timeout"
 
@@ -239,17 +248,39 @@ class End(StrEnum):
 class MotionEnded(NamedTuple):
     """A move or a turn is over.
 
-    motion_id: as its answer gave it. done: m or rad covered, in the direction asked for.
+    motion_id: as its answer gave it. done, goal: what was covered and what was asked for, signed; m or rad, as unit
+    says.
     """
 
     motion_id: str
     kind: str
     end: End
     done: float
+    goal: float
+    unit: str
+
+    @property
+    def sentence(self) -> str:
+        """How it ended, with what was covered of what was asked for."""
+        covered = f"{self.done:.2f} of {self.goal:.2f} {self.unit}"
+        match self.end:
+            case End.OVERSHOOT | End.UNDERSHOOT:
+                return f"{self.end.value} by {abs(self.goal - self.done):.2f} {self.unit}: {covered}"
+            case End.REACHED | End.NOT_STARTED:
+                return f"{self.end.value}: {covered}"
+        return f"{self.end.value} after {covered}"
 
     def as_json(self) -> Mapping[str, Any]:
         """As it is published on `<robot>/command/result/<id>`."""
-        return {"id": self.motion_id, "command": self.kind, "result": self.end.value, "done": round(self.done, 4)}
+        return {
+            "id": self.motion_id,
+            "command": self.kind,
+            "result": self.end.value,
+            "done": round(self.done, 4),
+            "goal": round(self.goal, 4),
+            "unit": self.unit,
+            "text": self.sentence,
+        }
 
 
 Event = (

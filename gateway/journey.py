@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from math import cos, degrees, radians, sin
+from math import cos, degrees, inf, radians, sin
 
 from gateway.events import End
 from gateway.odometry import Odometry
@@ -28,11 +28,12 @@ def is_at_rest(sip: StandardSip) -> bool:
 class Journey(ABC):
     """A move or a turn on its way.
 
-    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, signed. done: how much of it is
-    done.
+    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, as unit says, signed. done: how
+    much of it is done.
     """
 
     tolerance: float
+    unit: str
 
     def __init__(self, motion_id: str, kind: str, goal: float, odometry: Odometry, now: float) -> None:
         self.motion_id = motion_id
@@ -42,6 +43,8 @@ class Journey(ABC):
         self._odometry = odometry
         self._started = now
         self._resting_since = self._unstalled_at = now
+        self._stalled_at = -inf
+        self._has_rolled = False
         self._rest = 0.0  # s for which both wheels have stood
 
     @abstractmethod
@@ -62,23 +65,41 @@ class Journey(ABC):
         self.done = self._progress()
         if not is_at_rest(sip):
             self._resting_since = now
-        if not (sip.left_stalled or sip.right_stalled):
+            self._has_rolled = True
+        if sip.left_stalled or sip.right_stalled:
+            self._stalled_at = now
+        else:
             self._unstalled_at = now
         self._rest = resting = now - self._resting_since
         started = now - self._started >= TIME_TO_START or abs(self.done) > self.tolerance
         if started and resting >= REST_TO_ARRIVE and abs(self.goal - self.done) <= self.tolerance:
             return End.REACHED
-        if resting >= REST_TO_GIVE_UP or now - self._unstalled_at >= STALL_TO_GIVE_UP:
+        if now - self._unstalled_at >= STALL_TO_GIVE_UP:
             return End.STALLED
+        if resting >= REST_TO_GIVE_UP:
+            return self._why_it_rests(sip)
         if now >= self.times_out_at:
             return End.TIMEOUT
         return None
+
+    def _why_it_rests(self, sip: StandardSip) -> End:
+        """How the motion ended of a robot that rests elsewhere than at the goal."""
+        if self._stalled_at >= self._resting_since - REST_TO_GIVE_UP:
+            return End.STALLED
+        if sip.stop_button or sip.e_stalled:
+            return End.STOPPED_BY_ROBOT
+        if not self._has_rolled and abs(self.done) <= self.tolerance:
+            return End.NOT_STARTED
+        if not sip.motors_enabled:
+            return End.STOPPED_BY_ROBOT
+        return End.OVERSHOOT if abs(self.done) > abs(self.goal) and self.done * self.goal >= 0 else End.UNDERSHOOT
 
 
 class Move(Journey):
     """Along the heading at the start."""
 
     tolerance = 0.03
+    unit = "m"
 
     def __init__(self, motion_id: str, distance: float, command: float, odometry: Odometry, now: float) -> None:
         super().__init__(motion_id, "move", distance, odometry, now)
@@ -104,6 +125,7 @@ class Turn(Journey):
     """
 
     tolerance = radians(3.0)
+    unit = "rad"
     LARGEST_AT_ONCE = 170
     STEP = 120
     AHEAD = 45

@@ -249,7 +249,7 @@ class Motion:
     def _finish(self, end: End) -> None:
         journey, self._journey = self._journey, None
         if journey is not None:
-            self._report(MotionEnded(journey.motion_id, journey.kind, end, journey.done))
+            self._report(MotionEnded(journey.motion_id, journey.kind, end, journey.done, journey.goal, journey.unit))
 
     def _follow_motors(self, sip: StandardSip, now: float) -> None:
         went_off = self._motors_on and not sip.motors_enabled
@@ -260,7 +260,7 @@ class Motion:
         elif went_off and now - self._enabled_at > TIME_TO_ENABLE:
             # The robot did it by itself (STOP button, e-stall, low battery): it takes a person to switch them on again.
             self.wants_motors = False
-            self.halt(now)
+            self.halt(now, End.STOPPED_BY_ROBOT)
 
 
 def _clip(value: float, limit: float) -> float:

@@ -190,7 +190,7 @@ class Wheels(Component):
             if now - self._heard_at >= BLIND:
                 return f"no odometry for {now - self._heard_at:.1f} s"
             if headway.is_blocked(self.pose, self._rolls, velocity, now):
-                return "stalled"
+                return "blocked"
             if self.moving.is_changing:
                 pass  # another request is just asking to drive
             elif now - asked_at >= ASK_AGAIN:
@@ -225,8 +225,8 @@ class Wheels(Component):
 
     async def _judge(self, end: Mapping[str, Any]) -> None:
         """Fail, unless the motion has reached its goal."""
-        done = end.get("done")
-        after = f" after {done:.2f}" if isinstance(done, float) else ""
+        done, unit = end.get("done"), end.get("unit", "")
+        after = f" after {done:.2f} {unit}".rstrip() if isinstance(done, float) else ""
         match end.get("result"):
             case "reached":
                 return
@@ -238,7 +238,7 @@ class Wheels(Component):
             case "timeout":
                 await self._give_up(f"not there in time{after}")
             case how:
-                await self._give_up(f"{how}{after}")  # stopped, or stalled
+                await self._give_up(str(end.get("text", f"{how}{after}")))
 
     async def _give_up(self, what: str) -> NoReturn:
         """Fail, with what is known of the reasons; the robot may be just about to tell them."""

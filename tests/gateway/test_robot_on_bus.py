@@ -193,9 +193,16 @@ def test_move_answers_with_an_id_and_its_end_is_published_there(office: Office) 
     answer = office.ask("command/move", distance=0.4)
     assert answer["accepted"] is True
     office.run(6.0)
-    assert office.objects(f"command/result/{answer['id']}") == [
-        {"id": answer["id"], "command": "move", "result": "reached", "done": pytest.approx(0.4, abs=0.03)}
-    ]
+    [end] = office.objects(f"command/result/{answer['id']}")
+    assert end == {
+        "id": answer["id"],
+        "command": "move",
+        "result": "reached",
+        "done": pytest.approx(0.4, abs=0.03),
+        "goal": 0.4,
+        "unit": "m",
+        "text": f"reached: {end['done']:.2f} of 0.40 m",
+    }
 
 
 def test_a_velocity_that_is_asked_drives_as_one_of_a_stream_does_and_says_why_not(office: Office) -> None:
