@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 BUS_PERIOD = 1.0
 """Seconds between two tries to open the bus."""
-MOST_KEPT = 256
-"""Events kept while the bus is being opened."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +85,7 @@ class Gateway:
         self._element_news = ElementNews(cables)
         self._search = Search(options.port, now)
         self._link_reports = LinkReports()
-        self._kept: list[Event] = []
+        self._kept: dict[type[Event], tuple[Event, int]] = {}  # the latest of each kind, with its stamp
         self._complaint = ""
         self._bus: Bus | None = None
         self._bus_error: Exception | None = None
@@ -119,13 +117,14 @@ class Gateway:
         if self._options.waits or self._search.found is not None:
             tell_problem(self._options, self._link_reports.due(self._driver.link_problem, now))
         if self._robot is None:
-            self._kept = [*self._kept, *events][-MOST_KEPT:]
+            self._keep(events, stamp_ns)
             if self._driver.identity is not None:
                 self._is_known.set()
             if self._joined is None:
                 return
-            events, self._kept = self._kept, []
             self._robot = self._joined
+            self._robot.publish_kept(self._kept.values())
+            events, self._kept = [], {}
         self._robot.happened(events, now, stamp_ns)
         self._say_elements(now)
 
@@ -140,6 +139,15 @@ class Gateway:
             self._joined.close()
         if self._bus is not None:
             self._bus.close()
+
+    def _keep(self, events: Sequence[Event], stamp_ns: int) -> None:
+        """Keep what is to be published once the robot is on the bus: nothing that a later event supersedes."""
+        for event in events:
+            if isinstance(event, LinkLost):
+                self._kept.clear()
+            else:
+                self._kept.pop(type(event), None)  # so that the order is that of the events
+                self._kept[type(event)] = event, stamp_ns
 
     def _open_bus(self) -> None:
         try:

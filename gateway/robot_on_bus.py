@@ -5,7 +5,7 @@ It has no thread and no clock of its own: whoever has the driver calls `happened
 
 import secrets
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -108,6 +108,12 @@ class RobotOnBus(Subscription):
                 self._orders.lease_has_changed = False
                 self._lease_state.put(self._orders.leases.state(now))
             self._streams.publish_status(self._orders.refused, self._orders.recent_notice(now), now, stamp_ns)
+
+    def publish_kept(self, events: Iterable[tuple[Event, int]]) -> None:
+        """Publish events from before the robot was on the bus, each with its stamp as in `happened`."""
+        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+            for event, stamp_ns in events:
+                self._streams.publish(event, stamp_ns)
 
     def element_happened(self, face: CableFace[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
