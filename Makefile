@@ -2,30 +2,30 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
+DEMO   := $(VENV)/.demo
 READY  := $(VENV)/.ready
 
 # Tests wait for processes more than they reckon, so there is room for one more at a time than there are cores.
 WORKERS := $(shell expr $$(nproc) + 1)
 
 # Caches stay in this folder too.
-export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
-export MPLCONFIGDIR  := $(CURDIR)/.cache/matplotlib
+export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 
-.PHONY: help demo test format lint types check docs bench wheel clean
+.PHONY: help demo install test format lint types check docs bench wheel clean
 
 help:  ## List the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
 
-$(READY): pyproject.toml constraints.txt
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))' || \
-	  { echo "Acromovi needs Python 3.11, 3.12 or 3.13; say which with: make PYTHON=python3.12"; exit 1; }
-	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'pip>=25.1'
-# The build backend warns of parts of its own, which nobody here could mend; errors are still shown.
-	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt --group dev -e '.[all]'
-	@touch $@
+# What the demo needs, and all that the other targets need besides.
+$(DEMO): pyproject.toml constraints.txt
+	@VENV=$(VENV) $(PYTHON) tools/make_venv.py demo
 
-demo: $(READY)  ## Emulator, gateway and a drive round the office; ends by itself in about a minute
+$(READY): pyproject.toml constraints.txt
+	@VENV=$(VENV) $(PYTHON) tools/make_venv.py all
+
+install: $(READY)  ## Install everything: all extras and the development tools, about 810 MB
+
+demo: $(DEMO)  ## Emulator, gateway and a drive round the office; ends by itself in about a minute
 	@$(BIN)/python -m acromovi demo
 
 test: $(READY)  ## Format check, lint, strict types and all tests

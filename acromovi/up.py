@@ -11,13 +11,14 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from acromovi.options import add_apps, add_bus
+from acromovi.options import add_apps, add_bus, seconds
 
 if TYPE_CHECKING:
     from acromovi.team.plan import Choices, Team
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
+TIMED_OUT = 3  # exit code
 MEETING_TIME = 0.5  # s in which a team that is up already must have been seen
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 EPILOG = """\
@@ -34,8 +35,10 @@ A robot whose port is "emu" is emulated; with a device or a URL in its place it 
 serve when every emulated robot does and every real one that is there; one that is not is waited for, and served when it
 comes. The control socket is the emulator's (null without one).
 
-Exit codes: 1 the team has not come up (the reason is on stderr, and nothing is left running), 2 wrong usage, 130
-stopped by Ctrl-C, 143 by SIGTERM.
+While the team comes up, a line is printed for each robot that becomes ready, and what the others wait for.
+
+Exit codes: 1 the team cannot come up (the reason is on stderr), 2 wrong usage, 3 it has not come up within --timeout
+(the cause for each robot that is missing is on stderr), 130 stopped by Ctrl-C, 143 by SIGTERM. Nothing is left running.
 """
 
 
@@ -45,6 +48,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("team", metavar="TEAM", help="a name in configs/teams, or a file")
     parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="these robots and no others")
     parser.add_argument("--seed", type=int, metavar="N", help="decides everything that chance would, in the emulator")
+    parser.add_argument(
+        "--timeout",
+        type=seconds,
+        metavar="S",
+        help="stop if the team has not come up within this time, s [60]",
+    )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once all serve")
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
@@ -55,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Bring a team up, hold it, and end it in order."""
     from acromovi.team.identities import folder_of_keys
     from acromovi.team.plan import Choices, load_team
-    from acromovi.team.team import TeamFailed
+    from acromovi.team.team import TeamFailed, TeamTimedOut
     from configs.extras import require
 
     team = load_team(arguments.team, arguments.only)
@@ -68,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         return asyncio.run(_hold(team, choices, folder, arguments))
     except TeamFailed as err:
         print(f"acromovi up: {err}", file=sys.stderr)
-        return 1
+        return TIMED_OUT if isinstance(err, TeamTimedOut) else 1
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -80,7 +89,7 @@ def _names(text: str) -> tuple[str, ...]:
 async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argparse.Namespace) -> int:
     from acromovi.team.identities import teams_key
     from acromovi.team.processes import Processes
-    from acromovi.team.team import TeamAtWork
+    from acromovi.team.team import STARTING_TIME, TeamAtWork
     from bus import ZenohBus
 
     def tell(sentence: str) -> None:
@@ -98,7 +107,7 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
         with at_work:
             try:
                 at_work.begin()
-                coming_up = asyncio.ensure_future(at_work.come_up())
+                coming_up = asyncio.ensure_future(at_work.come_up(arguments.timeout or STARTING_TIME))
                 either: list[asyncio.Future[Any]] = [coming_up, asked_to_end]
                 await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
                 if coming_up.done():
@@ -119,9 +128,12 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
 
 def _greeting(team: "Team", robots: Sequence[str]) -> str:
     away = [robot.name for robot in team.robots if robot.name not in robots]
-    who = f"all {len(robots)} robots" if not away else f"{len(robots)} of {len(team.robots)} robots"
+    who = f"{len(robots)} of {len(team.robots)} robots" if away else f"all {len(robots)} robots"
+    if not away and len(robots) == 1:
+        who = f"the robot {robots[0]}"
+    serves = "serves" if len(robots) == 1 else "serve"
     waited_for = f", {' and '.join(away)} will when they come" if away else ""
-    return f"{who} of {team.name} serve{waited_for}; Ctrl-C ends the team"
+    return f"{who} of {team.name} {serves}{waited_for}; Ctrl-C ends the team"
 
 
 def signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":

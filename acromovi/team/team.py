@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from acromovi.team import plan
+from acromovi.team.causes import cause, cause_of_services, plain
 from acromovi.team.host_control import HostControl
 from acromovi.team.plan import Choices, Program, Stage, Team
+from acromovi.team.progress import ProgressLines
 from acromovi.team.queue import StartQueue
 from acromovi.team.readiness import PATIENCE, Readiness
 from acromovi.team.supervisor import Entry, Start, Supervisor
@@ -19,13 +21,17 @@ from bus import Bus
 from bus.bus import Closeable
 from configs.team_file import TeamRobot
 
-STARTING_TIME = 60.0  # s in which all must serve, on a small computer too
+STARTING_TIME = 60.0  # s in which all must serve unless the command line says otherwise, on a small computer too
 MOST_ENDS = 3  # of one process while the team comes up; more of the same will not help
 TICK = 0.1  # s
 
 
 class TeamFailed(Exception):
     """A team has not come up; the message says why in one sentence."""
+
+
+class TeamTimedOut(TeamFailed):
+    """A team has not come up in time; the message has a line with the cause for each robot that is missing."""
 
 
 class TeamAtWork(Closeable):
@@ -67,7 +73,8 @@ class TeamAtWork(Closeable):
         self._serves = False
         self._said: dict[str, str] = {}
         self._readiness = Readiness(team.robots)
-        self._told: set[str] = set()  # robots of which it was told that they serve
+        self._lines = ProgressLines(self._readiness, len(team.robots), tell, self._begun)
+        self._reports: dict[str, str] = {}  # the last one of each program, by its name
         self._lost: set[str] = set()  # and that they are lost
         self._under_way: set[asyncio.Future[None]] = set()  # what others have asked for
         self.supervisor = Supervisor(start, self)
@@ -79,6 +86,8 @@ class TeamAtWork(Closeable):
 
     def begin(self) -> None:
         """Start the first processes; the others follow as soon as they can."""
+        robots = f"{len(self._team.robots)} robot{'s' if len(self._team.robots) > 1 else ''}"
+        self._tell(f"starting {robots} of {self._team.name}: {', '.join(robot.name for robot in self._team.robots)}")
         plan.settings_file(self._folder).write_text(plan.EMULATED)
         if self._team.emulated:
             self._queue.add(plan.emulator(self._team, self._folder, self._choices))
@@ -86,33 +95,33 @@ class TeamAtWork(Closeable):
             if not robot.is_emulated:
                 self._add_gateway(robot, {})
 
-    async def come_up(self) -> list[str]:
+    async def come_up(self, within: float = STARTING_TIME) -> list[str]:
         """Wait until all serve.
 
         All are the emulated robots, and those real ones that are there: whose port there is and who answer on it within
         `PATIENCE`. The others are served whenever they come.
 
+        Args:
+            within: s in which all must serve.
         Returns:
             The robots that serve.
         Raises:
             TeamFailed: One of them never will.
+            TeamTimedOut: They do not serve in time.
         """
         while True:
             now = self._loop.time()
             self._add_services()
             serving = self._readiness.serving(now)
-            for robot in serving:
-                self._tell_serving(robot, now)
             if self._failure is not None:
                 raise TeamFailed(self._failure)
-            late = [robot.name for robot in self._team.robots if robot.name not in serving and self._is_due(robot, now)]
+            late = [robot for robot in self._team.robots if robot.name not in serving and self._is_due(robot, now)]
+            self._lines.look(serving, [robot.name for robot in late], now)
             if not late and self._readiness.services_serve:
                 self._serves = True
                 return serving
-            if now - self._begun > STARTING_TIME:
-                what = {name: ", ".join(self._readiness[name].missing()) for name in late}
-                missing = "; ".join(f"of {name}: {why}" for name, why in what.items()) or "its services"
-                raise TeamFailed(f"{self._team.name} is not complete after {STARTING_TIME:g} s; missing {missing}")
+            if now - self._begun > within:
+                raise TeamTimedOut(self._why_late(late, within))
             await asyncio.sleep(TICK)
 
     def close(self) -> None:
@@ -133,7 +142,7 @@ class TeamAtWork(Closeable):
             case Stage.EMULATOR, {"robots": list(robots), "control": control}:
                 self._emulator_is_there(robots, control)
             case Stage.GATEWAY, {"event": str(event)}:
-                self._gateway_said(program.robot, event, said)
+                self._gateway_said(program, event, said)
             case Stage.AGENTS, {"container": str(name)}:
                 self._readiness.container(name, True)
             case _:
@@ -141,10 +150,12 @@ class TeamAtWork(Closeable):
 
     def complained(self, program: Program, line: str) -> None:
         """A line of standard error, said once while it stays the same."""
+        if line.strip():
+            self._reports[program.name] = plain(line.strip())
         if line.strip() and self._said.get(program.name) != line:
             self._said[program.name] = line
             if self._serves or program.stage is not Stage.EMULATOR:  # before that it is the reason of the failure
-                self._complain(f"{program.name}: {_plain(line)}")
+                self._complain(f"{program.name}: {plain(line)}")
 
     def ended(self, entry: Entry) -> None:
         """A process has ended unasked."""
@@ -153,7 +164,7 @@ class TeamAtWork(Closeable):
         if program.container:
             self._readiness.container(program.container, False)
         if not self._serves and (program.stage is Stage.EMULATOR or self._has_failed(entry)):
-            self._failure = f"{program.name}: {_plain(entry.why)}" if program.robot else _plain(entry.why)
+            self._failure = f"{program.name}: {plain(entry.why)}" if program.robot else plain(entry.why)
         elif entry.ends == 1 or self._said.get(program.name) != entry.why or entry.why.startswith("ended "):
             self._complain(f"{program.name} {self._as_end(entry)}; it is started again")
             self._said[program.name] = entry.why
@@ -162,7 +173,7 @@ class TeamAtWork(Closeable):
         """How a process ended, as the end of a sentence that begins with its name; not what it just said."""
         if entry.why.startswith("ended "):
             return entry.why
-        return "ended" if self._said.get(entry.program.name) == entry.why else f"ended ({_plain(entry.why)})"
+        return "ended" if self._said.get(entry.program.name) == entry.why else f"ended ({plain(entry.why)})"
 
     def _has_failed(self, entry: Entry) -> bool:
         robots = [robot.name for robot in self._team.emulated]
@@ -183,9 +194,13 @@ class TeamAtWork(Closeable):
             for program in plan.navigation(robot, self._choices):
                 self._queue.add(program)
 
-    def _gateway_said(self, robot: str, event: str, said: dict[str, Any]) -> None:
+    def _gateway_said(self, program: Program, event: str, said: dict[str, Any]) -> None:
+        robot = program.robot
+        if isinstance(said.get("reason"), str):
+            self._reports[program.name] = said["reason"]
         match event:
             case "connected":
+                self._reports.pop(program.name, None)
                 self._readiness.connected(robot, self._loop.time())
                 self._add_agents(robot)
                 self._tell_of_return(robot)
@@ -193,12 +208,12 @@ class TeamAtWork(Closeable):
                 self._complain(f"{robot} is not there yet: waiting for {said.get('port')}")
             case "lost":
                 self._readiness.lost(robot)
-                if robot in self._told:  # before that it is still coming
+                if robot in self._lines.told:  # before that it is still coming
                     self._lost.add(robot)
                     self._tell(f"{robot} is lost: {said.get('reason')}")
-            case "element lost" if robot in self._told:
+            case "element lost" if robot in self._lines.told:
                 self._tell(f"{robot} has lost its {said.get('element')}")
-            case "element found" if robot in self._told:
+            case "element found" if robot in self._lines.told:
                 self._tell(f"{robot} has its {said.get('element')}")
 
     # While it comes up.
@@ -215,20 +230,20 @@ class TeamAtWork(Closeable):
         is_there = "://" in robot.port or Path(robot.port).exists()
         return is_there and now - self._begun < PATIENCE
 
-    def _tell_serving(self, robot: str, now: float) -> None:
-        if robot in self._told:
-            return
-        self._told.add(robot)
-        progress = self._readiness[robot]
-        without = f", without {', '.join(progress.missing())}" if progress.missing() else ""
-        self._tell(f"{robot} serves after {now - self._begun:.1f} s: {', '.join(sorted(progress.agents))}{without}")
+    def _why_late(self, late: Sequence[TeamRobot], within: float) -> str:
+        """The cause for each robot that is missing, a line each."""
+        table = self.supervisor.table
+        causes = [f"{robot.name}: {cause(robot, self._readiness[robot.name], table, self._reports)}" for robot in late]
+        if not self._readiness.services_serve and not late:
+            causes.append(f"the team's own agents: {cause_of_services(table, self._reports)}")
+        return "\n  ".join([f"{self._team.name} is not complete after {within:g} s (--timeout):", *causes])
 
     def _tell_of_return(self, robot: str) -> None:
         if robot in self._lost:
             self._lost.remove(robot)
             self._tell(f"{robot} is back")
-        elif self._serves and robot not in self._told:
-            self._told.add(robot)
+        elif self._serves and robot not in self._lines.told:
+            self._lines.told.add(robot)
             self._tell(f"{robot} has come")
 
     # On the bus's thread.
@@ -263,9 +278,3 @@ class TeamAtWork(Closeable):
         task = asyncio.ensure_future(work(entry))
         self._under_way.add(task)
         task.add_done_callback(self._under_way.discard)
-
-
-def _plain(sentence: str) -> str:
-    """A program's complaint without the program's name."""
-    name, colon, rest = sentence.partition(": ")
-    return rest if colon and name in ("p2os-emu", "p2os-gateway", "acromovi container") else sentence

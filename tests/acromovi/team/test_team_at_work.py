@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from acromovi.team.host_control import control_key
 from acromovi.team.plan import Choices, Team
-from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed
+from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed, TeamTimedOut
 from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork
@@ -42,6 +43,10 @@ class Stage:
             self.told.append,
             self.complaints.append,
         )
+
+    def serving(self) -> list[str]:
+        """The lines about robots that serve."""
+        return [line for line in self.told if " serves after " in line]
 
     async def says(self, name: str, **words: object) -> None:
         """Let a program say something once it is there."""
@@ -97,11 +102,51 @@ def test_team_serves_when_every_robot_and_its_own_agents_do(play: Play) -> None:
         await stage.says(SERVICES, container="services")
         assert await coming_up == ["happy", "doc"]
         assert stage.team.control == "/tmp/control"
-        assert [line.partition(" after ")[0] for line in stage.told] == ["happy serves", "doc serves"]
-        assert stage.told[0].endswith(": base, laser")
+        assert [line.partition(" after ")[0] for line in stage.serving()] == ["happy serves", "doc serves"]
+        assert stage.serving()[0].endswith(" s, 1 of 2: base, laser")
         assert stage.complaints == []
 
     play(scene, (HAPPY, DOC))
+
+
+def test_lines_say_what_begins_who_is_ready_and_what_the_others_wait_for(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await asyncio.sleep(3.0)
+        await stage.emulator_is_ready("happy", "doc")
+        await stage.serves("doc", "base")
+        await asyncio.sleep(3.0)
+        await stage.says("the gateway of happy", event="connected")
+        await asyncio.sleep(3.0)
+        await stage.says("the container of happy", container="happy")
+        stage.bus.declare_alive(AgentName("base", "happy").alive_key)
+        await asyncio.sleep(3.0)
+        stage.bus.declare_alive(AgentName("laser", "happy").alive_key)
+        await asyncio.sleep(3.0)
+        assert [re.sub(r"[\d.]+ s", "_ s", line) for line in stage.told] == [
+            "starting 2 robots of dwarfs: happy, doc",
+            "waiting for happy: its gateway to connect; doc: its gateway to connect",
+            "doc serves after _ s, 1 of 2: base",
+            "waiting for happy: its gateway to connect",
+            "waiting for happy: its container",
+            "waiting for happy: its laser",
+            "happy serves after _ s, 2 of 2: base, laser",
+            "waiting for the team's own agents",
+        ]
+        await stage.says(SERVICES, container="services")
+        await coming_up
+
+    play(scene, (HAPPY, DOC))
+
+
+def test_a_line_that_stays_the_same_is_repeated_every_ten_seconds(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await asyncio.sleep(35.0)
+        assert stage.told[1:] == ["waiting for happy: its gateway to connect"] * 4
+        coming_up.cancel()
+
+    play(scene, (HAPPY,))
 
 
 def test_emulator_comes_first_then_gateways_then_their_containers_then_the_teams_own(play: Play) -> None:
@@ -127,7 +172,7 @@ def test_part_that_never_shows_itself_is_told_and_waited_for_no_longer_than_pati
         await stage.serves("happy", "base")
         await stage.says(SERVICES, container="services")
         assert await coming_up == ["happy"]
-        assert stage.told[0].endswith(": base, without laser")
+        assert stage.serving()[0].endswith(": base, without laser")
 
     play(scene, (HAPPY,))
 
@@ -191,17 +236,63 @@ def test_gateway_that_ends_again_and_again_ends_the_attempt(play: Play) -> None:
     play(scene, (HAPPY,))
 
 
-def test_team_that_is_not_complete_in_time_says_who_is_missing(play: Play) -> None:
-    async def scene(stage: Stage) -> None:
-        coming_up = asyncio.ensure_future(stage.team.come_up())
-        await stage.emulator_is_ready("happy", "doc")
-        await stage.serves("doc", "base")
-        begun = asyncio.get_running_loop().time()
-        with pytest.raises(TeamFailed, match="dwarfs is not complete after 60 s; missing of happy: the robot"):
-            await coming_up
-        assert asyncio.get_running_loop().time() - begun < STARTING_TIME + 1
+async def late(stage: Stage, within: float = STARTING_TIME) -> list[str]:
+    """The causes that are told when a team does not come up in time."""
+    begun = asyncio.get_running_loop().time()
+    with pytest.raises(TeamTimedOut, match=f"^dwarfs is not complete after {within:g} s") as caught:
+        await stage.team.come_up(within)
+    assert asyncio.get_running_loop().time() - begun < within + 1
+    return str(caught.value).split("\n  ")[1:]
 
-    play(scene, (HAPPY, DOC))
+
+def test_team_that_is_not_complete_in_time_says_why_of_each_robot_that_is_missing(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(late(stage))
+        await stage.emulator_is_ready("happy", "doc", "max", "sneezy")
+        await stage.says("the gateway of happy", event="lost", reason="nobody answers on /dev/happy")
+        await stage.serves("doc", "base")
+        await stage.says("the gateway of max", event="connected")
+        await stage.serves("sneezy")
+        await asyncio.sleep(5.0)
+        stage.pretence.of("the container of max").complain("acromovi container: the bus is slow")
+        assert [re.sub(r"process \d+", "process _", cause) for cause in await coming_up] == [
+            "happy: its gateway (process _) has lost the robot: nobody answers on /dev/happy",
+            "max: its container (process _) does not answer: the bus is slow",
+            "sneezy: its container has started no agent",
+        ]
+
+    play(scene, (HAPPY, DOC, TeamRobot("max", "powerbot"), TeamRobot("sneezy", "p3dx")))
+
+
+def test_team_whose_emulator_reports_nothing_says_so(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        assert await late(stage, 5.0) == ["happy: the emulator (process 100) has not reported its ports"]
+
+    play(scene, (HAPPY,))
+
+
+def test_team_whose_real_robot_s_gateway_ends_says_how(play: Play, tmp_path: Path) -> None:
+    port = tmp_path / "ttyUSB0"
+    port.touch()
+
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(late(stage, 5.0))
+        await asyncio.sleep(0.5)
+        stage.pretence.of("the gateway of iron").complain("p2os-gateway: no robot answers")
+        stage.pretence.of("the gateway of iron").end(7)
+        assert await coming_up == ["iron: its gateway ended: no robot answers"]
+
+    play(scene, (TeamRobot("iron", "p3dx", str(port)),))
+
+
+def test_team_whose_own_agents_do_not_serve_says_so(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(late(stage, 5.0))
+        await stage.emulator_is_ready("doc")
+        await stage.serves("doc", "base")
+        assert await coming_up == ["the team's own agents: their container (process 103) does not answer"]
+
+    play(scene, (DOC,))
 
 
 def test_what_happens_to_a_team_at_work_is_told_and_goes_on(play: Play) -> None:
@@ -283,7 +374,7 @@ def test_robot_that_stumbles_while_it_comes_up_is_not_told_as_lost(play: Play) -
         await stage.says(SERVICES, container="services")
         await stage.serves("happy", "base", "laser")
         await coming_up
-        assert [line.partition(" after ")[0] for line in stage.told] == ["happy serves"]
+        assert [line.partition(" after ")[0] for line in stage.serving()] == ["happy serves"]
 
     play(scene, (HAPPY,))
 

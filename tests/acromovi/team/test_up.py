@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from acromovi.team.host_control import control_key
+from acromovi.team.team import STARTING_TIME
+from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import RunningTeam, run, running
 from tests.waiting import wait_until
 
@@ -108,6 +110,22 @@ def test_killed_outright_it_leaves_nothing_behind_all_the_same(file: str) -> Non
         assert len(team.pids()) >= 5  # with the keeper
         team.end(signal.SIGKILL)
         wait_until(lambda: team.left_behind() == [], "the folder is gone")
+
+
+def test_team_that_is_not_up_within_the_timeout_ends_with_a_code_of_its_own_and_a_cause_for_each_robot(
+    file: str, tmp_path: Path
+) -> None:
+    done = run("up", file, "--timeout", "0.2", "--bus", private_bus(tmp_path))
+    assert done.returncode == 3
+    first, *causes = done.stderr.splitlines()
+    assert first == "acromovi up: dwarfs is not complete after 0.2 s (--timeout):"
+    for robot, cause in zip(("happy", "grumpy"), causes, strict=True):
+        assert cause.startswith(f"  {robot}: the emulator ")
+    assert done.stdout.startswith("starting 3 robots of dwarfs: happy, grumpy, iron\n")
+
+
+def test_help_names_the_default_timeout() -> None:
+    assert f"s [{STARTING_TIME:g}]" in run("up", "--help").stdout
 
 
 @pytest.mark.parametrize(

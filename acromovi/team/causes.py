@@ -1,0 +1,81 @@
+"""Why a robot of a team does not serve yet: a few words while the team comes up, and the cause when it gives up."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from acromovi.team.plan import SERVICES, Stage
+from acromovi.team.readiness import Progress
+from acromovi.team.supervisor import Entry, State
+from configs.team_file import TeamRobot
+
+
+def awaited(progress: Progress) -> str:
+    """Return what a robot that does not serve waits for, in a few words; empty where it is as good as ready."""
+    if not progress.is_in_touch:
+        return "its gateway to connect"
+    if not progress.container_serves:
+        return "its container"
+    if missing := sorted(progress.parts - progress.agents):
+        return f"its {' and '.join(missing)}"
+    return "" if progress.agents else "its agents"
+
+
+def cause(robot: TeamRobot, progress: Progress, table: Sequence[Entry], reports: Mapping[str, str]) -> str:
+    """Return why a robot does not serve, as far as it can be known.
+
+    Args:
+        robot: As the team's file has it.
+        progress: How far it has come.
+        table: The team's processes.
+        reports: What each process has reported last, by the name of its program.
+    """
+    gateway = _of(table, Stage.GATEWAY, robot.name)
+    if robot.is_emulated:
+        emulator = _of(table, Stage.EMULATOR, "")
+        if emulator is None or emulator.state is not State.RUNNING or gateway is None:
+            return _process("the emulator", emulator, reports, "has not reported its ports")
+    elif "://" not in robot.port and not Path(robot.port).exists():
+        return f"there is no port {robot.port}; plug the robot in, or correct its port in the team's file"
+    if not progress.is_in_touch:
+        waits = "has lost the robot" if progress.is_lost else "has not connected to the robot"
+        return _process("its gateway", gateway, reports, waits)
+    if not progress.container_serves:
+        return _process("its container", _of(table, Stage.AGENTS, robot.name), reports, "does not answer")
+    if missing := sorted(progress.parts - progress.agents):
+        return f"its {' and its '.join(missing)} did not answer; correct fit in the team's file, or check the cable"
+    return "its container has started no agent" if not progress.agents else "its agents still come and go"
+
+
+def cause_of_services(table: Sequence[Entry], reports: Mapping[str, str]) -> str:
+    """Return why the container of the team's own agents does not serve."""
+    entry = next((entry for entry in table if entry.program.container == SERVICES), None)
+    return _process("their container", entry, reports, "does not answer")
+
+
+def plain(sentence: str) -> str:
+    """Return the complaint of a program without the program's name."""
+    name, colon, rest = sentence.partition(": ")
+    return rest if colon and name in ("p2os-emu", "p2os-gateway", "acromovi container") else sentence
+
+
+def _process(what: str, entry: Entry | None, reports: Mapping[str, str], waits: str) -> str:
+    """Return what is wrong with a process; waits: what to say of one that runs."""
+    if entry is None:
+        return f"{what} has not been started yet"
+    report = reports.get(entry.program.name, "")
+    if entry.state is State.RUNNING and not entry.ends:
+        pid = "" if entry.child is None else f" (process {entry.child.pid})"
+        return f"{what}{pid} {waits}{': ' if report else ''}{report}"
+    if not entry.why:
+        return f"{what} is being started"
+    times = f" {entry.ends} times" if entry.ends > 1 else ""
+    why = entry.why if entry.why.startswith("ended") else f"ended: {plain(entry.why)}"
+    return f"{what} {why.replace('ended', f'ended{times}', 1)}"
+
+
+def _of(table: Sequence[Entry], stage: Stage, robot: str) -> Entry | None:
+    """Return the robot's process of a stage; of its containers the one that is called as the robot is."""
+    wanted = [entry for entry in table if entry.program.stage is stage and entry.program.robot == robot]
+    if stage is Stage.AGENTS:
+        wanted = [entry for entry in wanted if entry.program.container == robot]
+    return next(iter(wanted), None)
