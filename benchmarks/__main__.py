@@ -23,7 +23,7 @@ GROUPS = {
     "gateway": "processor time and memory of the gateway",
     "stop_proof": "time and distance until the wheels stand, whatever dies; writes stop-proof.md",
     "radio": "a million packets over a damaged radio modem: used, rejected, counted",
-    "fuzz": "ten million generated frames into every parser: no crash, memory flat",
+    "fuzz": "ten million generated frames into every parser, a million payloads from the bus: no crash",
     "agents": "requests, informs, crowds of agents, and searches of the directory",
     "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
     "fuser": "what fusing a thousand commands a second costs, and whether an old one is ever used",

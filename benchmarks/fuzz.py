@@ -1,5 +1,7 @@
 """Ten million generated frames into every parser of bytes from outside: no crash, and memory stays flat.
 
+Then a million mutated payloads from the bus into a gateway (`fuzz_bus`).
+
 Frames are made many at a time: a sound one is repeated, a part of its bytes is replaced, the checksums are computed
 anew, and of every fourth lot some bytes are then damaged, lost or doubled on the wire. So most frames are sound and
 bring their strange contents past the checksum, and the rest tries the search for the next frame.
@@ -15,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import configs
+from benchmarks import fuzz_bus
 from benchmarks.codec import example_sip
 from benchmarks.figures import Figure
 from p2os import (
@@ -75,7 +78,13 @@ def measure(options: argparse.Namespace) -> list[Figure]:
         fed, growth = feed(parser, FRAMES)
         name = f"{parser.name}: {fed / 1e6:.1f} million generated frames without a crash, memory grown by"
         figures.append(Figure("fuzz", name, growth, FLAT, "MB", fed))
-    return figures
+    return [*figures, _bus_figure()]
+
+
+def _bus_figure() -> Figure:
+    outcome = fuzz_bus.feed(fuzz_bus.PAYLOADS)
+    name = f"gateway: {outcome.count / 1e6:.1f} million mutated payloads on its keys, errors that are no refusal"
+    return Figure("fuzz", name, sum(outcome.failures.values()), 0.0, "", outcome.count)
 
 
 def feed(parser: Parser, frames: int, seed: int = SEED) -> tuple[int, float]:

@@ -193,7 +193,8 @@ class Bus(Closeable):
         """Answer queries on a key: a JSON object in, a JSON object out.
 
         The handler raises `Refused` to say no: an error reply `{"error": why}`. Anything else it raises is logged and
-        becomes an error reply too, and so does a query that carries no JSON object; the handler goes on serving.
+        becomes an error reply too, and so does a query that carries no JSON object within the limits of
+        `bus.validation`; the handler goes on serving.
 
         Queries wait for the thread of this bus in one queue per client, and the clients take turns; a query beyond
         `MOST_WAITING` of one client gets an error reply at once.
@@ -227,8 +228,9 @@ class Bus(Closeable):
     ) -> Subscription:
         """Answer queries on a key with any number of replies, now or later.
 
-        The handler must end each conversation: until then, or until this process dies, the asker waits. What it raises
-        becomes an error reply and ends the conversation, as with `serve`.
+        The handler checks the texts and numbers that it uses with `bus.validation.check_value`, since it may want to
+        refuse in the form of its own protocol. It must end each conversation: until then, or until this process
+        dies, the asker waits. What it raises becomes an error reply and ends the conversation, as with `serve`.
 
         Args:
             key: The key, without wildcards.

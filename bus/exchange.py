@@ -10,7 +10,8 @@ import zenoh
 
 from bus.bus import CDR, JSON, Answer, Conversation
 from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused
-from bus.messages import decode_json, encode, encode_json, type_of
+from bus.messages import decode_json, decode_unchecked_json, encode, encode_json, type_of
+from bus.validation import LARGEST_REQUEST, sentence
 
 log = logging.getLogger("bus")
 
@@ -100,13 +101,13 @@ def reply_of(value: Any) -> bytes:
 
 def refusal(why: str) -> bytes:
     """The payload of an error reply."""
-    return encode_json({"error": why})
+    return encode_json({"error": sentence(why)})
 
 
 def answered(key: str, answer: Answerer, payload: bytes) -> Reply:
     """Let a handler answer one query; whatever happens, there is a reply."""
     try:
-        value = answer(decode_json(payload))
+        value = answer(decode_json(payload, LARGEST_REQUEST))
         return Reply(False, key, value if isinstance(value, bytes) else encode_json(value))
     except Exception as err:
         return Reply(True, key, refusal(_why_not(key, err)))
@@ -115,7 +116,7 @@ def answered(key: str, answer: Answerer, payload: bytes) -> Reply:
 def talked(key: str, handler: Talker, payload: bytes, conversation: Conversation) -> None:
     """Let a handler begin one conversation; when it raises, the conversation has ended."""
     try:
-        handler(decode_json(payload), conversation)
+        handler(decode_unchecked_json(payload), conversation)
     except Exception as err:
         with contextlib.suppress(BusUnavailable):  # it had ended the conversation before it raised
             conversation.refuse(_why_not(key, err))
@@ -210,4 +211,4 @@ def _why(payload: bytes) -> str:
     try:
         return str(decode_json(payload)["error"])
     except (MessageError, KeyError):
-        return payload.decode(errors="replace")
+        return sentence(payload.decode(errors="replace"))

@@ -8,8 +8,11 @@ from enum import StrEnum
 
 from bus.bus import JSON
 from bus.errors import KeyNotValid
+from bus.validation import quoted
 
 FORBIDDEN_IN_NAMES = frozenset("/*$?#")
+LONGEST_ROBOT_NAME = 100
+"""Characters of a robot's name, or of another chunk of a key that names somebody; keys are made of several."""
 
 
 class Kind(StrEnum):
@@ -223,8 +226,14 @@ def robot_name(name: str) -> str:
     """Return the name if it serves as a robot's name: one chunk of a key.
 
     Raises:
-        KeyNotValid: It is empty, begins with `@`, or holds whitespace or one of `/ * $ ? #`.
+        KeyNotValid: It is empty or too long, begins with `@`, or holds whitespace, what cannot be printed, or one of
+            `/ * $ ? #`.
     """
+    if len(name) > LONGEST_ROBOT_NAME:
+        raise KeyNotValid(
+            f"{quoted(name)} cannot name a robot because it has {len(name)} characters; "
+            f"use at most {LONGEST_ROBOT_NAME}"
+        )
     bad = sorted({character for character in name if character in FORBIDDEN_IN_NAMES or not character.isprintable()})
     bad += [" "] * any(character.isspace() and character.isprintable() for character in name)
     if not name or name.startswith("@") or bad:

@@ -11,7 +11,7 @@ import math
 import struct
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -35,6 +35,7 @@ from bus.acromovi_msgs import (
     RobotState,
 )
 from bus.errors import MessageError
+from bus.validation import LARGEST_OBJECT, check_json, check_nesting, check_size
 
 __all__ = [
     "Arm",
@@ -74,6 +75,7 @@ __all__ = [
     "compiled_at",
     "decode",
     "decode_json",
+    "decode_unchecked_json",
     "encode",
     "encode_json",
     "header",
@@ -204,28 +206,58 @@ def encode_json(value: Mapping[str, Any]) -> bytes:
     """Write a JSON object.
 
     Raises:
-        MessageError: A value has no JSON form; infinity and NaN have none.
+        MessageError: A value has no JSON form (infinity and NaN have none), or `decode_json` would refuse it.
     """
     try:
-        return _JSON_WRITER.encode(value).encode()
-    except (TypeError, ValueError) as err:
+        text = _JSON_WRITER.encode(value)
+    except (TypeError, ValueError, RecursionError) as err:
         raise MessageError(f"this object cannot be written as JSON: {err}") from err
+    check_nesting(text)
+    check_json(text, value)
+    payload = text.encode()
+    check_size(payload, LARGEST_OBJECT)
+    return payload
 
 
-def decode_json(payload: bytes) -> dict[str, Any]:
-    """Read a JSON object; no bytes at all are the empty object.
+def decode_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]:
+    """Read a JSON object that may come from anyone; no bytes at all are the empty object.
+
+    Args:
+        payload: As received.
+        largest: Bytes that it may have.
+    Raises:
+        MessageError: The payload is no JSON object, or breaks a limit of `bus.validation`.
+    """
+    return _read_object(payload, largest, check_json)
+
+
+def decode_unchecked_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]:
+    """Read a JSON object whose texts and numbers the caller checks with `bus.validation.check_value`.
+
+    Size and nesting are checked here. For protocols that answer in their own form to what holds a wrong text.
 
     Raises:
-        MessageError: The payload is no JSON, or no object.
+        MessageError: The payload is no JSON object, too large or too deep.
     """
+    return _read_object(payload, largest, lambda text, value: None)
+
+
+def _read_object(payload: bytes, largest: int, check: Callable[[str, Any], None]) -> dict[str, Any]:
     if not payload:
         return {}
+    check_size(payload, largest)
     try:
-        value = _JSON_READER.decode(payload.decode())
-    except (ValueError, RecursionError) as err:
+        text = payload.decode()
+    except UnicodeDecodeError as err:
+        raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
+    check_nesting(text)
+    try:
+        value = _JSON_READER.decode(text)
+    except ValueError as err:
         raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
     if not isinstance(value, dict):
         raise MessageError(f"expected a JSON object, not {type(value).__name__}")
+    check(text, value)
     return value
 
 

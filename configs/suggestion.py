@@ -3,11 +3,14 @@
 import difflib
 from collections.abc import Iterable
 
+LONGEST = 80  # characters of a word that may be misspelt; a longer one is no word
 LIKENESS = 0.6  # of `difflib`, from which on a word counts as misspelt
 
 
 def meant(word: str, known: Iterable[str]) -> str:
     """The known word that is spelt most like another one; empty when none is."""
+    if len(word) > LONGEST:
+        return ""
     near = difflib.get_close_matches(word, list(known), 1, LIKENESS)
     return near[0] if near else ""
 

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import Any
 
-from bus import keys
+from bus import MessageError, keys
 from bus.keys import Topic
+from bus.validation import check_line, quoted
 from configs.suggestion import not_taken
 from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
@@ -128,7 +129,7 @@ def check_arguments(name: str, given: Arguments, takes: Mapping[str, type], opti
     """Give back the arguments with whole numbers made floats where floats are meant.
 
     Raises:
-        CommandRefused: One is unknown, missing, or of the wrong type.
+        CommandRefused: One is unknown, missing, of the wrong type, not finite, or text that is not one printable line.
     """
     unknown = [key for key in given if key not in takes and key not in optional]
     if unknown:
@@ -143,7 +144,12 @@ def _as(name: str, key: str, value: Any, kind: type) -> Any:
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value) if abs(value) < LARGEST_EXACT else inf
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        raise CommandRefused(f"{key} of {name} must be {_KINDS[kind]}, not {value!r}")
+        raise CommandRefused(f"{key} of {name} must be {_KINDS[kind]}, not {quoted(value)}")
+    if isinstance(value, str):
+        try:
+            check_line(value, f"{key} of {name}")
+        except MessageError as err:
+            raise CommandRefused(str(err)) from err
     if isinstance(value, float) and not isfinite(value):
         raise CommandRefused(f"{key} of {name} must be finite, not {value}")
     return value

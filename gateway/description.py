@@ -9,6 +9,7 @@ from typing import Any
 from bus import keys
 from bus.keys import Topic
 from bus.messages import encode_json
+from bus.validation import printable
 from gateway.driver import Driver
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableFace
@@ -71,7 +72,7 @@ def describe(
     configuration = driver.configuration or Configuration()
     return {
         "name": name,
-        "robot_name": identity.name,
+        "robot_name": printable(identity.name),
         "model": model.name,
         "class": identity.robot_type,
         "emulated": bool(settings.emulated),

@@ -67,8 +67,13 @@ def diagnostics(
     refused: Mapping[str, int],
     stamp: int,
     cable_faces: Sequence[CableFace[Any]] = (),
+    unpublished: Mapping[str, int] | None = None,
 ) -> DiagnosticArray:
-    """Counters since the gateway's start: damaged frames, SIPs not believed, lost links, refused commands."""
+    """Counters since the gateway's start.
+
+    Damaged frames, implausible SIPs, lost links, refused commands, and messages that errors kept from being published.
+    """
+    unpublished = unpublished or {}
     robot = name if driver.identity is None else driver.identity.subtype
     level = DiagnosticStatus.OK if not found else DiagnosticStatus.WARN
     status: dict[str, tuple[int, str, Mapping[str, Any]]] = {
@@ -88,6 +93,11 @@ def diagnostics(
             },
         ),
         "commands": (DiagnosticStatus.OK, f"{sum(refused.values())} refused", _labelled("refused", refused)),
+        "publishers": (
+            DiagnosticStatus.WARN if unpublished else DiagnosticStatus.OK,
+            f"{sum(unpublished.values())} messages not published because of errors",
+            _labelled("error", unpublished),
+        ),
         **{face.name: _element_status(face.driver) for face in cable_faces},
     }
     return DiagnosticArray(

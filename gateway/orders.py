@@ -13,6 +13,7 @@ from bus import Bus, KeyNotValid, MessageError, Refused, Sample, Subscription, k
 from bus.heartbeat import LONGEST_PERIOD, SILENCE, heartbeat_key
 from bus.keys import Topic
 from bus.messages import Twist, decode, stamp_ns
+from bus.validation import sentence
 from gateway.bindings import Binding, MotionBindings
 from gateway.commands import BASE, COMMANDS, DETACH, HEARTBEAT, TOKEN, Arguments, CommandRow, check_arguments
 from gateway.driver import Driver
@@ -175,7 +176,7 @@ class Orders(Subscription):
 
     def _count(self, topic: Topic, refusal: Exception, now: float) -> None:
         self.refused[topic.suffix] += 1
-        self._last_notice = now, f"{topic.suffix} was refused: {refusal}"
+        self._last_notice = now, sentence(f"{topic.suffix} was refused: {refusal}")
 
     def _pass(self, element: str, token: str, driver: Driver, now: float) -> None:
         """Let the holder of the lease on the element or on the robot pass, and everyone while nobody holds either."""

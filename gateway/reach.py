@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any, Protocol
 
+from bus.validation import quoted
 from gateway.commands import TOKEN, Arguments, check_arguments
 from gateway.driver import Driver
 from gateway.errors import CommandRefused
@@ -11,6 +12,8 @@ from gateway.joint_limits import JointLimits
 
 TOLERANCE = 1e-3
 """rad or m by which a target may lie beyond a limit: what people round."""
+MOST_DIGITS = 3
+"""Of a joint's number."""
 ORDERS: Mapping[str, tuple[dict[str, type], dict[str, type]]] = {
     "move": ({"joints": dict}, {"speed": float}),
     "home": ({}, {}),
@@ -127,12 +130,12 @@ def _targets(joints: Mapping[str, Any], limits: Sequence[JointLimits]) -> dict[i
 
 
 def _target(name: str, place: Any, limits: Sequence[JointLimits]) -> tuple[int, float]:
-    number = int(name) if name.isascii() and name.isdecimal() else 0
+    number = int(name) if name.isascii() and name.isdecimal() and len(name) <= MOST_DIGITS else 0
     if not 1 <= number <= len(limits):
-        raise CommandRefused(f"the arm has no joint {name!r}; its joints are 1 to {len(limits)}")
+        raise CommandRefused(f"the arm has no joint {quoted(name)}; its joints are 1 to {len(limits)}")
     one = limits[number - 1]
     if isinstance(place, bool) or not isinstance(place, int | float) or not isfinite(place):
-        raise CommandRefused(f"joint {number} needs a number, {one.unit}, not {place!r}")
+        raise CommandRefused(f"joint {number} needs a number, {one.unit}, not {quoted(place)}")
     if not one.lower - TOLERANCE <= place <= one.upper + TOLERANCE:
         raise CommandRefused(
             f"joint {number} goes from {one.lower:.4g} to {one.upper:.4g} {one.unit}, and not to {place:.4g}"

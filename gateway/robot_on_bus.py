@@ -97,23 +97,28 @@ class RobotOnBus(Subscription):
         """
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event in events:
-                self._streams.publish(event, stamp_ns)
+                with self._streams.guarded("events"):
+                    self._streams.publish(event, stamp_ns)
             self._has_answered |= self._driver.is_connected
             if self._has_answered:  # whoever acts on a token finds a robot that obeys
-                self._elements.follow(self._present())
+                with self._streams.guarded("elements"):
+                    self._elements.follow(self._present())
             if now >= self._orders.deadline:
                 self._orders.settle()
             self._orders.bindings.follow()
             if self._orders.lease_has_changed:
                 self._orders.lease_has_changed = False
-                self._lease_state.put(self._orders.leases.state(now))
-            self._streams.publish_status(self._orders.refused, self._orders.recent_notice(now), now, stamp_ns)
+                with self._streams.guarded(keys.LEASE_STATE.suffix):
+                    self._lease_state.put(self._orders.leases.state(now))
+            with self._streams.guarded("status"):
+                self._streams.publish_status(self._orders.refused, self._orders.recent_notice(now), now, stamp_ns)
 
     def publish_kept(self, events: Iterable[tuple[Event, int]]) -> None:
         """Publish events from before the robot was on the bus, each with its stamp as in `happened`."""
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event, stamp_ns in events:
-                self._streams.publish(event, stamp_ns)
+                with self._streams.guarded("events"):
+                    self._streams.publish(event, stamp_ns)
 
     def element_happened(self, face: CableFace[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread.

@@ -1,12 +1,16 @@
 """What a robot publishes: from the driver's events and from time to messages on its keys."""
 
+import logging
 import threading
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from operator import is_
 from typing import Any
 
-from bus import Bus, Publisher, Subscription, keys
+from bus import Bus, BusUnavailable, Publisher, Subscription, keys
 from bus.keys import Topic
+from bus.messages import TFMessage
 from gateway.driver import Driver
 from gateway.events import (
     ChargeSeen,
@@ -22,6 +26,8 @@ from gateway.faces.cable_face import CableFace
 from gateway.health import diagnostics, faults, robot_state
 from gateway.telemetry import Telemetry
 from p2os import RobotModel, StandardSip
+
+log = logging.getLogger("gateway")
 
 PERIOD = 1.0
 """Seconds between two of what is published at 1 Hz."""
@@ -43,7 +49,10 @@ STREAMS = (
 class Streams(Subscription):
     """One robot's publishers.
 
+    An error in making or writing a message costs this message only: it is counted, and logged at its first occurrence.
+
     due_at: when something is to be published even if nothing happens, s.
+    unpublished: messages lost to errors, counted by stream and kind of error.
     """
 
     def __init__(
@@ -65,32 +74,32 @@ class Streams(Subscription):
         self._faces = [kind(name, model) for kind in FACES]
         self._cable_faces = cable_faces
         self._face_streams: dict[Topic, Publisher] = {}  # declared when they are first needed
+        self.unpublished: Counter[str] = Counter()
         self._declaring = threading.Lock()  # elements on cables of their own publish on threads of their own
         self.due_at = 0.0
 
     def publish(self, event: Event, stamp: int) -> None:
         """Publish what follows from an event. stamp: wall clock, ns, when its last byte came."""
         for face in self._faces:
-            for topic, message in face.messages(event, stamp):
-                self._stream(topic).put(message)
-        streams, telemetry = self._streams, self._telemetry
+            with self.guarded(face.name):
+                for topic, message in face.messages(event, stamp):
+                    self._put(topic, message)
+        telemetry = self._telemetry
         match event:
-            case SipReceived(sip):
-                streams[keys.ODOM].put(telemetry.odometry(event, stamp))
-                streams[keys.TF].put(telemetry.transform(event, stamp))
-                streams[keys.SONAR].put(telemetry.sonar(sip, stamp))
-                streams[keys.SONAR_POINTS].put(telemetry.sonar_points(sip, stamp))
-                streams[keys.BUMPERS].put(telemetry.bumpers(sip, stamp))
-                self._publish_changes(sip, stamp)
+            case SipReceived():
+                self._publish_sip(event, stamp)
             case ChargeSeen(fraction):
                 telemetry.note_charge(fraction)
             case EncodersReceived():
-                streams[keys.JOINT_STATES].put(telemetry.joints(event, stamp))
+                with self.guarded(keys.JOINT_STATES.suffix):
+                    self._streams[keys.JOINT_STATES].put(telemetry.joints(event, stamp))
             case InputsOutputsReceived():
                 self._has_io_packets = True
-                streams[keys.IO].put(telemetry.inputs_outputs(event, stamp))
+                with self.guarded(keys.IO.suffix):
+                    self._streams[keys.IO].put(telemetry.inputs_outputs(event, stamp))
             case MotionEnded(motion_id):
-                self._bus.put(keys.result_key(self._name, motion_id), dict(event.as_json()))
+                with self.guarded(keys.RESULT.suffix):
+                    self._bus.put(keys.result_key(self._name, motion_id), dict(event.as_json()))
             case LinkLost():
                 self._sip = None
                 self._has_io_packets = False
@@ -98,7 +107,43 @@ class Streams(Subscription):
 
     def publish_element(self, face: CableFace[Any], event: Event, stamp: int) -> None:
         """Publish what follows from an event of an element on a cable of its own; from any thread. stamp: as above."""
-        for topic, message in face.messages(event, stamp):
+        with self.guarded(face.name):
+            for topic, message in face.messages(event, stamp):
+                self._put(topic, message)
+
+    @contextmanager
+    def guarded(self, stream: str) -> Iterator[None]:
+        """Count and log what a publisher raises: one bad value must not end the gateway, nor a cable's thread.
+
+        Raises:
+            BusUnavailable: The bus is closed, and nothing can be published any more.
+        """
+        try:
+            yield
+        except BusUnavailable:
+            raise
+        except Exception as error:  # of any kind, since the value that caused it may have come from anyone
+            reason = f"{stream}: {type(error).__name__}"
+            if not self.unpublished[reason]:
+                log.exception("a message on %s was not published; others follow", stream)
+            self.unpublished[reason] += 1
+
+    def _publish_sip(self, event: SipReceived, stamp: int) -> None:
+        streams, telemetry, sip = self._streams, self._telemetry, event.sip
+        with self.guarded(keys.ODOM.suffix):
+            streams[keys.ODOM].put(telemetry.odometry(event, stamp))
+        with self.guarded(keys.TF.suffix):
+            streams[keys.TF].put(telemetry.transform(event, stamp))
+        with self.guarded(keys.SONAR.suffix):
+            streams[keys.SONAR].put(telemetry.sonar(sip, stamp))
+        with self.guarded(keys.SONAR_POINTS.suffix):
+            streams[keys.SONAR_POINTS].put(telemetry.sonar_points(sip, stamp))
+        with self.guarded(keys.BUMPERS.suffix):
+            streams[keys.BUMPERS].put(telemetry.bumpers(sip, stamp))
+        self._publish_changes(sip, stamp)
+
+    def _put(self, topic: Topic, message: object) -> None:
+        with self.guarded(topic.suffix):
             self._stream(topic).put(message)
 
     def _publish_changes(self, sip: StandardSip, stamp: int) -> None:
@@ -111,12 +156,14 @@ class Streams(Subscription):
 
     def _publish_battery(self, sip: StandardSip, stamp: int) -> None:
         self._battery_shown = sip.best_battery, sip.charge_state, sip.charger_good
-        self._streams[keys.BATTERY].put(self._telemetry.battery(sip, stamp))
+        with self.guarded(keys.BATTERY.suffix):
+            self._streams[keys.BATTERY].put(self._telemetry.battery(sip, stamp))
 
     def _publish_user_ports(self, sip: StandardSip, stamp: int) -> None:
         if not self._has_io_packets:
             self._ports_shown = sip.digital_in, sip.digital_out
-            self._streams[keys.IO].put(self._telemetry.user_ports(sip, stamp))
+            with self.guarded(keys.IO.suffix):
+                self._streams[keys.IO].put(self._telemetry.user_ports(sip, stamp))
 
     def publish_status(self, refused: Mapping[str, int], refusal: str | None, now: float, stamp: int) -> None:
         """Publish the state if it has changed, and everything that is due at 1 Hz.
@@ -137,21 +184,27 @@ class Streams(Subscription):
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
             self._state_shown = shown
-            self._streams[keys.STATE].put(robot_state(self._name, self._driver, self._sip, found, stamp))
+            with self.guarded(keys.STATE.suffix):
+                self._streams[keys.STATE].put(robot_state(self._name, self._driver, self._sip, found, stamp))
         if is_due:
             self.due_at = now + PERIOD
-            transforms = self._telemetry.static_transforms(stamp)
-            for face in self._faces:
-                transforms.transforms.extend(face.transforms(stamp))
-            for cable_face in self._cable_faces:
-                transforms.transforms.extend(cable_face.transforms(stamp))
-            self._streams[keys.TF_STATIC].put(transforms)
-            self._streams[keys.DIAGNOSTICS].put(
-                diagnostics(self._name, self._driver, found, refused, stamp, self._cable_faces)
-            )
+            with self.guarded(keys.TF_STATIC.suffix):
+                self._streams[keys.TF_STATIC].put(self._static_transforms(stamp))
+            with self.guarded(keys.DIAGNOSTICS.suffix):
+                self._streams[keys.DIAGNOSTICS].put(
+                    diagnostics(self._name, self._driver, found, refused, stamp, self._cable_faces, self.unpublished)
+                )
             if self._sip is not None:
                 self._publish_battery(self._sip, stamp)
                 self._publish_user_ports(self._sip, stamp)
+
+    def _static_transforms(self, stamp: int) -> TFMessage:
+        transforms = self._telemetry.static_transforms(stamp)
+        for face in self._faces:
+            transforms.transforms.extend(face.transforms(stamp))
+        for cable_face in self._cable_faces:
+            transforms.transforms.extend(cable_face.transforms(stamp))
+        return transforms
 
     def _stream(self, topic: Topic) -> Publisher:
         known = self._streams.get(topic) or self._face_streams.get(topic)

@@ -6,7 +6,6 @@ says nothing is left out, names are written `base@happy`.
 """
 
 import json
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from enum import StrEnum
@@ -14,9 +13,13 @@ from typing import Any, Self
 
 from agents.platform.errors import AclError, NameNotValid
 from agents.platform.names import AgentName
+from bus.errors import MessageError
+from bus.messages import decode_json
+from bus.validation import check_line, check_value
 
 MAX_SIZE = 256 * 1024  # bytes of one message; pictures and streams do not travel by ACL
 MAX_DEPTH = 32  # levels of lists and objects in one message
+LONGEST_FIELD = 1000  # characters of a field of text, such as the conversation's identifier, but not of the content
 
 
 class Performative(StrEnum):
@@ -123,11 +126,11 @@ class AclMessage:
         written = {name: _WRITERS[name](name, getattr(self, name)) for name in _WRITERS}
         said = {name: value for name, value in written.items() if value not in (None, "", [])}
         if self.content is not None:
-            _check_extent(self.content, MAX_DEPTH - 1)
+            _check_value(self.content, MAX_DEPTH - 1)
             said["content"] = self.content
         try:
             payload = json.dumps(said, allow_nan=False, separators=(",", ":")).encode()
-        except (TypeError, ValueError) as err:
+        except (TypeError, ValueError, RecursionError) as err:
             raise AclError(f"the content cannot be written as JSON: {err}") from err
         if len(payload) > MAX_SIZE:
             raise AclError(f"a message of {len(payload)} bytes is too large; at most {MAX_SIZE} are carried")
@@ -149,7 +152,7 @@ class AclMessage:
         Raises:
             AclError: It is too large, too deep, no JSON, or a field is unknown, missing or wrong.
         """
-        _check_extent(value)
+        _check_value(value)
         return cls._of(value)
 
     @classmethod
@@ -167,59 +170,28 @@ def json_object(payload: bytes) -> dict[str, Any]:
     """Read a JSON object that may come from anyone.
 
     Raises:
-        AclError: It is too large, too deep, no JSON, no object, or holds a number that JSON has not.
+        AclError: It is too large, too deep, no JSON object, or holds a number or text that `bus.validation` refuses.
     """
-    if len(payload) > MAX_SIZE:
-        raise AclError(f"a message of {len(payload)} bytes is too large; at most {MAX_SIZE} are carried")
+    if not payload:
+        raise AclError("a message is a JSON object, not 0 bytes")
     try:
-        value = json.loads(payload, parse_constant=_no_number, parse_float=_finite)
-    except RecursionError as err:
-        raise AclError(f"a message is at most {MAX_DEPTH} levels deep") from err
-    except ValueError as err:
-        raise AclError(f"{len(payload)} bytes are not JSON: {err}") from err
-    if not isinstance(value, dict):
-        raise AclError(f"a message is a JSON object, not {_kind(value)}")
-    _check_extent(value)
+        value = decode_json(payload, MAX_SIZE)
+    except MessageError as err:
+        raise AclError(str(err)) from err
+    _check_value(value)
     return value
 
 
-def _check_extent(value: Any, depth: int = MAX_DEPTH) -> None:
-    """Refuse what is nested deeper than that, or cannot be written in `MAX_SIZE` bytes, going by its texts and members.
-
-    It goes level by level, so that no depth can exhaust the stack.
+def _check_value(value: Any, depth: int = MAX_DEPTH) -> None:
+    """Refuse what is nested deeper than that, or holds what no message may.
 
     Raises:
-        AclError: It is too deep or too large, or holds a number that JSON has not.
+        AclError: It is too deep or too large, or holds a number or text that `bus.validation` refuses.
     """
-    size, level = 0, [value]
-    for _ in range(depth + 1):
-        inner: list[Any] = []
-        is_nested = False
-        for part in level:
-            if isinstance(part, str):
-                size += len(part)
-            elif isinstance(part, dict | list | tuple):
-                is_nested = True
-                size += len(part)
-                inner += part
-                inner += part.values() if isinstance(part, dict) else ()
-            elif isinstance(part, float) and not math.isfinite(part):
-                raise AclError(f"{part} cannot be written as JSON")
-        if size > MAX_SIZE:
-            raise AclError(f"a message of more than {MAX_SIZE} bytes is too large")
-        if not is_nested:
-            return
-        level = inner
-    raise AclError(f"a message is at most {MAX_DEPTH} levels deep")
-
-
-def _no_number(text: str) -> float:
-    raise ValueError(f"{text} is no number of JSON")
-
-
-def _finite(text: str) -> float:
-    number = float(text)
-    return number if math.isfinite(number) else _no_number(text)
+    try:
+        check_value(value, depth, MAX_SIZE)
+    except MessageError as err:
+        raise AclError(str(err)) from err
 
 
 def _kind(value: Any) -> str:
@@ -257,6 +229,10 @@ def _read_agents(name: str, value: Any) -> tuple[AgentName, ...]:
 def _read_text(name: str, value: Any) -> str:
     if not isinstance(value, str):
         raise _wrong(name, "a text", value)
+    try:
+        check_line(value, f"the field {name!r}", LONGEST_FIELD)
+    except MessageError as err:
+        raise AclError(str(err)) from err
     return value
 
 

@@ -23,10 +23,10 @@ from agents.platform.life import State
 from agents.platform.names import AgentName, ContainerName
 from agents.platform.watchdog import Watchdog
 from bus import JSON, Bus, BusUnavailable, MessageError, Publisher, Subscription
+from bus.validation import sentence
 
 SETUP_TIME = 30.0  # s
 TAKE_DOWN_TIME = 1.5  # s; a program that is told to end is gone within 2 s
-LONGEST_ERROR = 1000  # characters; an exception may quote anything
 
 log = logging.getLogger("agents")
 
@@ -247,8 +247,8 @@ class Container:
 
     def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
         """Make known that something went wrong: to whoever listens on the bus, and as this container was told to."""
-        text = None if error is None else f"{type(error).__name__}: {error}"[:LONGEST_ERROR]
-        self._tell({"agent": str(agent), "what": what, "error": text})
+        text = None if error is None else sentence(f"{type(error).__name__}: {error}")
+        self._tell({"agent": str(agent), "what": sentence(what), "error": text})
         self._report(Report(agent, what, error))
 
     def end(self, agent: AgentName, end: End = End.STOPPED) -> None:

@@ -37,6 +37,7 @@ from agents.platform.luggage import opened, unpacked
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
 from bus import BusError, BusUnavailable, Conversation, Subscription
+from bus.validation import check_value
 
 if TYPE_CHECKING:
     from agents.platform.container import Container
@@ -88,9 +89,11 @@ class Control:
         loop, called, bus = asyncio.get_running_loop(), self._container.called, self._container.bus
 
         def take(arguments: dict[str, Any], conversation: Conversation) -> None:
+            check_value(arguments)
             hand_over(loop, self._begin, arguments, conversation, self._orders)
 
         def show(arguments: dict[str, Any], conversation: Conversation) -> None:
+            check_value(arguments)
             reading = {name: self._orders[name] for name in READING}
             hand_over(loop, self._begin, {"do": "list", **arguments}, conversation, reading)
 

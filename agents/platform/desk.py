@@ -22,6 +22,7 @@ from agents.platform.schedule import LETTING_GO
 from agents.platform.serving import Serving
 from agents.platform.talk import hand_over
 from bus import Conversation
+from bus.validation import sentence
 
 # How many conversations of one protocol an agent answers at a time. It refuses more, so that a flood costs no memory.
 MOST_REQUESTS = 100  # of one asker, so that one who floods does not keep the others out
@@ -158,10 +159,11 @@ class Desk:
         self, message: AclMessage | None, performative: Performative, why: str, conversation: Conversation
     ) -> None:
         """End a conversation with a no before anything was done; without a message when it could not be read."""
+        content = {"why": sentence(why)}
         no = (
-            AclMessage(performative=performative, sender=self._me, protocol=REQUESTS, content={"why": why})
+            AclMessage(performative=performative, sender=self._me, protocol=REQUESTS, content=content)
             if message is None
-            else message.reply(performative, {"why": why}, sender=self._me)
+            else message.reply(performative, content, sender=self._me)
         )
         self._home_there.trace(no)
         with conversation:

@@ -13,8 +13,7 @@ from agents.platform.home import Home
 from agents.platform.names import AgentName
 from bus import BusUnavailable, Conversation, KeyNotValid, Refused
 from bus.heartbeat import SILENCE, heartbeat_key
-
-LONGEST_REASON = 1000  # characters; an exception may quote anything
+from bus.validation import sentence
 
 
 class Serving:
@@ -146,8 +145,7 @@ class Serving:
         except Refused as err:
             self._say_no(in_words(err))
         except Exception as err:
-            why = f"{name} failed with {in_words(err)}"
-            self.say(Performative.FAILURE, {"why": why[:LONGEST_REASON]})
+            self.say(Performative.FAILURE, {"why": sentence(f"{name} failed with {in_words(err)}")})
             return err
         finally:
             self.close()
@@ -167,7 +165,7 @@ class Serving:
 
     def _say_no(self, why: str) -> None:
         if why:
-            self.say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": why[:LONGEST_REASON]})
+            self.say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": sentence(why)})
 
 
 def _is_being_cancelled() -> bool:

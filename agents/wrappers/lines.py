@@ -8,6 +8,7 @@ from typing import Any
 
 from agents.wrappers.codec import Answered, Event, Failed, NonsenseHeard, ProgramCodec, Told
 from agents.wrappers.wrapper_file import RequestRow, ResultRow
+from bus.validation import printable
 
 LONGEST_LINE = 64 * 1024  # bytes
 
@@ -22,7 +23,7 @@ class _Splitter:
         *whole, self._rest = (self._rest + data).split(b"\n")
         if len(self._rest) > LONGEST_LINE:
             raise NonsenseHeard(f"it says more than {LONGEST_LINE} bytes without an end of line")
-        return [line.decode("utf-8", "replace").rstrip("\r") for line in whole]
+        return [printable(line.decode("utf-8", "replace").rstrip("\r")) for line in whole]
 
 
 class LinesCodec(ProgramCodec):

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.wrappers.codec import Answered, Event, Failed, NonsenseHeard, ProgramCodec, Told
+from bus.validation import printable
 
 PORTION = 1 << 16  # bytes read at a time
 KNOCK_PERIOD = 0.1  # s between two tries to reach a server that is starting
@@ -230,7 +231,9 @@ class Program:
         rest = b""
         while data := await process.stderr.read(PORTION):
             *lines, rest = (rest + data)[-PORTION:].split(b"\n")
-            self._last_words.extend(line.decode("utf-8", "replace").strip() for line in lines if line.strip())
+            self._last_words.extend(
+                printable(line.decode("utf-8", "replace").strip()) for line in lines if line.strip()
+            )
 
 
 # Found before any fork: between fork and exec nothing may be loaded.

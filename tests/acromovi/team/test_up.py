@@ -113,9 +113,9 @@ def test_killed_outright_it_leaves_nothing_behind_all_the_same(file: str) -> Non
 
 
 def test_team_that_is_not_up_within_the_timeout_ends_with_a_code_of_its_own_and_a_cause_for_each_robot(
-    file: str, tmp_path: Path
+    file: str,
 ) -> None:
-    done = run("up", file, "--timeout", "0.2", "--bus", private_bus(tmp_path))
+    done = run("up", file, "--timeout", "0.2", "--bus", private_bus())
     assert done.returncode == 3
     first, *causes = done.stderr.splitlines()
     assert first == "acromovi up: dwarfs is not complete after 0.2 s (--timeout):"

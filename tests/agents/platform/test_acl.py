@@ -13,9 +13,10 @@ from agents.platform.acl import MAX_DEPTH, MAX_SIZE
 
 CHUNK = st.text(st.characters(categories=["L", "N"], include_characters="-_."), min_size=1, max_size=12)
 NAMES = st.builds(AgentName, CHUNK, CHUNK)
-TEXT = st.text(max_size=20)
+TEXT = st.text(st.characters(exclude_categories=["Cc", "Cs"], include_characters="\n\t"), max_size=20)
+FIELD = st.text(st.characters(categories=["L", "N", "P", "S"]), max_size=20)
 VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | TEXT,
+    st.none() | st.booleans() | st.integers(-(2**63), 2**63) | st.floats(allow_nan=False, allow_infinity=False) | TEXT,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(TEXT, inner, max_size=3),
     max_leaves=10,
 )
@@ -26,13 +27,13 @@ MESSAGES = st.builds(
     receivers=st.lists(NAMES, max_size=3).map(tuple),
     reply_to=st.lists(NAMES, max_size=2).map(tuple),
     content=VALUES,
-    language=TEXT,
-    encoding=TEXT,
-    ontology=TEXT,
-    protocol=TEXT,
-    conversation_id=TEXT,
-    reply_with=TEXT,
-    in_reply_to=TEXT,
+    language=FIELD,
+    encoding=FIELD,
+    ontology=FIELD,
+    protocol=FIELD,
+    conversation_id=FIELD,
+    reply_with=FIELD,
+    in_reply_to=FIELD,
     reply_by=st.none() | st.floats(0, 1e12),
 )
 BASE, CONSOLE = AgentName("base", "happy"), AgentName("console", "lab")
