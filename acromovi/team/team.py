@@ -121,7 +121,7 @@ class TeamAtWork(Closeable):
                 self._serves = True
                 return serving
             if now - self._begun > within:
-                raise TeamTimedOut(self._why_late(late, within))
+                raise TeamTimedOut(self._why_late(serving, within))
             await asyncio.sleep(TICK)
 
     def close(self) -> None:
@@ -220,8 +220,12 @@ class TeamAtWork(Closeable):
 
     def _add_services(self) -> None:
         """The team's own agents come last: what they look after should be there."""
-        if all(self._readiness[robot.name].is_connected for robot in self._team.emulated):
+        if self._may_have_services:
             self._queue.add(plan.services(self._team, self._choices))
+
+    @property
+    def _may_have_services(self) -> bool:
+        return all(self._readiness[robot.name].is_connected for robot in self._team.emulated)
 
     def _is_due(self, robot: TeamRobot, now: float) -> bool:
         """Whether the team waits for this robot."""
@@ -230,11 +234,12 @@ class TeamAtWork(Closeable):
         is_there = "://" in robot.port or Path(robot.port).exists()
         return is_there and now - self._begun < PATIENCE
 
-    def _why_late(self, late: Sequence[TeamRobot], within: float) -> str:
-        """The cause for each robot that is missing, a line each."""
+    def _why_late(self, serving: Sequence[str], within: float) -> str:
+        """The cause for each robot that is missing, a line each; those that are not waited for included."""
         table = self.supervisor.table
-        causes = [f"{robot.name}: {cause(robot, self._readiness[robot.name], table, self._reports)}" for robot in late]
-        if not self._readiness.services_serve and not late:
+        away = [robot for robot in self._team.robots if robot.name not in serving]
+        causes = [f"{robot.name}: {cause(robot, self._readiness[robot.name], table, self._reports)}" for robot in away]
+        if not self._readiness.services_serve and self._may_have_services:
             causes.append(f"the team's own agents: {cause_of_services(table, self._reports)}")
         return "\n  ".join([f"{self._team.name} is not complete after {within:g} s (--timeout):", *causes])
 

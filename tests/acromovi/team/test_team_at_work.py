@@ -280,9 +280,22 @@ def test_team_whose_real_robot_s_gateway_ends_says_how(play: Play, tmp_path: Pat
         await asyncio.sleep(0.5)
         stage.pretence.of("the gateway of iron").complain("p2os-gateway: no robot answers")
         stage.pretence.of("the gateway of iron").end(7)
+        await stage.says(SERVICES, container="services")
         assert await coming_up == ["iron: its gateway ended: no robot answers"]
 
     play(scene, (TeamRobot("iron", "p3dx", str(port)),))
+
+
+def test_causes_include_a_real_robot_that_is_not_waited_for(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(late(stage, 5.0))
+        await stage.says("the gateway of iron", event="waiting", port="/dev/nowhere")
+        assert await coming_up == [
+            "doc: the emulator (process 100) has not reported its ports",
+            "iron: there is no port /dev/nowhere; plug the robot in, or correct its port in the team's file",
+        ]
+
+    play(scene, (DOC, TeamRobot("iron", "p3dx", "/dev/nowhere")))
 
 
 def test_team_whose_own_agents_do_not_serve_says_so(play: Play) -> None:
