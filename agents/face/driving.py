@@ -7,6 +7,7 @@ import bus
 from agents.face.errors import NotThere, Refused, RobotError
 from agents.face.holding import Lease
 from agents.face.stage import Stage
+from agents.face.wording import in_api_words
 from agents.platform.errors import in_words
 from bus import Publisher, keys, messages
 
@@ -72,7 +73,7 @@ class Driving:
         try:
             await self._stage.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
         except bus.Refused as err:
-            raise Refused(f"{self._robot} refuses to drive: {in_words(err)}") from err
+            raise Refused(f"{self._robot} refuses to drive: {in_api_words(in_words(err), 'base')}") from err
         except TimeoutError as err:
             raise NotThere(f"nobody drives {self._robot}; see whether its p2os-gateway runs") from err
 

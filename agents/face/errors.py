@@ -13,6 +13,7 @@ Every message says in one sentence what happened and, where there is a way out, 
 RobotError` or `except Exception` must not hold it up.
 """
 
+from agents.face.wording import in_api_words
 from agents.platform import Ending, Outcome
 
 
@@ -55,6 +56,7 @@ _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
 
 
 def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
-    """The error that a request's end is to whoever asked."""
+    """The error that a request's end is to whoever asked, in the words of this API."""
     kind, sentence = _BY_ENDING[outcome.ending]
-    return kind(sentence.format(peer=peer, request=request, why=outcome.why))
+    why = in_api_words(outcome.why, str(peer).partition("@")[0])
+    return kind(sentence.format(peer=peer, request=request, why=why))
