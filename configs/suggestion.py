@@ -4,6 +4,7 @@ import difflib
 from collections.abc import Iterable
 
 LONGEST = 80  # characters of a word that may be misspelt; a longer one is no word
+MOST_NAMED = 3  # unknown words that an error names
 LIKENESS = 0.6  # of `difflib`, from which on a word counts as misspelt
 
 
@@ -21,7 +22,8 @@ def not_taken(name: str, unknown: Iterable[str], known: Iterable[str]) -> str:
     `move does not take 'distanc' (did you mean distance?); it takes distance, speed`.
     """
     takes = list(known)
-    named = ", ".join(f"{word!r}{hint(word, takes)}" for word in unknown)
+    words = [word if len(word) <= LONGEST else f"{word[:LONGEST]}…" for word in unknown]
+    named = ", ".join(f"{word!r}{hint(word, takes)}" for word in words[:MOST_NAMED])
     return f"{name} does not take {named}; it takes {', '.join(takes) or 'nothing'}"
 
 
