@@ -58,7 +58,8 @@ def tell_problem(options: Options, problem: LinkProblem | None) -> None:
     if options.is_json:
         tell(options, "", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
     else:
-        print(f"p2os-gateway: {options.port}: {problem.sentence}", file=sys.stderr, flush=True)
+        at = "" if options.port in problem.sentence else f"{options.port}: "
+        print(f"p2os-gateway: {at}{problem.sentence}", file=sys.stderr, flush=True)
 
 
 class Gateway:

@@ -215,8 +215,7 @@ def test_gateway_that_waits_for_a_port_prints_why_it_cannot_be_opened(tmp_path: 
     with gateway(port, "--wait") as process:
         assert process.stderr is not None
         assert process.stderr.readline() == (
-            f"p2os-gateway: {port}: there is no port {port}; plug the robot in, or start p2os-emu, and look at its "
-            "name again\n"
+            f"p2os-gateway: there is no port {port}; plug the robot in, or start p2os-emu, and look at its name again\n"
         )
 
 
