@@ -10,8 +10,8 @@ Whatever state the robot is in, the first command it understands is STOP: if hal
 silence ends that frame and the second pair is heard. A radio modem is dialled before that, unless it was just in use.
 
 Robot simulators of the MobileSim family take every packet of a new connection for a SYNC: they echo the STOP as
-`FA FB 03 1D 00 1D`, obey the CLOSE, and close the connection. So on a line without a rate (TCP), after a hang-up that
-follows CLOSE in an unopened session, the next connection begins with
+`FA FB 03 1D 00 1D`, obey the CLOSE, and close the connection. So on a line without a rate (TCP), after that echo or a
+hang-up that follows CLOSE in an unopened session, the next connection begins with
 
     silence of our own | SYNC0 | answers
 
@@ -40,6 +40,9 @@ AS_IT_IS = 0
 STOP = encode_command(Command.STOP)
 CLOSE = encode_command(Command.CLOSE)
 
+ECHO = bytes([Command.STOP])
+"""Payload of the frame with which simulators echo STOP; robots send no such frame."""
+
 ROUNDS_FOR_A_TALKER = 3
 """Rounds on a rate at which sound frames come, before the next rate."""
 PROBE_AT, PROBE_EVERY = 2, 8
@@ -64,7 +67,7 @@ class Connector:
     """Sweeps the rates until a robot has said who it is.
 
     baud: bit/s that the line must have now; `AS_IT_IS` where there is nothing to set.
-    hangs_up_on_close: the peer closed the connection after CLOSE, as some simulators do.
+    hangs_up_on_close: the peer closed the connection after CLOSE, or echoed STOP, as some simulators do.
     deadline: when `watch` is due, s.
     """
 
@@ -152,6 +155,8 @@ class Connector:
         if not self._talks:
             self._talks = True
             self._rounds_left = ROUNDS_FOR_A_TALKER
+        if payload == ECHO and self._rates == (AS_IT_IS,):
+            self.hangs_up_on_close = True  # it may be slow to close the connection, and this one is given up before
         if self._phase is not _Phase.SYNCING:
             return None
         before = self._handshake.request()

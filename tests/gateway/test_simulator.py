@@ -15,7 +15,7 @@ from configs import load
 from gateway.bridge import LONGEST_BACKOFF, Backoff
 from gateway.connector import AS_IT_IS, CLOSE, STOP
 from gateway.driver import Driver
-from gateway.events import End, Event, HandshakeCompleted, MotionEnded, SweepReceived
+from gateway.events import End, Event, HandshakeCompleted, MotionEnded, SweepFailed, SweepReceived
 from gateway.settings import Fitted, Settings
 from p2os import Command, RobotModel, encode_command
 from tests.gateway.conftest import MakeBench, find_model
@@ -72,6 +72,21 @@ def test_after_a_hang_up_that_follows_close_the_next_connection_begins_with_sync
     assert second.startswith(SYNC0 + encode_command(Command.SYNC1) + encode_command(Command.SYNC2))
     assert line.peer.sessions == 2
     assert line.of(HandshakeCompleted)[0].identity.name == "MobileSim"
+
+
+def test_simulator_that_is_slow_to_hang_up_is_known_by_its_echo() -> None:
+    class Slow(SimulatorPeer):
+        def receive(self, data: bytes) -> bytes:
+            answer = super().receive(data)
+            if self.hung_up:
+                self.hung_up = False  # it does not get round to it while this connection lasts
+            return answer
+
+    line = Line(Slow())
+    line.run_until(lambda: bool(line.of(SweepFailed)), 5.0)
+    line.driver.port_lost("the connection is dead", line.now)  # as the bridge gives up a dead connection
+    line.connect()
+    assert line.peer.first_bytes[-1].startswith(SYNC0)
 
 
 def test_simulator_that_is_lost_is_connected_again_in_the_same_way() -> None:
