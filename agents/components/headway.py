@@ -43,6 +43,10 @@ class Headway:
             self._begin_window(now)
         return creeps or now - self._rolled_at >= STALLED
 
+    def stands_for(self, now: float) -> float:
+        """Seconds for which the robot has not moved although it was told to."""
+        return now - self._rolled_at
+
     def _begin_window(self, now: float) -> None:
         self._since = now
         self._told = self._gone = 0.0

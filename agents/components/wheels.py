@@ -26,6 +26,7 @@ ASK_AGAIN = 0.5  # s between two velocities whose answer is waited for
 STANDING = Limits(0.01, 0.02)  # m/s and rad/s, below which it stands
 BLIND = 1.0  # s without odometry that a robot is steered on
 TIME_TO_REST = 2.0  # s
+MOST_TO_START = 0.8  # s until a robot that is told to drive moves, also behind a radio modem
 NEWS_TIME = 0.1  # s within which it is known why a motion was stopped
 UNBOUND = 5.0  # s that an initiator without a heartbeat may have the robot steered
 MOST_ENDS = 16  # of motions that are kept until somebody asks
@@ -186,7 +187,7 @@ class Wheels(Component):
         while not (velocity := choose(self.pose)).is_done:
             now = self._now
             if now >= ends_at:
-                return late
+                return late or self._not_moved(headway.stands_for(now), velocity)
             if now - self._heard_at >= BLIND:
                 return f"no odometry for {now - self._heard_at:.1f} s"
             if headway.is_blocked(self.pose, self._rolls, velocity, now):
@@ -200,6 +201,11 @@ class Wheels(Component):
                 self._tell(velocity, token)
             await self._next(min(REPEAT, ends_at - now))
         return ""
+
+    def _not_moved(self, seconds: float, told: Velocity) -> str:
+        """What is wrong when the robot has stood for so long at the end of a motion; an empty text when nothing is."""
+        is_told = abs(told.linear) > STANDING.linear or abs(told.angular) > STANDING.angular
+        return f"{self.robot} has not moved for {seconds:.1f} s" if is_told and seconds >= MOST_TO_START else ""
 
     async def _ask_for(self, velocity: Velocity, token: str) -> None:
         await self.command(keys.DRIVE, linear=velocity.linear, angular=velocity.angular, token=token)

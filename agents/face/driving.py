@@ -4,12 +4,14 @@ import asyncio
 import contextlib
 
 import bus
-from agents.face.errors import NotThere, Refused, RobotError
+from agents.face.errors import Failed, NotThere, Refused, RobotError
 from agents.face.holding import Lease
 from agents.face.stage import Stage
+from agents.face.stall import Stall
 from agents.face.wording import in_api_words
 from agents.platform.errors import in_words
-from bus import Publisher, keys, messages
+from agents.platform.talk import hand_over
+from bus import MessageError, Publisher, Sample, Subscription, keys, messages
 
 PERIOD = 0.1  # s; half a second of silence stops the robot
 ANSWER_TIME = 2.0  # s for the gateway
@@ -27,15 +29,24 @@ class Driving:
         self._lease: Lease | None = None
         self._task: asyncio.Task[None] | None = None
         self._obeyed_from = 0.0
+        self._stall = Stall()
+        self._stalled: tuple[float, float] | None = None  # the velocity at which it did, until that has been told
 
     async def go(self, linear: float, angular: float, lease: Lease | None) -> None:
         """Drive so from now on, or until the lease is lost: m/s, rad/s.
 
         Raises:
+            Failed: The robot has stalled since the last call, has been stopped, and is to go on in the same direction.
             LeaseLost: It is lost already, or about to be.
             Refused: The robot may not, or cannot; says why. It comes to rest, if it was driven by this.
             NotThere: Nobody drives it.
         """
+        stalled, self._stalled = self._stalled, None
+        if stalled is not None and _pushes_on(stalled, (linear, angular)):
+            raise Failed(
+                f"{self._robot} is stalled and was stopped: something blocks it at {stalled[0]:g} m/s, "
+                f"{stalled[1]:g} rad/s; drive another way"
+            )
         if not self._is_streaming:
             await asyncio.sleep(self._obeyed_from - self._stage.loop.time())
         try:
@@ -44,12 +55,15 @@ class Driving:
         except RobotError:
             await self.end()
             raise
+        if not self._is_streaming or not _pushes_on(self._velocity, (linear, angular)):
+            self._stall = Stall()
         self._velocity, self._token, self._lease = (linear, angular), token, lease
         if not self._is_streaming:
             self._task = asyncio.ensure_future(self._stream())
 
     async def end(self) -> None:
         """Drive no more; the robot comes to rest."""
+        self._stalled = None
         task, self._task = self._task, None
         if task is None or task.done():
             return
@@ -78,11 +92,39 @@ class Driving:
             raise NotThere(f"nobody drives {self._robot}; see whether its p2os-gateway runs") from err
 
     async def _stream(self) -> None:
-        with self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name) as wheels:
-            while self._stage.is_attended and (self._lease is None or self._lease.is_held):
+        publisher = self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name)
+        with publisher as wheels, self._listen():
+            while self._is_to_go_on:
                 self._say(wheels, *self._velocity)
                 await asyncio.sleep(PERIOD)
             self._say(wheels, 0.0, 0.0)
 
+    @property
+    def _is_to_go_on(self) -> bool:
+        is_ours = self._lease is None or self._lease.is_held
+        return self._stage.is_attended and is_ours and self._stalled is None
+
+    def _listen(self) -> Subscription:
+        """Hear the stall flags of the wheels."""
+        key = keys.BUMPERS.key(self._robot)
+        return self._stage.agent.bus.subscribe(key, self._take_flags, urgent=True)
+
+    def _take_flags(self, sample: Sample) -> None:
+        with contextlib.suppress(MessageError):  # the next one will be better
+            flags = messages.decode(keys.BUMPERS.type_name, sample.payload)
+            hand_over(self._stage.loop, self._hear_flags, bool(flags.stall_left or flags.stall_right))
+
+    def _hear_flags(self, is_stalled: bool) -> None:
+        is_driven = self._is_streaming and self._velocity != (0.0, 0.0)
+        if is_driven and self._stall.hear(is_stalled, self._stage.loop.time()):
+            self._stalled = self._velocity
+
     def _say(self, wheels: Publisher, linear: float, angular: float) -> None:
         wheels.put(messages.twist(linear, angular), self._token.encode())
+
+
+def _pushes_on(before: tuple[float, float], now: tuple[float, float]) -> bool:
+    """Whether a velocity, m/s and rad/s, goes the same way as one before: along, or round where it only turns."""
+    if before[0] or now[0]:
+        return before[0] * now[0] > 0.0
+    return before[1] * now[1] > 0.0

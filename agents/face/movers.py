@@ -138,6 +138,10 @@ class Base(Mover[BaseReading]):
 
         Without `seconds` it returns at once and the robot goes on so until the next call that moves it, until `stop`,
         or until the program ends or makes no call for a second.
+
+        Raises:
+            Failed: The robot is stalled. Without `seconds` it was stopped, and the next call to drive the same way
+                raises this; a call to drive another way is obeyed.
         """
         if seconds is None:
             self._stage.moving[self] = self._halt

@@ -130,6 +130,19 @@ class TestFailure:
         assert "wheel is stalled" in outcome.why
         assert stands_within(lab, 1.0)
 
+    def test_a_short_drive_against_something_is_no_drive(self, lab: Lab) -> None:
+        lab.lockstep.fault("wheel-stalled")
+        moving = lab.begin("base", "drive", linear=0.3, seconds=1.0)
+        lab.until(moving.done, 3.0)
+        outcome = moving.result()
+        assert outcome.ending is Ending.FAILED
+        assert "has not moved for" in outcome.why
+        assert "wheel is stalled" in outcome.why
+
+    @pytest.mark.parametrize("arguments", [{"linear": 0.2}, {"linear": 0.0, "angular": 0.5}, {"linear": 0.0}])
+    def test_a_short_drive_where_the_way_is_free_is_done(self, lab: Lab, arguments: dict[str, float]) -> None:
+        assert lab.value("base", "drive", seconds=1.0, **arguments)
+
     @pytest.mark.parametrize(("name", "arguments"), MOTIONS)
     @pytest.mark.parametrize(
         ("stopping", "why"),

@@ -3,6 +3,7 @@
 import asyncio
 import math
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOu
 from agents.face import horizon
 from agents.face.readings import OtherReading
 from agents.platform import AgentName
-from bus import MemoryBus
+from bus import MemoryBus, messages
 from tests.agents.face.conftest import LASER, BasePart, Part, World
 from tests.waiting import wait_until
 
@@ -279,6 +280,54 @@ def test_driving_that_is_refused_says_why(world: World, team: Team) -> None:
     with pytest.raises(Refused, match="happy refuses to drive: somebody else holds the lease"):
         base.drive(0.2)
     wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
+
+
+class Wall:
+    """Stall flags of happy's wheels, as its gateway publishes them ten times a second."""
+
+    def __init__(self, world: World) -> None:
+        self._wheels: BasePart = world.agent("base@happy")
+        self._wheels.every(0.1, self._publish)
+        self.is_there = True
+
+    def _publish(self) -> None:
+        linear = self._wheels.velocities[-1][0] if self._wheels.velocities else 0.0
+        flag = self.is_there and linear > 0.0
+        bumpers = messages.Bumpers(messages.header(0, "happy/base_link"), [], [], stall_left=flag, stall_right=flag)
+        self._wheels.bus.put("happy/bumpers", bumpers)
+
+
+def test_driving_that_is_stalled_stops_and_says_so(world: World, team: Team) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    world.run(_in_loop(lambda: Wall(world)))
+    base = team.robot("happy").base
+    base.drive(0.2)
+
+    def drive_on() -> None:
+        for _ in team.every(0.1):
+            base.drive(0.2)
+
+    with pytest.raises(Failed, match=r"^happy is stalled and was stopped: something blocks it at 0.2 m/s, 0 rad/s; "):
+        drive_on()
+    wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
+    base.drive(-0.1)
+    wait_until(lambda: wheels.velocities[-1:] == [(-0.1, 0.0)])
+
+
+def test_a_program_that_drives_away_from_what_stalls_it_is_obeyed(world: World, team: Team) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    world.run(_in_loop(lambda: Wall(world)))
+    base = team.robot("happy").base
+    base.drive(0.2)
+    for _ in team.every(0.1):
+        if wheels.velocities[-1:] == [(0.0, 0.0)]:
+            break
+    base.drive(-0.1)
+    wait_until(lambda: wheels.velocities[-1:] == [(-0.1, 0.0)])
+
+
+async def _in_loop(make: Callable[[], object]) -> None:
+    make()
 
 
 def test_who_was_refused_does_not_stop_what_another_drives(world: World) -> None:
