@@ -95,13 +95,17 @@ class Splitter:
 
 
 class Client:
-    """One end of the cable. Reads only while a test waits for something; a test's thread is the only one."""
+    """One end of the cable. Reads only while a test waits for something; a test's thread is the only one.
+
+    clock: steady time, s: the port's own if it has one, as the port of a robot in virtual time does.
+    """
 
     def __init__(self, port: str, baud: int = 9600) -> None:
         # A read returns with the first byte, or empty after 20 ms; nobody sleeps longer than that.
         self._line = serial.serial_for_url(port, baudrate=baud, timeout=0.02, write_timeout=5.0)
+        self.clock: Callable[[], float] = getattr(self._line, "clock", time.monotonic)
         self._splitter = Splitter()
-        self._last_sent = time.monotonic()
+        self._last_sent = self.clock()
         self._heard: list[Heard] = []  # arrived, not yet asked for
         self.longest = 0
 
@@ -132,7 +136,7 @@ class Client:
         """Put bytes on the line as they are."""
         self._line.write(raw)
         self._line.flush()
-        self._last_sent = time.monotonic()
+        self._last_sent = self.clock()
 
     def send(self, number: int, value: int | bytes | None = None) -> None:
         """Send one command."""
@@ -142,13 +146,13 @@ class Client:
 
     def hear(self, seconds: float, *, pulse: bool = True) -> Iterator[Heard]:
         """Frames as they arrive until the time is up; keeps the robot's watchdog fed unless told not to."""
-        deadline = time.monotonic() + seconds
+        deadline = self.clock() + seconds
         while True:
             while self._heard:
                 yield self._heard.pop(0)
-            if time.monotonic() >= deadline:
+            if self.clock() >= deadline:
                 return
-            if pulse and time.monotonic() - self._last_sent > 0.5:
+            if pulse and self.clock() - self._last_sent > 0.5:
                 self.send(PULSE)
             self._read()
 
@@ -156,7 +160,7 @@ class Client:
         data = self._line.read(1)
         if data and (more := self._line.in_waiting):
             data += self._line.read(more)
-        now = time.monotonic()
+        now = self.clock()
         for payload in self._splitter.receive(data):
             self.longest = max(self.longest, len(payload) + 5)
             self._heard.append(Heard(payload, now))

@@ -8,7 +8,7 @@ from pty_tests.client import Client
 PORTS = {1: (42, 43, 0xB0), 2: (66, 67, 0xB8), 3: (60, 61, 0xC8)}
 CANON_POWER_ON = bytes.fromhex("FF 30 30 00 A0 31 EF")
 
-ONE_MODEL = pytest.mark.emulate("p3dx-sh+ptz")
+ONE_MODEL = pytest.mark.emulate("p3dx-sh:ptz")
 
 
 @ONE_MODEL

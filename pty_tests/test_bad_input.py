@@ -114,6 +114,7 @@ def test_a_frame_split_at_every_place_still_works(robot: Client) -> None:
         wanted = not wanted
 
 
+@pytest.mark.needs(CONFIG, ENCODER, IOREQUEST)
 def test_ten_frames_in_one_write_are_all_executed_in_order(robot: Client) -> None:
     robot.forget()
     robot.write(

@@ -11,6 +11,7 @@ import pytest
 
 from pty_tests.client import Client
 from pty_tests.conftest import Site
+from pty_tests.firmware import ARCOS, Firmware
 from pty_tests.models import Model
 
 arcos = pytest.importorskip(
@@ -27,9 +28,9 @@ pytestmark = [
 
 
 @pytest.fixture
-def connect(site: Site, model: Model) -> Iterator[Callable[[], Any]]:
+def connect(site: Site, firmware: Firmware) -> Iterator[Callable[[], Any]]:
     """A function that returns a new, connected Soar client."""
-    if model.firmware != "ARCOS":
+    if firmware.family != ARCOS:
         pytest.skip("Soar reads the fields that only ARCOS sends")
     if "://" in site.port:
         pytest.skip("Soar opens devices only")

@@ -21,7 +21,6 @@ from pty_tests.client import (
     identity,
 )
 from pty_tests.conftest import Site
-from pty_tests.models import Model
 from pty_tests.packets import CONFIGPAC, Sip, parse_configuration
 
 SYNC0, SYNC1, SYNC2 = (frame(bytes([number])) for number in range(3))
@@ -179,9 +178,8 @@ def test_a_second_client_connects_after_the_first_has_vanished(site: Site) -> No
 
 
 @ONE_MODEL
-def test_reset_ends_the_conversation_and_the_robot_comes_back(robot: Client, model: Model) -> None:
-    if model.firmware != "ARCOS":
-        pytest.skip("RESET came with ARCOS")
+@pytest.mark.needs(RESET)
+def test_reset_ends_the_conversation_and_the_robot_comes_back(robot: Client) -> None:
     robot.send(ENABLE, 1)
     robot.motors_become(True)
     robot.send(RESET)
@@ -191,6 +189,7 @@ def test_reset_ends_the_conversation_and_the_robot_comes_back(robot: Client, mod
 
 
 @ONE_MODEL
+@pytest.mark.needs(HOSTBAUD)
 def test_hostbaud_is_accepted(robot: Client, site: Site) -> None:
     robot.send(HOSTBAUD, BAUD_CODES[site.baud])
     robot.send(PULSE)

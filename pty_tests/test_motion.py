@@ -30,6 +30,7 @@ from pty_tests.client import (
     command,
     frame,
 )
+from pty_tests.firmware import Firmware
 from pty_tests.models import ANGLE, Model
 from pty_tests.packets import CONFIGPAC, Sip, parse_configuration, travel_between, turn_between
 
@@ -42,8 +43,9 @@ CLOSELY = pytest.mark.emulate("powerbot")
 
 
 @pytest.fixture
-def times(driven: Client) -> dict[str, float]:
+def times(driven: Client, firmware: Firmware) -> dict[str, float]:
     """The robot's own SIP cycle and watchdog time, s."""
+    firmware.require(CONFIG)
     driven.send(CONFIG)
     fields = parse_configuration(driven.next(CONFIGPAC))
     return {name: int(fields[name]) / 1000 for name in ("sip_cycle", "watchdog")}
@@ -126,12 +128,11 @@ def test_vel2_sets_each_wheel(driven: Client, model: Model, payload: str, left: 
 
 
 @UNITS
+@pytest.mark.needs
 @pytest.mark.parametrize(("number", "rate"), [(RVEL, 30), (ROTATE, -30)], ids=["RVEL", "ROTATE back"])
 def test_the_robot_turns_on_the_spot_at_the_rate_asked_for(
     driven: Client, model: Model, times: dict[str, float], number: int, rate: int
 ) -> None:
-    if number == ROTATE and model.firmware == "P2OS":
-        pytest.skip("ROTATE came with AROS 1.0")
     rim = math.radians(rate) * model.track / 2
     driven.send(number, rate)
     driven.sip(runs_at(-rim, rim, model), f"SIP with the wheels at {rim:.0f} mm/s against each other")
@@ -193,6 +194,7 @@ def test_seto_after_a_drive_puts_the_odometry_to_zero(driven: Client, model: Mod
 
 
 @CLOSELY
+@pytest.mark.needs
 @pytest.mark.parametrize(
     ("number", "least", "most"),
     [(STOP, 150, 270), (ESTOP, 0, 100)],  # 400 mm/s at 400 mm/s2 takes 200 mm

@@ -17,7 +17,7 @@ from pty_tests.client import CLOSE, Client, frame
 from pty_tests.conftest import Site
 from pty_tests.questions import LASER_QUESTIONS, QUESTIONS, Question
 
-ONE_MODEL = pytest.mark.emulate("powerbot-sh+gripper,gyro,compass,joystick")
+ONE_MODEL = pytest.mark.emulate("powerbot-sh:gripper,gyro,compass,joystick")
 
 Taken = list[dict[str, Any]]
 
@@ -94,7 +94,7 @@ def test_a_question_about_driving_is_survived_and_its_answer_taken_down(
 
 
 @pytest.mark.parametrize("question", LASER_QUESTIONS, ids=lambda q: q.name)
-@pytest.mark.emulate("p3dx-sh+laser")
+@pytest.mark.emulate("p3dx-sh:laser")
 def test_a_question_to_the_laser_is_taken_down(site: Site, report: Report, question: Question) -> None:
     if site.laser is None:
         pytest.skip("no laser: give its port with --laser PORT")

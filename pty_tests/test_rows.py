@@ -12,8 +12,8 @@ from pty_tests.rows import ELSEWHERE, PACKETS, QUIET, REQUESTS, Request
 PAGE = Path(__file__).resolve().parents[1] / "PROTOCOL.md"
 
 # A Pioneer 3 with everything that hangs on its controller, and an AmigoBot for its sounds.
-FITTED = pytest.mark.emulate("p3dx-sh+gripper,gyro,compass,joystick,arm,ptz", "amigo")
-ONE_MODEL = pytest.mark.emulate("p3dx-sh+gripper,gyro,compass,joystick,arm,ptz")
+FITTED = pytest.mark.emulate("p3dx-sh:gripper,gyro,compass,joystick,arm,ptz", "amigo")
+ONE_MODEL = pytest.mark.emulate("p3dx-sh:gripper,gyro,compass,joystick,arm,ptz")
 
 
 def page_numbers(heading: str, base: int) -> set[int]:

@@ -6,14 +6,14 @@ import pytest
 
 from pty_tests.client import BATTERYINFO, CLOSE, CONFIG, RESET, Client
 from pty_tests.conftest import Site
+from pty_tests.firmware import ADSEL, BATTEST, BUMPSTALL
 from pty_tests.packets import CONFIGPAC, Sip, parse_configuration
 
-ADSEL, BUMPSTALL, BATTEST = 35, 44, 250
 GAINS = {82: "rot_kp", 83: "rot_kv", 84: "rot_ki", 85: "trans_kp", 86: "trans_kv", 87: "trans_ki"}
 CALIBRATION = {38: "gyro_cw", 39: "gyro_ccw", 88: "rev_count", 89: "drift_factor", 93: "ticks_mm"}
 DIRECTIONAL = (14, 20)
 
-ARCOS = pytest.mark.emulate("p3dx-sh+gyro")
+ARCOS = pytest.mark.emulate("p3dx-sh:gyro")
 
 
 def configuration(robot: Client) -> dict[str, int | str]:
@@ -22,6 +22,7 @@ def configuration(robot: Client) -> dict[str, int | str]:
 
 
 @ARCOS
+@pytest.mark.needs
 @pytest.mark.parametrize("number", GAINS)
 def test_a_gain_is_set_and_read_back(robot: Client, number: int) -> None:
     before = configuration(robot)[GAINS[number]]
@@ -32,6 +33,7 @@ def test_a_gain_is_set_and_read_back(robot: Client, number: int) -> None:
 
 
 @ARCOS
+@pytest.mark.needs
 @pytest.mark.parametrize(("number", "name"), CALIBRATION.items())
 def test_a_calibration_is_set_and_read_back(robot: Client, number: int, name: str) -> None:
     before = configuration(robot).get(name)
@@ -51,6 +53,7 @@ def test_directional_limits_are_taken_without_complaint(robot: Client, number: i
 
 
 @ARCOS
+@pytest.mark.needs(ADSEL)
 def test_the_sip_reports_the_analog_port_that_was_selected(robot: Client) -> None:
     robot.send(ADSEL, 3)
     robot.sip(lambda sip: sip.analog_port == 3, "SIP with analog port 3")
@@ -58,6 +61,7 @@ def test_the_sip_reports_the_analog_port_that_was_selected(robot: Client) -> Non
 
 
 @ARCOS
+@pytest.mark.needs(BUMPSTALL)
 def test_bumpstall_does_not_stall_a_robot_that_touches_nothing(robot: Client) -> None:
     for value in (0, 1, 2, 3):
         robot.send(BUMPSTALL, value)
@@ -65,6 +69,7 @@ def test_bumpstall_does_not_stall_a_robot_that_touches_nothing(robot: Client) ->
 
 
 @ARCOS
+@pytest.mark.needs(BATTEST)
 def test_a_pretended_battery_shows_until_it_is_taken_back(robot: Client) -> None:
     true = robot.fresh_sip().battery
     robot.send(BATTEST, 105)
@@ -91,6 +96,7 @@ def spare(site: Site) -> Iterator[Client]:
 
 
 @pytest.mark.emulate("powerbot-sh")
+@pytest.mark.needs(RESET)
 def test_reset_says_so_and_leaves_a_robot_that_waits_for_a_handshake(spare: Client) -> None:
     spare.send(RESET)
     reset = spare.wait(lambda payload: payload[0] in (0xFE, 0xFF), "reset packet", 2.0, pulse=False)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from pty_tests.client import POLLING, SONAR, SONARCYCLE, Client, frame
+from pty_tests.firmware import ONE_ARRAY
 from pty_tests.models import Model
 from pty_tests.packets import Sip
 
@@ -74,9 +75,8 @@ def test_sonar_0_silences_all_and_1_brings_all_back(pinging: Client, model: Mode
 
 
 @ONE_MODEL
+@pytest.mark.needs(ONE_ARRAY)
 def test_each_array_has_a_switch_of_its_own(pinging: Client, model: Model) -> None:
-    if model.firmware == "P2OS":
-        pytest.skip("P2OS knows SONAR 0 and 1 only")
     for array in model.arrays:
         pinging.send(SONAR, array << 1)
         pinging.fresh_sip()
@@ -120,9 +120,8 @@ def test_empty_polling_silences_the_sonar(pinging: Client) -> None:
 
 
 @ONE_MODEL
+@pytest.mark.needs(SONARCYCLE)
 def test_sonarcycle_sets_the_rate(pinging: Client, model: Model) -> None:
-    if model.firmware == "P2OS":
-        pytest.skip("SONARCYCLE came with AROS 1.8")
     pinging.send(SONARCYCLE, 2 * CYCLE_MS)
     pinging.fresh_sip()
     sips = pinging.sips(16)
