@@ -1,4 +1,8 @@
-"""A camera at work, on a thread of its own: opens it, hands on its pictures, and opens it again when it fails."""
+"""A camera at work, on a thread of its own: opens it, hands on its pictures, and opens it again when it fails.
+
+Pictures cost whoever makes them, so a camera is open only while they are wanted. Otherwise it is opened now and then
+for a single picture, which shows whether it is still there.
+"""
 
 import threading
 import time
@@ -12,6 +16,12 @@ from cameras.source import Source, open_source
 
 RETRY = 1.0
 """Seconds between two tries to open a camera."""
+LINGER = 2.0
+"""Seconds that a camera stays open after its pictures were last wanted."""
+CHECK = 10.0
+"""Seconds between two looks at a camera whose pictures nobody wants."""
+ATTENTION = 0.1
+"""Seconds between two looks whether pictures are wanted."""
 LEAVING = 1.0
 """Seconds for the thread to end; a device that hangs keeps it, and it ends with the program."""
 
@@ -39,6 +49,8 @@ class CameraReader:
         on_lost: Callable[[str], None],
         on_damaged: Callable[[], None] = lambda: None,
         open_camera: Callable[[str], Source] = open_source,
+        is_wanted: Callable[[], bool] = lambda: True,
+        on_rest: Callable[[], None] = lambda: None,
     ) -> None:
         """Make ready; `start` lets the thread run.
 
@@ -48,12 +60,16 @@ class CameraReader:
             on_lost: Told why there are none, once per try to open it.
             on_damaged: Told of what came and is no whole picture.
             open_camera: How to open it.
+            is_wanted: Whether somebody wants pictures now; cheap, it is asked often.
+            on_rest: Told when the camera is let go of because nobody does.
         """
         self._where = where
         self._on_picture = on_picture
         self._on_lost = on_lost
         self._on_damaged = on_damaged
         self._open_camera = open_camera
+        self._is_wanted = is_wanted
+        self._on_rest = on_rest
         self._source: Source | None = None
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
@@ -78,9 +94,24 @@ class CameraReader:
                     self._look(self._source)
             except CameraLost as lost:
                 self._on_lost(str(lost))
-            self._is_closed.wait(RETRY)
+                self._is_closed.wait(RETRY)
+            else:
+                self._on_rest()
+                self._rest()
+
+    def _rest(self) -> None:
+        """Return when pictures are wanted, or it is time to see whether the camera is still there."""
+        until = time.monotonic() + CHECK
+        while not (self._is_closed.is_set() or self._is_wanted() or time.monotonic() >= until):
+            self._is_closed.wait(ATTENTION)
 
     def _look(self, source: Source) -> None:
+        """Hand on pictures as long as they are wanted, one at least.
+
+        Raises:
+            CameraLost: There are no more.
+        """
+        until = time.monotonic()
         while not self._is_closed.is_set():
             jpeg = source.read()
             stamp_ns = time.time_ns()
@@ -89,3 +120,7 @@ class CameraReader:
                 self._on_damaged()
             else:
                 self._on_picture(Picture(jpeg, *size, stamp_ns))
+            if self._is_wanted():
+                until = time.monotonic() + LINGER
+            elif time.monotonic() >= until:
+                return

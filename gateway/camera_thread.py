@@ -1,4 +1,4 @@
-"""A camera of a robot: brings its pictures to the bus, and keeps what others may know of it.
+"""A camera of a robot: brings its pictures to the bus while somebody wants them, and keeps what others may know of it.
 
 It stands beside the threads of elements on cables (`gateway.cables.cable_thread`) and is used like one.
 """
@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from bus import keys
 from cameras.reader import CameraReader, Picture
 from cameras.source import PATIENCE, Source, open_source
 from gateway.events import PictureTaken
@@ -20,7 +21,8 @@ if TYPE_CHECKING:  # they load the message types, which takes longer than findin
 class CameraState:
     """What others may know of a camera, in place of a driver's state.
 
-    size: of its pictures, pixels. is_connected: pictures come. pictures: how many have come.
+    size: of its pictures, pixels. pictures: how many have come.
+    is_resting: nobody wants pictures; the camera was there when it was last opened.
     """
 
     baud = 0
@@ -31,14 +33,15 @@ class CameraState:
         self.damaged: Counter[str] = Counter()
         self.lost: Counter[str] = Counter()
         self.has_port = False
+        self.is_resting = False
         self._clock = clock
         self._complaint = "it has not been opened yet"
         self._picture_at = 0.0
 
     @property
     def is_connected(self) -> bool:
-        """Pictures come."""
-        return self.has_port and self._clock() - self._picture_at < PATIENCE
+        """Pictures come, or would come if somebody wanted them."""
+        return self.has_port and (self.is_resting or self._clock() - self._picture_at < PATIENCE)
 
     def faults(self) -> Sequence[str]:
         """What is wrong, a sentence each."""
@@ -49,20 +52,25 @@ class CameraState:
 
     def figures(self) -> Mapping[str, Any]:
         """For diagnostics."""
-        return {"pictures": self.pictures}
+        return {"pictures": self.pictures, "resting": self.is_resting}
 
     def take(self, size: tuple[int, int]) -> None:
         """A picture has come."""
         self.size = size
         self.pictures += 1
         self.has_port = True
+        self.is_resting = False
         self._picture_at = self._clock()
+
+    def rest(self) -> None:
+        """It has been let go of, since nobody wants its pictures."""
+        self.is_resting = self.has_port
 
     def lose(self, why: str) -> None:
         """It is gone, or was never there."""
         if self.has_port:
             self.lost[why] += 1
-        self.has_port = False
+        self.has_port = self.is_resting = False
         self._complaint = why
 
 
@@ -79,7 +87,9 @@ class CameraThread:
         """Make ready; `start` lets the thread run. where: as `open_source` takes it."""
         self.driver = CameraState()
         self._joined: tuple[RobotOnBus, CableFace[Any]] | None = None
-        self._reader = CameraReader(where, self._take, self.driver.lose, self._count_damage, open_camera)
+        self._reader = CameraReader(
+            where, self._take, self.driver.lose, self._count_damage, open_camera, self._is_wanted, self.driver.rest
+        )
 
     def start(self) -> None:
         """Let the thread run."""
@@ -97,12 +107,18 @@ class CameraThread:
         self._joined = None
         self._reader.close()
 
+    def _is_wanted(self) -> bool:
+        """Somebody on the bus subscribes to the pictures."""
+        joined = self._joined
+        return joined is not None and joined[0].has_listeners(keys.CAMERA)
+
     def _count_damage(self) -> None:
         self.driver.damaged["picture"] += 1
 
     def _take(self, picture: Picture) -> None:
         self.driver.take((picture.width, picture.height))
-        if self._joined is not None:
-            robot, face = self._joined
+        joined = self._joined
+        if joined is not None:
+            robot, face = joined
             event = PictureTaken(picture.jpeg, picture.width, picture.height)
             robot.element_happened(face, [event], picture.stamp_ns)

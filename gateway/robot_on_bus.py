@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 from bus import Bus, BusUnavailable, Subscription, keys
+from bus.keys import Topic
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
@@ -131,6 +132,10 @@ class RobotOnBus(Subscription):
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event in events:
                 self._streams.publish_element(face, event, stamp_ns)
+
+    def has_listeners(self, topic: Topic) -> bool:
+        """Whether somebody subscribes to one of the robot's streams now; from any thread."""
+        return self._streams.has_listeners(topic)
 
     def close(self) -> None:
         """Withdraw everything."""

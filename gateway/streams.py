@@ -4,7 +4,7 @@ import logging
 import threading
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from operator import is_
 from typing import Any
 
@@ -205,6 +205,12 @@ class Streams(Subscription):
         for cable_face in self._cable_faces:
             transforms.transforms.extend(cable_face.transforms(stamp))
         return transforms
+
+    def has_listeners(self, topic: Topic) -> bool:
+        """Whether somebody subscribes to a stream now; from any thread."""
+        with suppress(BusUnavailable):  # it is being closed
+            return self._stream(topic).has_listeners
+        return False
 
     def _stream(self, topic: Topic) -> Publisher:
         known = self._streams.get(topic) or self._face_streams.get(topic)

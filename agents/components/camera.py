@@ -1,7 +1,8 @@
 """The agent of a camera: tells of its pictures, and gives one when it is asked.
 
 Pictures travel as a stream, and whoever wants them all subscribes to `<robot>/camera/image/compressed`. A camera that
-belongs to no gateway is opened by its agent, which puts its pictures there.
+belongs to no gateway is opened by its agent, which puts its pictures there. A camera makes pictures only while somebody
+subscribes to them, so the agent does that only while somebody listens to its results, or has just asked for one.
 """
 
 import asyncio
@@ -16,7 +17,7 @@ import numpy as np
 from agents.components.component import NS_PER_S, Component, failure
 from agents.platform import AgentName, request
 from agents.platform.talk import hand_over
-from bus import BusError, MessageError, Publisher, Refused, Sample, keys
+from bus import BusError, MessageError, Publisher, Refused, Sample, Subscription, keys
 from bus.keys import frame
 from bus.messages import CompressedImage, decode, header, stamp_ns
 from cameras import CameraNotUsable, CameraReader, Picture, check_source, picture_size, shrunk
@@ -26,6 +27,10 @@ MOST = 190_000
 RATE_TIME = 3.0
 """Seconds over which the rate is taken."""
 MOST_TIMES = 200
+LINGER = 10.0
+"""Seconds for which the agent goes on hearing pictures after a request."""
+ATTENTION = 0.1
+"""Seconds between two looks whether somebody listens to its results."""
 
 
 class Camera(Component):
@@ -38,12 +43,14 @@ class Camera(Component):
     results: ClassVar[Mapping[str, str]] = {
         "width, height": "pixels",
         "format": "jpeg or png",
-        "frames": "pictures that have come",
+        "frames": "pictures that the agent has received",
         "rate": "Hz, of the last 3 s",
     }
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
+        self._hearing: Subscription | None = None
+        self._wanted_until = 0.0  # s of the loop's time
         self._newest: Sample | None = None
         self._frames = 0
         self._times: deque[float] = deque(maxlen=MOST_TIMES)  # of the last frames
@@ -61,13 +68,26 @@ class Camera(Component):
         if where is not None:
             check_source(str(where))
         await super().setup()
+        self.every(ATTENTION, self._follow_interest)
         if where is not None:
-            self._publisher = self.bus.publisher(keys.CAMERA.key(self.robot), keys.CAMERA.type_name)
-            self._reader = CameraReader(str(where), self._publish_picture, self._lose)
+            publisher = self._publisher = self.bus.publisher(keys.CAMERA.key(self.robot), keys.CAMERA.type_name)
+            self._reader = CameraReader(
+                str(where), self._publish_picture, self._lose, is_wanted=lambda: publisher.has_listeners
+            )
             self._reader.start()
+
+    async def _follow_interest(self) -> None:
+        """Hear pictures while somebody wants to know of them, and no longer."""
+        if self.is_heard:
+            self._hear_pictures()
+        elif self._hearing is not None and asyncio.get_running_loop().time() >= self._wanted_until:
+            self._hearing.close()
+            self._hearing = None
 
     async def take_down(self) -> None:
         """Let go of the camera."""
+        if self._hearing is not None:
+            self._hearing.close()
         if self._reader is not None:
             await asyncio.to_thread(self._reader.close)
         if self._publisher is not None:
@@ -87,6 +107,8 @@ class Camera(Component):
     @request("read")
     async def read(self) -> dict[str, Any]:
         """The latest result; fails where no picture has come for a while, and says why if that is known."""
+        self._wanted_until = asyncio.get_running_loop().time() + LINGER
+        self._hear_pictures()
         try:
             return await super().read()
         except Refused as err:
@@ -111,6 +133,16 @@ class Camera(Component):
             "height": size[1],
             "data": base64.b64encode(data).decode(),
         }
+
+    def _begin_to_hear(self, key: str) -> None:
+        """Subscribe to nothing yet: `_follow_interest` does."""
+
+    def _hear_pictures(self) -> None:
+        """Subscribe to the pictures; those of before say nothing any more."""
+        if self._hearing is None:
+            self._unread = self._latest = None
+            self._has_heard.clear()
+            self._hearing = self.bus.subscribe(keys.CAMERA.key(self.robot), self._take_sample, urgent=True)
 
     async def _smaller(self, data: bytes) -> bytes:
         try:

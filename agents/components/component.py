@@ -86,9 +86,13 @@ class Component(Agent):
             key = topic.key(self.robot)
             self._stream = Stream(key, self._hear, 1, self._malformed)
             self.add(self._stream, Restart())
-            self._open.append(self.bus.subscribe(key, self._take_sample, urgent=True))
+            self._begin_to_hear(key)
         if self.has_readings:
             self._open.append(self.bus.converse(self.name.results_key, self._take_look, urgent=True))
+
+    def _begin_to_hear(self, key: str) -> None:
+        """Subscribe to the source's messages."""
+        self._open.append(self.bus.subscribe(key, self._take_sample, urgent=True))
 
     @property
     def has_readings(self) -> bool:

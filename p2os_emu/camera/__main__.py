@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +15,15 @@ from PIL import Image
 
 from p2os_emu.camera.feed import Feed
 from p2os_emu.camera.image_format import read_format
-from p2os_emu.camera.news import Moment, receive
+from p2os_emu.camera.news import Moment, receive, report_watched
 from p2os_emu.camera.server import CameraServer
 from p2os_emu.world.mirror import Mirror, choose_renderer
+from p2os_emu.world.view import View
 
 NICENESS = 10
 """Pictures may be late; the robots' packets may not."""
+FRESH_WITHIN = 0.2
+"""s in which the emulator sends what is new once somebody looks; an emulator that is busy, or stopped, may not."""
 
 
 class Inbox:
@@ -37,10 +41,10 @@ class Inbox:
             moment, self._moment = self._moment, None
             return moment
 
-    def wait(self) -> None:
-        """Return as soon as something has come."""
+    def wait(self, timeout: float | None = None) -> None:
+        """Return as soon as something has come, or after so many s."""
         with self._come:
-            self._come.wait_for(lambda: self._moment is not None)
+            self._come.wait_for(lambda: self._moment is not None, timeout)
 
     def _read(self) -> None:
         try:
@@ -65,24 +69,34 @@ def main(argv: Sequence[str] | None = None) -> int:
     os.nice(NICENESS)
     image = read_format(image_format)
     mirror = Mirror(choose_renderer())
-    inbox = Inbox(socket.socket(fileno=int(channel_fd)))
-    feed = Feed()
+    channel = socket.socket(fileno=int(channel_fd))
+    inbox = Inbox(channel)
+    feed = Feed(partial(report_watched, channel))
     server = CameraServer(socket.socket(fileno=int(listener_fd)), feed, title)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     inbox.wait()
-    view = None
+    view: View | None = None
     due = time.monotonic()
     while True:
-        feed.wait_for_viewers()
-        moment = inbox.take()
-        if moment is not None:
-            mirror.apply(moment.news)
-            view = moment.view
+        if not feed.has_viewers:
+            feed.wait_for_viewers()
+            view = _take(inbox, mirror, view)  # it may be as old as the last viewer
+            inbox.wait(FRESH_WITHIN)
+        view = _take(inbox, mirror, view)
         assert view is not None  # the first has been waited for
         feed.put(_jpeg(mirror.draw(view, image.width, image.height), int(quality)))
         now = time.monotonic()
         due = max(due + 1 / image.rate, now)
         time.sleep(due - now)
+
+
+def _take(inbox: Inbox, mirror: Mirror, view: View | None) -> View | None:
+    """Bring the mirror up to date; returns the view now."""
+    moment = inbox.take()
+    if moment is None:
+        return view
+    mirror.apply(moment.news)
+    return moment.view
 
 
 def _jpeg(colours: NDArray[np.uint8], quality: int) -> bytes:

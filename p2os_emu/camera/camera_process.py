@@ -1,4 +1,4 @@
-"""A camera's process as the emulator sees it: fed without ever waiting, and mourned once."""
+"""A camera's process as the emulator sees it: fed without ever waiting, while somebody looks, and mourned once."""
 
 import socket
 import subprocess
@@ -7,7 +7,8 @@ from zlib import crc32
 
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.image_format import ImageFormat
-from p2os_emu.camera.news import Moment, send
+from p2os_emu.camera.news import Moment, send, watched_reports
+from p2os_emu.world.sight import MOST_NEW
 
 FAREWELL = 2.0
 """Seconds for a process to end by itself."""
@@ -19,7 +20,8 @@ PORTS = range(20000, 30000)
 class CameraProcess:
     """One camera, at `url` from the start: whoever comes early waits for it.
 
-    known: numbers of the things that the process has been told of.
+    known: numbers of the things that the process has been told of. is_watched: somebody looks at its pictures.
+    is_newly_watched: ... and it has been told nothing since that began.
     """
 
     def __init__(self, name: str, image: ImageFormat, model: CameraModel) -> None:
@@ -33,6 +35,8 @@ class CameraProcess:
             OSError: There is no port or no process to be had.
         """
         self.known: set[int] = set()
+        self.is_watched = self.is_newly_watched = False
+        self._knows_all = False
         listener = _listener(name)
         self._channel, channel = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with listener, channel:
@@ -51,12 +55,29 @@ class CameraProcess:
         """Of the process."""
         return self._process.pid
 
+    @property
+    def wants_news(self) -> bool:
+        """Somebody looks, or it does not know all the things there are yet."""
+        return self.is_watched or not self._knows_all
+
+    def listen(self) -> bool:
+        """Take note of whether somebody looks; returns whether the process lives."""
+        try:
+            for is_watched in watched_reports(self._channel):
+                self.is_watched = is_watched
+                self.is_newly_watched |= is_watched
+        except OSError:
+            return False
+        return True
+
     def tell(self, moment: Moment) -> bool:
         """Tell it what is new, if it can take it now; returns whether it lives."""
         try:
             if send(self._channel, moment):
                 self.known |= moment.news.new.keys()
                 self.known -= moment.news.gone
+                self._knows_all = len(moment.news.new) < MOST_NEW
+                self.is_newly_watched = False
         except OSError:
             return False
         return True

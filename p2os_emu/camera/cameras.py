@@ -60,17 +60,17 @@ class Cameras:
         return None if process is None else process.url
 
     def tend(self) -> None:
-        """Tell every camera what is new, if that is due; never waits."""
+        """Tell every camera at which somebody looks what is new, if that is due; never waits."""
         now = self._emulator.time
-        if now < self._due:
-            return
-        self._leaving = [process for process in self._leaving if not process.has_ended]
-        self._due = now + 1 / RATE
+        is_due = now >= self._due
+        if is_due:
+            self._leaving = [process for process in self._leaving if not process.has_ended]
+            self._due = now + 1 / RATE
         for name, process in list(self._processes.items()):
             robot = self._emulator.robots.get(name)
             if robot is None:
                 self._drop(name)
-            elif not process.tell(self._moment(robot, process)):
+            elif not self._feed(robot, process, is_due):
                 self._drop(name)
                 self._complain(f"the camera of {name} has ended; the robot goes on without it")
 
@@ -80,6 +80,14 @@ class Cameras:
             self._drop(name)
         while self._leaving:
             self._leaving.pop().close()
+
+    def _feed(self, robot: "EmulatedRobot", process: CameraProcess, is_due: bool) -> bool:
+        """Tell a camera what is new, if that is due or somebody has just begun to look; returns whether it lives."""
+        if not process.listen():
+            return False
+        if process.is_newly_watched or (is_due and process.wants_news):
+            return process.tell(self._moment(robot, process))
+        return True
 
     def _drop(self, name: str) -> None:
         process = self._processes.pop(name)

@@ -1,7 +1,7 @@
 """The newest picture, and who is waiting for it; older ones are gone."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -16,7 +16,13 @@ class Picture(NamedTuple):
 class Feed:
     """One writer, any number of viewers; pictures are made only while somebody looks."""
 
-    def __init__(self) -> None:
+    def __init__(self, on_watched: Callable[[bool], None] = lambda is_watched: None) -> None:
+        """Begin without a picture.
+
+        Args:
+            on_watched: Told when the first viewer comes, and when the last one goes; must not wait.
+        """
+        self._on_watched = on_watched
         self._newest = Picture(0, b"")
         self._viewers = 0
         self._changed = threading.Condition()
@@ -26,6 +32,12 @@ class Feed:
         with self._changed:
             self._newest = Picture(self._newest.number + 1, jpeg)
             self._changed.notify_all()
+
+    @property
+    def has_viewers(self) -> bool:
+        """Somebody looks."""
+        with self._changed:
+            return self._viewers > 0
 
     def wait_for_viewers(self) -> None:
         """Return as soon as somebody looks."""
@@ -37,6 +49,8 @@ class Feed:
         """Look, as long as the block lasts; gives the number of the picture before."""
         with self._changed:
             self._viewers += 1
+            if self._viewers == 1:
+                self._on_watched(True)
             self._changed.notify_all()
             before = self._newest.number
         try:
@@ -44,6 +58,8 @@ class Feed:
         finally:
             with self._changed:
                 self._viewers -= 1
+                if self._viewers == 0:
+                    self._on_watched(False)
 
     def after(self, number: int, timeout: float) -> Picture | None:
         """Wait for a picture newer than one; None when none has come within so many s."""

@@ -1,11 +1,14 @@
-"""What the emulator sends a camera's process, as often as it can be taken: packets on a pair of sockets.
+"""What the emulator and a camera's process send each other: packets on a pair of sockets.
 
-A packet is a pickled `Moment`: both ends are this program. A packet is sent whole or not at all, and what could not be
-sent is sent with the next one, so the sender never waits.
+The process reports whether somebody looks, and while somebody does, the emulator sends it what is new as often as it
+can be taken. That packet is a pickled `Moment`: both ends are this program. A packet is sent whole or not at all, and
+what could not be sent is sent with the next one, so the emulator never waits.
 """
 
 import pickle
 import socket
+from collections.abc import Iterator
+from contextlib import suppress
 from typing import NamedTuple
 
 from p2os_emu.world.sight import News
@@ -13,6 +16,8 @@ from p2os_emu.world.view import View
 
 LARGEST = 1 << 20
 """Bytes of a packet, at most."""
+WATCHED, UNWATCHED = b"\1", b"\0"
+"""What a camera's process reports: somebody looks, or nobody does."""
 
 
 class Moment(NamedTuple):
@@ -43,3 +48,25 @@ def receive(channel: socket.socket) -> Moment | None:
     moment = pickle.loads(data)
     assert isinstance(moment, Moment)  # both ends are ours
     return moment
+
+
+def report_watched(channel: socket.socket, is_watched: bool) -> None:
+    """Tell the emulator whether somebody looks; an emulator that is gone need not know."""
+    with suppress(OSError):
+        channel.send(WATCHED if is_watched else UNWATCHED, socket.MSG_DONTWAIT)
+
+
+def watched_reports(channel: socket.socket) -> Iterator[bool]:
+    """Take the reports of a camera's process that have come, without waiting.
+
+    Raises:
+        ConnectionError: The process is gone.
+    """
+    while True:
+        try:
+            report = channel.recv(1, socket.MSG_DONTWAIT)
+        except BlockingIOError:
+            return
+        if not report:
+            raise ConnectionError("the process of the camera has ended")
+        yield report == WATCHED

@@ -1,10 +1,12 @@
 """A camera's thread and state, with sources that the test makes."""
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
+import pytest
 
 from bus import keys
 from cameras.errors import CameraLost
@@ -42,15 +44,19 @@ class Pictures:
 class Robot:
     """Takes what a thread brings to the bus."""
 
-    def __init__(self) -> None:
+    def __init__(self, has_listeners: bool = True) -> None:
         self.events: list[Event] = []
+        self.is_heard = has_listeners
+
+    def has_listeners(self, topic: object) -> bool:
+        return topic is keys.CAMERA and self.is_heard
 
     def element_happened(self, face: object, events: list[Event], stamp_ns: int) -> None:
         self.events += events
 
 
-def joined(open_camera: Callable[[str], Source]) -> tuple[CameraThread, Robot]:
-    thread, robot = CameraThread("somewhere", open_camera), Robot()
+def joined(open_camera: Callable[[str], Source], has_listeners: bool = True) -> tuple[CameraThread, Robot]:
+    thread, robot = CameraThread("somewhere", open_camera), Robot(has_listeners)
     thread.join(cast(RobotOnBus, robot), cast("CableFace[Any]", None))
     thread.start()
     return thread, robot
@@ -80,6 +86,86 @@ def test_camera_that_is_not_there_is_a_fault_and_tried_again(until: Callable[...
     until(lambda: thread.driver.is_connected)
     assert len(robot.events) == 1
     thread.close()
+
+
+class Stream:
+    """A source that gives pictures without end. opened, closed: how often one was."""
+
+    opened = closed = 0
+
+    def __init__(self) -> None:
+        type(self).opened += 1
+
+    def read(self) -> bytes:
+        time.sleep(0.005)
+        return JPEG
+
+    def interrupt(self) -> None:
+        """It ends by itself."""
+
+    def close(self) -> None:
+        type(self).closed += 1
+
+
+def test_camera_is_open_only_while_somebody_on_the_bus_wants_its_pictures(
+    monkeypatch: pytest.MonkeyPatch, until: Callable[..., None]
+) -> None:
+    monkeypatch.setattr("cameras.reader.LINGER", 0.05)
+
+    class Camera(Stream):
+        pass
+
+    thread, robot = joined(lambda where: Camera(), has_listeners=False)
+    until(lambda: Camera.closed == 1)
+    assert len(robot.events) == 1, "a look whether it is there"
+    until(lambda: thread.driver.is_resting)
+    assert (thread.driver.is_connected, thread.driver.size, thread.driver.faults()) == (True, (160, 120), ())
+    robot.is_heard = True
+    until(lambda: len(robot.events) > 10)
+    assert (Camera.opened, Camera.closed, thread.driver.is_resting) == (2, 1, False)
+    robot.is_heard = False
+    until(lambda: Camera.closed == 2)
+    until(lambda: thread.driver.is_resting)
+    thread.close()
+
+
+def test_camera_that_goes_while_nobody_looks_is_missed_and_found_again(
+    monkeypatch: pytest.MonkeyPatch, until: Callable[..., None]
+) -> None:
+    for name in ("CHECK", "RETRY"):
+        monkeypatch.setattr(f"cameras.reader.{name}", 0.02)
+    is_there = True
+
+    def open_camera(where: str) -> Source:
+        if not is_there:
+            raise CameraLost("nobody answers")
+        return Stream()
+
+    thread, _ = joined(open_camera, has_listeners=False)
+    until(lambda: thread.driver.is_connected)
+    is_there = False
+    until(lambda: not thread.driver.is_connected)
+    assert "nobody answers" in thread.driver.faults()[0]
+    is_there = True
+    until(lambda: thread.driver.is_connected)
+    thread.close()
+
+
+def test_camera_that_rests_is_connected_until_it_is_missed() -> None:
+    now = 5.0
+    state = CameraState(lambda: now)
+
+    def is_connected() -> bool:
+        return state.is_connected
+
+    state.rest()
+    assert not is_connected(), "it was never there"
+    state.take((160, 120))
+    state.rest()
+    now += 10 * PATIENCE
+    assert is_connected()
+    state.lose("nobody answers")
+    assert not is_connected()
 
 
 def test_camera_that_stalls_is_a_fault_even_while_its_thread_hangs() -> None:

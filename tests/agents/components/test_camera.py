@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable, Iterator
 import numpy as np
 import pytest
 
-from agents.components.camera import MOST, Camera
+from agents.components.camera import ATTENTION, LINGER, MOST, Camera
 from agents.platform import Agent, Container, Ending, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, keys, messages
@@ -70,6 +70,7 @@ def test_camera_tells_of_its_pictures_and_sends_none_of_them() -> None:
             heard.append(result)
 
         desk.app.listen("happy/agents/camera/results", hear, keep=100)
+        await asyncio.sleep(2 * ATTENTION)
         await desk.film(30)
         assert heard[-1] == {
             "stamp": pytest.approx(1_700_000_000.25),
@@ -84,11 +85,44 @@ def test_camera_tells_of_its_pictures_and_sends_none_of_them() -> None:
     play(story)
 
 
-def test_pictures_are_counted_even_while_nobody_listens() -> None:
+def test_nobody_hears_the_pictures_while_nobody_wants_to_know_of_them() -> None:
     async def story(desk: Desk) -> None:
+        with desk.bus.publisher(keys.CAMERA.key("happy"), keys.CAMERA.type_name) as gateway:
+
+            def is_heard() -> bool:
+                return gateway.has_listeners
+
+            await asyncio.sleep(1.0)
+            assert not is_heard()
+            asking = asyncio.ensure_future(desk.app.request("camera@happy", "read"))
+            await asyncio.sleep(0.1)
+            assert is_heard(), "it has been asked for a picture"
+            desk.show(JPEG)
+            assert (await asking).value()["width"] == 160
+            await asyncio.sleep(LINGER - 1.0)
+            assert is_heard()
+            await asyncio.sleep(1.0 + 2 * ATTENTION)
+            assert not is_heard()
+            with desk.app.bus.subscribe("happy/agents/camera/results", lambda sample: None):
+                await asyncio.sleep(LINGER + 1.0)
+                assert is_heard()
+            await asyncio.sleep(2 * ATTENTION)
+            assert not is_heard()
+
+    play(story)
+
+
+def test_pictures_are_counted_while_they_are_wanted_and_an_old_one_is_never_given() -> None:
+    async def story(desk: Desk) -> None:
+        asking = asyncio.ensure_future(desk.app.request("camera@happy", "read"))
+        await asyncio.sleep(0.1)
         await desk.film(30)
+        await asking
         read = (await desk.app.request("camera@happy", "read")).value()
         assert (read["frames"], read["rate"]) == (30, pytest.approx(10.0))
+        await asyncio.sleep(2 * LINGER)
+        desk.show(JPEG)
+        assert (await desk.app.request("camera@happy", "picture")).why == "camera@happy has heard nothing yet"
 
     play(story)
 
@@ -119,8 +153,10 @@ def test_camera_from_which_nothing_comes_gives_no_old_picture() -> None:
 
 def test_picture_that_is_no_jpeg_has_no_size() -> None:
     async def story(desk: Desk) -> None:
+        asking = asyncio.ensure_future(desk.app.request("camera@happy", "read"))
+        await asyncio.sleep(0.1)
         desk.show(b"PNG")
-        assert (await desk.app.request("camera@happy", "read")).value()["width"] is None
+        assert (await asking).value()["width"] is None
 
     play(story)
 
@@ -132,8 +168,10 @@ def test_picture_that_is_too_large_comes_smaller() -> None:
     assert len(jpeg) > MOST
 
     async def story(desk: Desk) -> None:
+        asking = asyncio.ensure_future(desk.app.request("camera@happy", "picture"))
+        await asyncio.sleep(0.1)
         desk.show(jpeg)
-        picture = (await desk.app.request("camera@happy", "picture")).value()
+        picture = (await asking).value()
         assert len(base64.b64decode(picture["data"])) <= MOST
         assert 160 < picture["width"] < 1280
 
@@ -146,8 +184,10 @@ def test_picture_that_is_too_large_and_cannot_be_made_smaller_says_where_the_str
     monkeypatch.setitem(sys.modules, "cv2", None)
 
     async def story(desk: Desk) -> None:
+        asking = asyncio.ensure_future(desk.app.request("camera@happy", "picture"))
+        await asyncio.sleep(0.1)
         desk.show(JPEG[:-2] + bytes(MOST) + JPEG[-2:])
-        outcome = await desk.app.request("camera@happy", "picture")
+        outcome = await asking
         assert outcome.ending is Ending.FAILED
         assert "190 kB does not fit into a message" in outcome.why
         assert "subscribe to happy/camera/image/compressed" in outcome.why

@@ -22,7 +22,10 @@ from p2os.accessories import vcc4
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.camera_process import CameraProcess
 from p2os_emu.camera.image_format import read_format
+from p2os_emu.camera.news import Moment
 from p2os_emu.program import emulator
+from p2os_emu.world.sight import News
+from p2os_emu.world.view import View
 
 WORLD = """
 [[walls]]
@@ -117,6 +120,45 @@ def test_camera_has_the_port_that_follows_from_its_robots_name_and_another_where
         assert first.url != second.url
     with closing(camera_of(name)) as again:
         assert again.url == first.url
+
+
+def test_camera_is_told_what_is_new_only_while_somebody_looks(until: Callable[..., None]) -> None:
+    view = View(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    with closing(camera_of(f"idle-{os.getpid()}")) as camera:
+
+        def wants_news() -> bool:
+            return camera.wants_news
+
+        assert wants_news(), "it knows nothing yet"
+        until(lambda: camera.tell(Moment(News(), view)))
+        assert camera.listen()
+        assert not wants_news()
+
+        def is_watched() -> bool:
+            assert camera.listen()
+            return camera.is_watched
+
+        at = urlsplit(camera.url)
+        with closing(http.client.HTTPConnection(at.hostname or "", at.port, timeout=LIMIT)) as connection:
+            connection.request("GET", "/video")
+            with connection.getresponse():
+                until(is_watched)
+                assert (camera.is_newly_watched, wants_news()) == (True, True)
+                assert camera.tell(Moment(News(), view))
+                assert (camera.is_newly_watched, wants_news()) == (False, True)
+        until(lambda: not is_watched())
+
+
+def test_first_picture_of_a_late_viewer_shows_where_the_robot_is_now(world: str) -> None:
+    with emulator(*FIT, "--world", world) as robots:
+        url = robots.robots[0]["camera_url"]
+        straight = red_column(url)
+        assert straight is not None
+        robots.ask("pause")
+        robots.ask("pose", heading=-0.2)
+        turned = red_column(url)
+        assert turned is not None
+        assert turned < straight - 10
 
 
 def camera_of(name: str) -> CameraProcess:
