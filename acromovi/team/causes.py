@@ -10,14 +10,14 @@ from configs.team_file import TeamRobot
 
 
 def awaited(progress: Progress) -> str:
-    """Return what a robot that does not serve waits for, in a few words; empty where it is as good as ready."""
+    """Return which of its parts a robot waits for that does not serve; empty where it is as good as ready."""
     if not progress.is_in_touch:
-        return "its gateway to connect"
+        return "gateway"
     if not progress.container_serves:
-        return "its container"
+        return "container"
     if missing := sorted(progress.parts - progress.agents):
-        return f"its {' and '.join(missing)}"
-    return "" if progress.agents else "its agents"
+        return " and ".join(missing)
+    return "" if progress.agents else "agents"
 
 
 def cause(robot: TeamRobot, progress: Progress, table: Sequence[Entry], reports: Mapping[str, str]) -> str:

@@ -43,12 +43,18 @@ class ProgressLines:
             if robot not in self.told:
                 self.told.add(robot)
                 self._print(self._ready(robot, self._readiness[robot], now), now)
-        wanted = {name: awaited(self._readiness[name]) for name in late}
-        waiting = "; ".join(f"{name}: {what}" for name, what in wanted.items() if what)
-        waiting = waiting if late else "the team's own agents"
+        waiting = self._awaited(late) if late else "the team's own agents"
         if waiting and now - self._told_at >= (SOONEST if waiting != self._waiting else LATEST):
             self._waiting = waiting
             self._print(f"waiting for {waiting}", now)
+
+    def _awaited(self, late: Sequence[str]) -> str:
+        """What robots wait for, those that wait for the same together: `gateway (happy, doc), laser (max)`."""
+        wanted: dict[str, list[str]] = {}
+        for name in late:
+            wanted.setdefault(awaited(self._readiness[name]), []).append(name)
+        wanted.pop("", None)
+        return ", ".join(f"{what} ({', '.join(names)})" for what, names in wanted.items())
 
     def _ready(self, robot: str, progress: Progress, now: float) -> str:
         without = f", without {', '.join(progress.missing())}" if progress.missing() else ""

@@ -125,11 +125,11 @@ def test_lines_say_what_begins_who_is_ready_and_what_the_others_wait_for(play: P
         await asyncio.sleep(3.0)
         assert [re.sub(r"[\d.]+ s", "_ s", line) for line in stage.told] == [
             "starting 2 robots of dwarfs: happy, doc",
-            "waiting for happy: its gateway to connect; doc: its gateway to connect",
+            "waiting for gateway (happy, doc)",
             "doc serves after _ s, 1 of 2: base",
-            "waiting for happy: its gateway to connect",
-            "waiting for happy: its container",
-            "waiting for happy: its laser",
+            "waiting for gateway (happy)",
+            "waiting for container (happy)",
+            "waiting for laser (happy)",
             "happy serves after _ s, 2 of 2: base, laser",
             "waiting for the team's own agents",
         ]
@@ -143,7 +143,7 @@ def test_a_line_that_stays_the_same_is_repeated_every_ten_seconds(play: Play) ->
     async def scene(stage: Stage) -> None:
         coming_up = asyncio.ensure_future(stage.team.come_up())
         await asyncio.sleep(35.0)
-        assert stage.told[1:] == ["waiting for happy: its gateway to connect"] * 4
+        assert stage.told[1:] == ["waiting for gateway (happy)"] * 4
         coming_up.cancel()
 
     play(scene, (HAPPY,))
