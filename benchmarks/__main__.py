@@ -31,6 +31,7 @@ GROUPS = {
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
+    "recovery": "how soon a gateway is received again after it or its subscriber was frozen",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 

@@ -318,7 +318,10 @@ class ZenohBus(Bus):
                 self._scouting.close()
             self._links.close()
             self._handlers.stop()
-            self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
+            try:
+                self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
+            except zenoh.ZError as err:  # it is closed, but a connection to a frozen program was still being opened
+                log.warning("the bus was closed late: %s", reason(err))
 
     def _put(self, key: str, message: object, attachment: bytes, congestion: zenoh.CongestionControl) -> None:
         payload, encoding = encode_any(message)

@@ -14,7 +14,7 @@ from bus.bus import Closeable
 
 STARTING_TIME = 60.0  # s in which all must be at work, on a small computer too
 MOST_ENDS = 3  # of one process while they come up; more of the same will not help
-FROZEN_AFTER = 1.0  # s without a turn for a process whose token has gone, as it does a second after that is frozen
+FROZEN_AFTER = 1.0  # s without a turn for a process whose token has gone
 
 
 class NotUp(Exception):

@@ -20,7 +20,7 @@ from bus import Answer, Bus, NoAnswer, Refused, TimedOut
 from bus.bus import Closeable
 from bus.keys import robot_name
 
-SEARCH_TIME = 2.0  # s; longer than a frozen process keeps its connection
+SEARCH_TIME = 2.0  # s; one that is late for longer is left out
 
 log = logging.getLogger("agents")
 

@@ -22,11 +22,14 @@ from configs.default_bus import VARIABLE, default_bus
 ROOT = Path(__file__).resolve().parents[2]
 Until = Callable[..., None]
 
+LATE = 2.5  # s, which a process may be on a busy machine
+
 SERVES = """
 import sys
 from bus import ZenohBus
 with ZenohBus.open(sys.argv[1]) as bus:
     bus.serve(sys.argv[2], lambda given: {"ok": True})
+    tokens = [bus.declare_alive(key) for key in sys.argv[3:]]
     print("ready", flush=True)
     sys.stdin.read()
 """
@@ -38,9 +41,9 @@ def name() -> str:
     return f"test-{uuid.uuid4().hex[:12]}"
 
 
-def serving(stack: ExitStack, name: str, key: str) -> "subprocess.Popen[str]":
-    """A process that answers on a key."""
-    command = [sys.executable, "-c", SERVES, f"local:{name}", key]
+def serving(stack: ExitStack, name: str, key: str, *tokens: str) -> "subprocess.Popen[str]":
+    """A process that answers on a key, and shows tokens."""
+    command = [sys.executable, "-c", SERVES, f"local:{name}", key, *tokens]
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT)
     stack.enter_context(process)
     stack.callback(process.kill)
@@ -164,3 +167,34 @@ def test_the_default_bus_is_that_of_the_environment(monkeypatch: pytest.MonkeyPa
         assert len(LocalBus(name).entries()) == 1
     monkeypatch.setenv(VARIABLE, "")
     assert default_bus() == "local"
+
+
+def test_one_that_is_late_keeps_its_token(name: str, robot: str) -> None:
+    changes: list[bool] = []
+    with ExitStack() as stack:
+        late = serving(stack, name, f"{robot}/q", f"{robot}/alive")
+        bus = stack.enter_context(ZenohBus.open(f"local:{name}"))
+        bus.watch_alive(f"{robot}/alive", lambda key, is_alive: changes.append(is_alive))
+        bus.query(f"{robot}/q")
+        late.send_signal(signal.SIGSTOP)
+        time.sleep(LATE)
+        late.send_signal(signal.SIGCONT)
+        assert bus.query(f"{robot}/q")[0].value == {"ok": True}
+        assert changes == [True]
+
+
+@pytest.mark.parametrize("first", ["the frozen one", "the other"])
+def test_one_that_was_frozen_for_longer_than_the_lease_is_met_again(
+    name: str, robot: str, until: Until, first: str
+) -> None:
+    changes: list[bool] = []
+    with ExitStack() as stack:
+        early = stack.enter_context(ZenohBus.open(f"local:{name}")) if first == "the other" else None
+        frozen = serving(stack, name, f"{robot}/q", f"{robot}/alive")
+        bus = early or stack.enter_context(ZenohBus.open(f"local:{name}"))
+        bus.watch_alive(f"{robot}/alive", lambda key, is_alive: changes.append(is_alive))
+        frozen.send_signal(signal.SIGSTOP)
+        until(lambda: changes == [True, False], "it counts as dead")
+        frozen.send_signal(signal.SIGCONT)
+        until(lambda: changes == [True, False, True], "it is met again")
+        assert bus.query(f"{robot}/q")[0].value == {"ok": True}

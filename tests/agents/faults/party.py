@@ -85,7 +85,9 @@ async def _subscribe(me: Agent, peer: AgentName) -> Ending:
 
 
 async def _call(me: Agent, peer: AgentName) -> Ending:
-    tender = await me.call_for_proposals([peer], "carry", choose=lambda bids: bids, reply_within=PATIENCE)
+    tender = await me.call_for_proposals(
+        [peer], "carry", choose=lambda bids: bids, bids_within=PATIENCE, reply_within=PATIENCE
+    )
     return tender.outcomes[peer].ending
 
 
