@@ -5,16 +5,17 @@ BIN    := $(VENV)/bin
 DEMO   := $(VENV)/.demo
 READY  := $(VENV)/.ready
 
-# Tests wait for processes more than they reckon, so there is room for one more at a time than there are cores.
-WORKERS := $(shell expr $$(nproc) + 1)
+# Tests wait for processes more than they reckon, so there is room for more at a time than there are cores.
+WORKERS := $(shell expr $$(nproc) + 2)
+PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 
 # Caches stay in this folder too.
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 
-.PHONY: help demo install test format lint types check docs bench wheel clean
+.PHONY: help demo install test test-quick format lint types check docs bench wheel clean
 
 help:  ## List the targets
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
 
 # What the demo needs, and all that the other targets need besides.
 $(DEMO): pyproject.toml constraints.txt
@@ -32,7 +33,12 @@ test: $(READY)  ## Format check, lint, strict types and all tests
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/pytest -n $(WORKERS) --dist worksteal
+	$(PYTEST)
+
+test-quick: $(READY)  ## Format check, lint and the tests that start no team, in two minutes; no types
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(PYTEST) --quick
 
 format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff format .

@@ -1,3 +1,3 @@
 """What all tests share, those of the conformance suite included."""
 
-from tests.timeouts import pytest_timeout_set_timer as pytest_timeout_set_timer
+pytest_plugins = ["tests.schedule", "tests.timeouts"]

@@ -1,0 +1,44 @@
+"""Long tests come first, those that share something stay together, and quick ones can be run alone."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.schedule import durations, longest_first, unit_of
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.mark.parametrize(
+    ("nodeid", "unit"),
+    [
+        ("tests/p2os/test_sip.py::test_a", "tests/p2os/test_sip.py"),
+        ("tests/p2os/test_sip.py::TestB::test_c[1-p3dx-sh]", "tests/p2os/test_sip.py"),
+        ("pty_tests/test_rows.py::test_a[amigo-TCM2]", "pty_tests on amigo"),
+        ("pty_tests/test_rows.py::test_a[p3dx-sh]", "pty_tests on p3dx-sh"),
+        ("pty_tests/test_bad_input.py::test_a[p3dx-sh-FA FB]", "pty_tests on p3dx-sh"),
+        ("pty_tests/test_rows.py::test_a[p3dx-sh:gripper,arm-ARM_STATUS]", "pty_tests on p3dx-sh:gripper,arm"),
+        ("pty_tests/test_foreign_driver.py::test_a[p3dx-sh@office]", "pty_tests on p3dx-sh@office"),
+        ("pty_tests/test_client.py::test_no_robot", "pty_tests/test_client.py"),
+    ],
+)
+def test_a_unit_is_a_file_or_an_emulated_robot_of_the_conformance_suite(nodeid: str, unit: str) -> None:
+    assert unit_of(nodeid) == unit
+
+
+def test_the_longest_unit_comes_first_and_keeps_its_order() -> None:
+    nodeids = ["a.py::1", "long.py::2", "a.py::3", "long.py::1", "longest.py::1"]
+    seconds = {"long.py": 1.0, "longest.py": 3.0}
+    assert longest_first(nodeids, seconds) == ["longest.py::1", "long.py::2", "long.py::1", "a.py::1", "a.py::3"]
+
+
+def test_every_file_that_is_said_to_take_long_exists() -> None:
+    assert [file for file in durations() if not (ROOT / file).is_file()] == []
+
+
+def test_all_that_starts_a_team_takes_long() -> None:
+    imports = re.compile(r"^from tests\.acromovi\.team\.running import", re.MULTILINE)
+    starts = [path for path in (ROOT / "tests").rglob("test_*.py") if imports.search(path.read_text("utf-8"))]
+    assert starts
+    assert {str(path.relative_to(ROOT)) for path in starts} <= set(durations())
