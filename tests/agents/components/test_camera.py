@@ -15,6 +15,7 @@ from agents.platform import Agent, Container, Ending, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, keys, messages
 from tests.cameras.ip_camera import HEAD, LIMIT, IpCamera, part
+from tests.waiting import patience
 
 JPEG = bytes.fromhex("FF D8  FF C0 00 0B 08 00 78 00 A0 01 11 00  FF D9")  # 160 by 120
 PERIOD = 0.1  # s
@@ -209,7 +210,7 @@ def test_camera_that_the_agent_opens_itself_is_on_the_topic_of_any_camera_and_co
 
     def serve(connection: socket.socket) -> None:
         connection.sendall(HEAD + part(JPEG))
-        is_enough.acquire(timeout=LIMIT)  # and then it hangs up
+        is_enough.acquire(timeout=patience(LIMIT))  # and then it hangs up
 
     ip_camera.serve = serve
 
@@ -219,7 +220,7 @@ def test_camera_that_the_agent_opens_itself_is_on_the_topic_of_any_camera_and_co
         assert base64.b64decode(picture["data"]) == JPEG
         for _ in range(3):  # the first picture may have been there before anybody subscribed
             is_enough.release()
-            assert await asyncio.to_thread(pictures.acquire, timeout=LIMIT)
+            assert await asyncio.to_thread(pictures.acquire, timeout=patience(LIMIT))
         assert "the camera has closed the connection" in desk.reports[0].what
 
     play(story, Camera("camera@happy", {"source": ip_camera.url}), None)

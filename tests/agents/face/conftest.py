@@ -10,6 +10,7 @@ import pytest
 from agents import Team
 from agents.platform import Agent, AgentName, Container, Report, agree, request
 from bus import MemoryBus, MemoryNetwork, Refused
+from tests.waiting import patience
 
 
 class Part(Agent):
@@ -88,7 +89,7 @@ class World:
         self.container = Container(MemoryBus(self.network), "world", self.reports.append)
 
     def run(self, work: Coroutine[Any, Any, Any]) -> Any:
-        return asyncio.run_coroutine_threadsafe(work, self.loop).result(10.0)
+        return asyncio.run_coroutine_threadsafe(work, self.loop).result(patience())
 
     def later(self, seconds: float, call: Callable[[], object]) -> None:
         """Have something done in the agents' loop after a while."""

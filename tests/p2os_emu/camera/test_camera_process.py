@@ -26,6 +26,7 @@ from p2os_emu.camera.news import Moment
 from p2os_emu.program import emulator
 from p2os_emu.world.sight import News
 from p2os_emu.world.view import View
+from tests.waiting import end_of, patience
 
 WORLD = """
 [[walls]]
@@ -51,7 +52,7 @@ def world(tmp_path: Path) -> str:
 
 def picture(url: str) -> NDArray[np.uint8]:
     at = urlsplit(url)
-    connection = http.client.HTTPConnection(at.hostname or "", at.port, timeout=LIMIT)
+    connection = http.client.HTTPConnection(at.hostname or "", at.port, timeout=patience(LIMIT))
     connection.request("GET", "/image")
     with connection.getresponse() as answer:
         data = answer.read()

@@ -9,6 +9,7 @@ import pytest
 
 from p2os_emu.camera.feed import Feed
 from p2os_emu.camera.server import CameraServer
+from tests.waiting import join, patience
 
 LIMIT = 10.0
 
@@ -25,7 +26,7 @@ class Served:
         self.thread.start()
 
     def get(self, path: str) -> http.client.HTTPResponse:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=LIMIT)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=patience(LIMIT))
         connection.request("GET", path)
         return connection.getresponse()
 
@@ -87,7 +88,7 @@ def test_page_says_what_it_is_and_other_paths_what_there_is(served: Served) -> N
 
 
 def test_nobody_looks_when_the_viewer_has_gone(served: Served, until: Callable[..., None]) -> None:
-    connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=LIMIT)
+    connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=patience(LIMIT))
     connection.request("GET", "/video")
     with connection.getresponse():
         served.feed.wait_for_viewers()
