@@ -10,6 +10,7 @@ from typing import NamedTuple, Self
 import serial
 
 from pty_tests.packets import Sip
+from tests.waiting import Deadline
 
 SYNC = b"\xfa\xfb"
 LONGEST_FRAME = 208  # bytes in all; the old clients' buffers hold no more
@@ -156,6 +157,13 @@ class Client:
                 self.send(PULSE)
             self._read()
 
+    def _hear_until(self, deadline: Deadline, *, pulse: bool) -> Iterator[Heard]:
+        """Frames as they arrive until the deadline has passed."""
+        is_over = False
+        while not is_over:
+            yield from self.hear(deadline.left, pulse=pulse)
+            is_over = deadline.has_passed()
+
     def _read(self) -> None:
         data = self._line.read(1)
         if data and (more := self._line.in_waiting):
@@ -169,9 +177,9 @@ class Client:
         """The next payload that is wanted; those before it are dropped.
 
         Raises:
-            Silence: It did not come within this many seconds.
+            Silence: It did not come within this many seconds, or more where the machine of this test is busy.
         """
-        for heard in self.hear(within, pulse=pulse):
+        for heard in self._hear_until(Deadline(within), pulse=pulse):
             if wanted(heard.payload):
                 return heard.payload
         raise Silence(f"no {what} within {within} s")
@@ -204,7 +212,7 @@ class Client:
     def record(self, count: int, *, pulse: bool = True) -> list[Heard]:
         """Everything heard up to and including this many standard SIPs."""
         heard = []
-        for item in self.hear(1.0 + count * 0.5, pulse=pulse):
+        for item in self._hear_until(Deadline(1.0 + count * 0.5), pulse=pulse):
             heard.append(item)
             count -= Sip.is_one(item.payload)
             if not count:

@@ -19,12 +19,12 @@ from pty_tests.client import CLOSE, CONFIG, ENABLE, SETA, SETO, SETRA, SETRV, SE
 from pty_tests.firmware import Firmware, reported, told
 from pty_tests.models import MODELS, Model
 from pty_tests.packets import CONFIGPAC, parse_configuration
+from tests.waiting import Deadline, exit_code
 
 # Every firmware family, odd factors, empty sonar slots. The world is the empty one unless "@WORLD" says otherwise;
 # ":PART,PART" fits accessories.
 EMULATED = ("powerbot", "p3dx-sh", "p2dx", "powerbot-sh", "amigo")
 OLD_FIRMWARE = {"P2OS": "P2OS 1.M"}  # of emulated robots whose CONFIGpac has no version, by family
-READY_WITHIN = 30.0  # s for an emulator to say where it listens, on a machine that is busy with other tests
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -159,16 +159,17 @@ def site(request: pytest.FixtureRequest) -> Iterator[Site]:
             assert emulator.poll() is None, f"the emulator ended by itself with code {emulator.returncode}"
         finally:
             emulator.terminate()
-            emulator.wait(10)
+            exit_code(emulator)
 
 
 def ports_of(emulator: "subprocess.Popen[str]") -> tuple[str, str | None]:
     """Wait for the line that says every robot is ready; return the first robot's port and its laser's."""
     assert emulator.stdout is not None
-    ready, _, _ = select.select([emulator.stdout], [], [], READY_WITHIN)
-    assert ready, f"the emulator said nothing within {READY_WITHIN} s"
+    deadline = Deadline()
+    while not select.select([emulator.stdout], [], [], deadline.left)[0]:
+        assert not deadline.has_passed(), deadline.in_words("the emulator says where it listens")
     line = emulator.stdout.readline()
-    assert line, f"the emulator ended with code {emulator.wait(10)} before it was ready"
+    assert line, f"the emulator ended with code {exit_code(emulator)} before it was ready"
     robot = json.loads(line)["robots"][0]
     return str(robot["port"]), robot["laser_port"]
 

@@ -15,7 +15,7 @@ from bus import Bus, NoAnswer, Refused, Sample, ZenohBus, keys, messages
 from bus.heartbeat import Heartbeat
 from bus.keys import Topic
 
-PATIENCE_S = 10.0
+PATIENCE_S = 30.0  # a gateway connects in 2 s, at a load of ten for each core in 20 s
 DRIVING_PERIOD_S = 0.1
 LOST = "the robot is not connected"  # so the gateway refuses what it cannot pass on
 
