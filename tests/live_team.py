@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import running
+from tests.waiting import end_of, run
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 40.0  # s for anything that is waited for
@@ -43,9 +44,7 @@ class LiveTeam:
 
     def run(self, *words: str) -> "subprocess.CompletedProcess[str]":
         """Run it to its end."""
-        return subprocess.run(
-            self.command(words), cwd=self.folder, env=environment(), capture_output=True, text=True, timeout=LIMIT
-        )
+        return run(self.command(words), LIMIT, cwd=self.folder, env=environment())
 
     @contextmanager
     def running(self, *words: str) -> "Iterator[subprocess.Popen[str]]":
@@ -64,7 +63,7 @@ class LiveTeam:
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
             try:
-                process.communicate(timeout=LIMIT)
+                end_of(process, LIMIT)
             finally:
                 process.kill()
 

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 from tests.live_team import LIMIT, LiveTeam, environment
+from tests.waiting import Deadline, exit_code
 
 LEFT_OPEN = ("up", "promote", "container")  # in terminals of their own
 ENDED_BY_HAND = ("run",)  # with Ctrl-C, as soon as they show the expected output
@@ -45,15 +46,15 @@ class Reader:
         for line in lines.splitlines():
             self.open[line] = self._latest = self._begin(shlex.split(line))
             if line.split()[1] not in (*LEFT_OPEN, *ENDED_BY_HAND):
-                self.open.pop(line).wait(LIMIT)
+                exit_code(self.open.pop(line), LIMIT)
 
     def see(self, expected: str) -> None:
         """Wait until the terminal shows this."""
         assert self._latest is not None, "nothing has been typed"
-        deadline, goes_on = time.monotonic() + LIMIT, True
+        deadline, goes_on = Deadline(LIMIT), True
         while not looks_like(expected, shown := self._shown.read_text(encoding="utf-8")):
             assert goes_on, f"expected:\n{expected}\nshown:\n{shown}"
-            goes_on = self._latest.poll() is None and time.monotonic() < deadline
+            goes_on = self._latest.poll() is None and not deadline.has_passed()
             time.sleep(0.05)
         for line in [line for line in self.open if line.split()[1] in ENDED_BY_HAND]:
             assert self.end(line) == 130, self._shown.read_text()
@@ -63,7 +64,7 @@ class Reader:
         process = self.open.pop(line)
         process.send_signal(signal.SIGINT)
         try:
-            return process.wait(LIMIT)
+            return exit_code(process, LIMIT)
         finally:
             process.kill()
 

@@ -3,11 +3,12 @@
 import ast
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.waiting import run
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
 
@@ -21,7 +22,7 @@ def test_foreign_driver_passes_its_tests_on_emulated_robots(tmp_path: Path) -> N
     copy = tmp_path / "driver"
     shutil.copytree(EXAMPLE, copy, ignore=LEFTOVERS)
     command = [sys.executable, "-m", "pytest", "-n", "3", "-p", "no:cacheprovider"]  # its robots mostly wait
-    done = subprocess.run(command, cwd=copy, capture_output=True, text=True, timeout=LIMIT)
+    done = run(command, LIMIT, cwd=copy)
     assert done.returncode == 0, done.stdout + done.stderr
     assert " passed" in done.stdout
 

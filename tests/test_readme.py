@@ -2,7 +2,6 @@
 
 import re
 import shlex
-import subprocess
 import sys
 import uuid
 from collections.abc import Iterator
@@ -23,12 +22,11 @@ from gateway.streams import STREAMS
 from tests.acromovi.agents_alive import living
 from tests.live_team import own_bus
 from tests.reader import Reader, links
-from tests.waiting import wait_until
+from tests.waiting import run, wait_until
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PROGRAMS = {"p2os-emu": "p2os_emu", "p2os-gateway": "gateway", "acromovi": "acromovi"}
-DEADLINE = 20.0
 
 
 @dataclass
@@ -85,13 +83,7 @@ def test_looking_lines_of_readme_show_the_robot(setting: Setting) -> None:
             continue  # wants a terminal, and is tested with one
         limit = {"topics": ["--seconds", "1"], "echo": ["--count", "1"]}.get(line[1], [])
         arguments = [setting.personal(word) for word in line[1:]]
-        done = subprocess.run(
-            [sys.executable, "-m", "acromovi", *arguments, *limit],
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            timeout=DEADLINE,
-        )
+        done = run([sys.executable, "-m", "acromovi", *arguments, *limit], cwd=ROOT)
         assert done.returncode == 0, done.stderr
         assert setting.name in done.stdout
 
@@ -105,13 +97,7 @@ def own_program() -> str:
 def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> None:
     start = setting.robots.ask("truth", robot=setting.name)
     setting.robots.ask("pose", robot=setting.name, x=13.8, y=6.1, heading=0.0)
-    done = subprocess.run(
-        [sys.executable, "-c", setting.personal(own_program())],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=DEADLINE,
-    )
+    done = run([sys.executable, "-c", setting.personal(own_program())], cwd=ROOT)
     assert done.returncode == 0, done.stderr
     end = setting.robots.ask("truth", robot=setting.name)
     assert end["x"] > 13.9 > start["x"]
@@ -119,7 +105,7 @@ def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> N
 
 def test_program_of_readme_ends_with_a_message_when_the_robot_is_not_there(robot: str) -> None:
     program = re.sub(r"\bpowerbot\b", robot, own_program())
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=DEADLINE)
+    done = run([sys.executable, "-c", program], cwd=ROOT)
     assert done.returncode == 1
     assert done.stderr.startswith(f"no sonar readings of {robot} for 3 s; start its gateway")
 
@@ -128,7 +114,7 @@ def test_plugin_test_of_readme_passes(tmp_path: Path) -> None:
     (program,) = [block for block in blocks("python") if "emulated_robot" in block]
     (tmp_path / "test_mine.py").write_text(program)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "test_mine.py"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    done = run(command, 60.0, cwd=tmp_path)  # a pytest that starts an emulator
     assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import exit_code, patience, run
+
 SCRIPT = Path(__file__).with_name("stranger.py")
 COMMAND = Path(sysconfig.get_path("scripts")) / "p2os-emu"
 
@@ -20,7 +22,7 @@ def port() -> Iterator[str]:
     with subprocess.Popen([COMMAND, "--robot", "powerbot", "--json"], stdout=subprocess.PIPE, text=True) as emulator:
         try:
             assert emulator.stdout is not None
-            assert select.select([emulator.stdout], [], [], 30)[0], "not ready within 30 s"
+            assert select.select([emulator.stdout], [], [], patience())[0], "not ready in time"
             ready = json.loads(emulator.stdout.readline())
             (robot,) = ready["robots"]
             assert robot["model"] == "powerbot"
@@ -28,7 +30,7 @@ def port() -> Iterator[str]:
             yield robot["port"]
         finally:
             emulator.terminate()
-            assert emulator.wait(10) == 0
+            assert exit_code(emulator) == 0
 
 
 def test_the_script_uses_nothing_but_the_standard_library() -> None:
@@ -39,7 +41,7 @@ def test_the_script_uses_nothing_but_the_standard_library() -> None:
 
 
 def test_a_stranger_connects_hears_28_discs_drives_turns_and_sees_the_watchdog(port: str) -> None:
-    done = subprocess.run([sys.executable, "-I", SCRIPT, port], capture_output=True, text=True, timeout=60, check=False)
+    done = run([sys.executable, "-I", str(SCRIPT), port], 60.0)  # what it does takes 8 s
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)
     assert seen["syncs"] == [0, 1, 2]

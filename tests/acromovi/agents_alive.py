@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 from agents.platform import Agent, Container
 from bus import ZenohBus
+from tests.waiting import patience
 
 
 @contextmanager
@@ -27,7 +28,7 @@ def living(container: str, *agents: Agent, profile: str | None = None) -> Iterat
     thread = threading.Thread(target=lambda: loop.run_until_complete(live()))
     thread.start()
     try:
-        assert are_there.wait(20.0), "the agents did not come to life"
+        assert are_there.wait(patience()), "the agents did not come to life"
         yield
     finally:
         loop.call_soon_threadsafe(leave.set)

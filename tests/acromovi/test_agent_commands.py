@@ -11,6 +11,7 @@ import pytest
 
 from acromovi.__main__ import main
 from tests.acromovi.container_process import container
+from tests.waiting import exit_code
 
 COUNTER = """
 import time
@@ -88,7 +89,7 @@ def test_an_agent_is_started_asked_looked_into_suspended_resumed_and_stopped(
         assert f"there is no container '{robot}x'; did you mean '{robot}'?" in capsys.readouterr().err
         assert acromovi("agent", "stop", name)["state"] == "deleted"
         process.send_signal(signal.SIGTERM)
-        assert process.wait(timeout=10.0) == 143
+        assert exit_code(process) == 143
 
 
 def test_a_container_ends_even_while_an_agent_blocks_it(acromovi: Callable[..., Any], robot: str, apps: str) -> None:
@@ -96,12 +97,12 @@ def test_a_container_ends_even_while_an_agent_blocks_it(acromovi: Callable[..., 
         acromovi("agent", "start", f"counter@{robot}", "counter_for_tests:Counter", "--in", robot)
         assert main(["ask", f"counter@{robot}", "block", "--timeout", "0.3"]) == 1
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=10.0) == 130
+        assert exit_code(process) == 130
 
 
 def test_a_second_container_of_one_name_leaves(robot: str) -> None:
     with container(robot) as first, container(robot) as second:
-        assert second.wait(timeout=20.0) == 1
+        assert exit_code(second) == 1
         assert second.stderr is not None
         assert f"there is a container {robot} already, process {first.pid}" in second.stderr.read()
         assert first.poll() is None
@@ -110,7 +111,7 @@ def test_a_second_container_of_one_name_leaves(robot: str) -> None:
 def test_a_robots_container_serves_while_its_robot_is_absent(robot: str) -> None:
     with container("--robot", robot) as process:
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=10.0) == 130
+        assert exit_code(process) == 130
 
 
 def test_a_folder_that_is_not_there_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:

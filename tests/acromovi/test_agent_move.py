@@ -14,6 +14,7 @@ import pytest
 from agents.platform import AclMessage, Agent, AgentName, Container, Outcome, Performative
 from bus import ZenohBus
 from tests.acromovi.container_process import ROOT, container
+from tests.waiting import waiting
 
 WANDERER = """
 import asyncio
@@ -180,7 +181,7 @@ def test_a_container_that_is_killed_after_it_has_packed_an_agent_loses_neither_i
         waited = await waits  # before the door of the one that died; it hears of that at once
         assert (await moving)[0] == 1
         gate.touch()
-        async with asyncio.timeout(30.0):
+        async with waiting(30.0):
             while not (outcome := await console.request(peer, "serve", number=4)).is_done:
                 await asyncio.sleep(0.1)
         assert outcome.result == there
@@ -200,7 +201,7 @@ async def acromovi(*words: str) -> tuple[int | None, str, str]:
 
 async def told_by(console: Agent, peer: AgentName, messages: int) -> dict[str, Any]:
     """What the agent has served and heard, once it has heard so many messages."""
-    async with asyncio.timeout(20.0):
+    async with waiting():
         while True:
             kept: dict[str, Any] = (await console.request(peer, "tell")).value()
             if len(kept["heard"]) >= messages:
@@ -209,7 +210,7 @@ async def told_by(console: Agent, peer: AgentName, messages: int) -> dict[str, A
 
 async def until_it_arrives(console: Agent, peer: AgentName, where: str) -> None:
     """Wait until an agent is being set up in a container."""
-    async with asyncio.timeout(20.0):
+    async with waiting():
         while True:
             with suppress(TimeoutError):  # not there yet: asked again until the deadline above
                 listed = await console.query(f"{where}/containers/{where}/description")

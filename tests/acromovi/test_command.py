@@ -21,6 +21,7 @@ from acromovi.__main__ import COMMANDS, main
 from bus import ZenohBus
 from bus.messages import decode, twist
 from configs import find
+from tests.waiting import exit_code
 
 ROOT = Path(__file__).resolve().parents[2]
 Until = Callable[..., None]
@@ -158,7 +159,7 @@ def test_a_router_routes_until_it_is_stopped_and_says_nothing_more(
         assert process.stderr is not None
         assert process.stdout.readline() == said.format(address)
         process.send_signal(number)
-        assert process.wait(20) == code
+        assert exit_code(process) == code
         assert process.stderr.read() == ""
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.__main__ import main
-from tests.waiting import wait_until
+from tests.waiting import end_of, wait_until
 
 ROOT = Path(__file__).parents[2]
 APPLICATION = """
@@ -77,7 +77,7 @@ def test_a_signal_ends_an_application(application: str, number: signal.Signals, 
         assert process.stdout is not None
         assert process.stdout.readline() == "at work\n"
         process.send_signal(number)
-        _, said = process.communicate(timeout=10.0)
+        _, said = end_of(process)
     assert process.returncode == code
     assert said == ""
 
@@ -89,17 +89,17 @@ def test_an_agent_is_made_of_an_application_and_asked(application: str, robot: s
         said = {process.stdout.readline(), process.stdout.readline()}
         assert said == {"at work\n", f"{name} lives, and can be asked for double; stop with Ctrl-C\n"}
         with acromovi("ask", name, "double", "number=21", "--json") as asking:
-            answer, _ = asking.communicate(timeout=10.0)
+            answer, _ = end_of(asking)
         assert json.loads(answer) == 42
         with acromovi("promote", application, "--name", robot) as second:
-            _, complaint = second.communicate(timeout=10.0)
+            _, complaint = end_of(second)
         assert (second.returncode, complaint) == (
             1,
             f"acromovi promote: an agent {name} lives in the container {robot}-apps already; end it there, or take "
             "another name\n",
         )
         process.send_signal(signal.SIGINT)
-        _, complaint = process.communicate(timeout=10.0)
+        _, complaint = end_of(process)
     assert (process.returncode, complaint) == (130, "")
 
 
@@ -109,15 +109,15 @@ def test_an_agent_that_is_stopped_from_elsewhere_ends_its_command(application: s
         process.stdout.readline()
         process.stdout.readline()
         with acromovi("agent", "stop", f"{robot}@apps") as stopping:
-            said, complaint = stopping.communicate(timeout=20.0)
+            said, complaint = end_of(stopping)
         assert (said, complaint) == (f"{robot}@apps is deleted in {robot}-apps\n", "")
-        _, complaint = process.communicate(timeout=20.0)
+        _, complaint = end_of(process)
     assert (process.returncode, complaint) == (0, "")
 
 
 def test_an_agent_that_fails_ends_with_its_reason(application: str, robot: str) -> None:
     with acromovi("promote", application, "fail=true", "--name", robot) as process:
-        _, said = process.communicate(timeout=20.0)
+        _, said = end_of(process)
     assert process.returncode == 1
     assert f"{robot}@apps: main failed: its agent ends: there is no robot 'no-such-robot'" in said
     wait_until(lambda: process.poll() is not None)

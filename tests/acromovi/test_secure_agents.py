@@ -22,6 +22,7 @@ from bus.session import configuration
 from tests.acromovi.agents_alive import living
 from tests.acromovi.conftest import AsOwner
 from tests.bus.secure_site import MEMBERS, Site
+from tests.waiting import patience
 
 BASE = AgentName("base", "happy")
 HOME = ContainerName("happy", "happy")
@@ -267,7 +268,7 @@ def test_who_asks_is_a_claim_that_no_key_proves_and_the_answer_goes_to_whoever_m
         ended = Event()
         heard: list[dict[str, Any]] = []
         grumpy.ask(BASE.acl_key, claimed.to_dict(), lambda answer: heard.append(answer.value), lambda why: ended.set())
-        assert ended.wait(10.0)
+        assert ended.wait(patience())
     assert [reply["performative"] for reply in heard] == ["agree", "inform"]
     assert heard[-1]["content"] == "app@anna"
     assert replies == []

@@ -14,6 +14,7 @@ import pytest
 from acromovi.__main__ import main
 from agents.platform import Agent, AgentName, every, request
 from tests.acromovi.agents_alive import living
+from tests.waiting import end_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -62,7 +63,7 @@ def test_ctrl_c_ends_it_with_the_diagrams(talking: str, tmp_path: Path) -> None:
             assert process.stdout is not None
             line = process.stdout.readline()
             process.send_signal(signal.SIGINT)
-            rest, errors = process.communicate(timeout=20.0)
+            rest, errors = end_of(process)
         finally:
             process.kill()
     assert (process.returncode, errors) == (130, "")

@@ -12,6 +12,7 @@ import pytest
 from acromovi.__main__ import main
 from agents.platform import Agent, AgentName, Container
 from bus import ZenohBus
+from tests.waiting import exit_code, waiting
 
 COUNTER = """
 [program]
@@ -40,7 +41,7 @@ def test_a_wrapped_program_is_asked_over_the_bus_and_ends_with_ctrl_c(file: Path
             async with Container(bus, f"asker-{robot}", platform=robot) as container:
                 asker = Agent(AgentName("asker", robot))
                 await container.start(asker)
-                async with asyncio.timeout(20.0):
+                async with waiting():
                     while not (outcome := await asker.request(f"counter@{robot}", "add", number=3)).is_done:
                         await asyncio.sleep(0.05)
                 return outcome.value()
@@ -50,7 +51,7 @@ def test_a_wrapped_program_is_asked_over_the_bus_and_ends_with_ctrl_c(file: Path
         assert process.stdout.readline() == f"counter@{robot} lives, and can be asked for add; stop with Ctrl-C\n"
         assert asyncio.run(ask()) == {"sum": 3}
         process.send_signal(signal.SIGINT)
-        assert process.wait(20.0) == 130
+        assert exit_code(process) == 130
 
 
 @pytest.mark.parametrize(

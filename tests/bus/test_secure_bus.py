@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from datetime import timedelta
@@ -21,6 +20,7 @@ from bus.session import configuration
 from configs import ConfigError
 from configs.loader import find, read
 from tests.bus.secure_site import MEMBERS, ROOT, Site
+from tests.waiting import run
 
 Until = Callable[..., None]
 Join = Callable[[str], ZenohBus]
@@ -193,9 +193,7 @@ def test_a_gateway_with_a_robots_key_serves_viewer_and_operator(
 def test_a_gateway_with_another_robots_key_ends_and_says_so(site: Site) -> None:
     with emulator("--robot", "p3dx-sh:happy", "--quiet") as robots:
         given = [robots.port, "--quiet", "--name", "happy", "--bus", site.profile("robot.grumpy")]
-        done = subprocess.run(
-            [sys.executable, "-m", "gateway", *given], cwd=ROOT, capture_output=True, text=True, timeout=60
-        )
+        done = run([sys.executable, "-m", "gateway", *given], cwd=ROOT)
     assert done.returncode == 2
     assert "cannot be happy on this bus: a robot may" in done.stderr
     assert "Traceback" not in done.stderr

@@ -18,13 +18,14 @@ met = threading.Event()
 with ZenohBus.open() as one, ZenohBus.open() as other:
     one.declare_alive(sys.argv[1])
     other.watch_alive(sys.argv[1], lambda key, is_there: met.set())
-    assert met.wait(10.0)
+    assert met.wait(patience())
     print(*(path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")))
 """
 COUNTS_WHAT_A_THREAD_REMEMBERS = """
 import sys
 import threading
 from bus import ZenohBus
+from tests.waiting import patience
 here = threading.local()
 heard = []
 end = threading.Event()
@@ -42,7 +43,7 @@ with ZenohBus.open() as one, ZenohBus.open() as other:
         pass
     for number in range(100):
         stream.put({"last": number == 99})
-    assert end.wait(10.0)
+    assert end.wait(patience())
     print(*heard)
 """
 

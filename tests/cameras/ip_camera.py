@@ -4,6 +4,8 @@ import socket
 import threading
 from collections.abc import Callable
 
+from tests.waiting import join
+
 LIMIT = 10.0  # s; only a failing test waits so long
 HEAD = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n"
 
@@ -28,7 +30,7 @@ class IpCamera:
         """Be gone."""
         self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
-        self._thread.join(LIMIT)
+        join(self._thread)
 
     def _run(self) -> None:
         while True:

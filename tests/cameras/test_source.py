@@ -11,6 +11,7 @@ from cameras import source as module
 from cameras.errors import CameraLost, CameraNotUsable
 from cameras.source import check_source, open_source
 from tests.cameras.ip_camera import HEAD, LIMIT, IpCamera, part
+from tests.waiting import join, patience
 
 
 @pytest.fixture
@@ -25,10 +26,10 @@ def test_newest_picture_is_read_and_older_ones_are_passed_over(camera: IpCamera)
 
     def serve(connection: socket.socket) -> None:
         connection.sendall(HEAD + part(b"one") + part(b"two") + part(b"three"))
-        has_read.wait(LIMIT)
+        has_read.wait(patience(LIMIT))
         connection.sendall(part(b"four"))
         has_read.clear()
-        has_read.wait(LIMIT)
+        has_read.wait(patience(LIMIT))
 
     camera.serve = serve
     source = open_source(camera.url)
@@ -92,7 +93,7 @@ def test_silence_is_lost(camera: IpCamera, monkeypatch: pytest.MonkeyPatch) -> N
 
     def serve(connection: socket.socket) -> None:
         connection.sendall(HEAD + part(b"one"))
-        is_over.wait(LIMIT)
+        is_over.wait(patience(LIMIT))
 
     camera.serve = serve
     source = open_source(camera.url)
@@ -108,7 +109,7 @@ def test_read_under_way_can_be_ended_from_elsewhere(camera: IpCamera) -> None:
 
     def serve(connection: socket.socket) -> None:
         connection.sendall(HEAD)
-        is_over.wait(LIMIT)
+        is_over.wait(patience(LIMIT))
 
     camera.serve = serve
     source = open_source(camera.url)
@@ -123,9 +124,9 @@ def test_read_under_way_can_be_ended_from_elsewhere(camera: IpCamera) -> None:
 
     reader = threading.Thread(target=read)
     reader.start()
-    is_reading.wait(LIMIT)
+    is_reading.wait(patience(LIMIT))
     source.interrupt()
-    reader.join(LIMIT)
+    join(reader)
     source.close()
     is_over.set()
     assert len(ends) == 1

@@ -17,6 +17,7 @@ from gateway.faces.cable_face import CableFace
 from gateway.faces.camera import CameraFace
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import CameraSettings, Settings
+from tests.waiting import patience
 
 JPEG = bytes.fromhex("FF D8  FF C0 00 0B 08 00 78 00 A0 01 11 00  FF D9")  # 160 by 120
 
@@ -31,7 +32,7 @@ class Pictures:
     def read(self) -> bytes:
         if self._pictures:
             return self._pictures.pop(0)
-        self._is_over.wait(10.0)
+        self._is_over.wait(patience())
         raise CameraLost("it was interrupted")
 
     def interrupt(self) -> None:

@@ -18,6 +18,7 @@ import pytest
 from acromovi import doctor
 from gateway.__main__ import main
 from p2os import Frame, FrameDecoder, Identity, RobotHandshake, encode_frame
+from tests.waiting import end_of
 
 
 @contextmanager
@@ -179,5 +180,5 @@ def test_signal_ends_the_wait_for_a_port_quietly(tmp_path: Path, number: int) ->
         assert process.stdout is not None
         assert process.stdout.readline() == f"waiting for {tmp_path / 'ttyUSB0'}\n"
         process.send_signal(number)
-        said, complaints = process.communicate(timeout=10)
+        said, complaints = end_of(process)
     assert (process.returncode, said, complaints) == (0, "", "")

@@ -18,7 +18,7 @@ from bus import Bus, Sample, keys, messages
 from gateway.errors import PortBusy
 from gateway.serial_port import open_port
 from p2os import Command, encode_command
-from tests.waiting import wait_until
+from tests.waiting import exit_code, wait_until
 
 LIMIT = 15.0
 
@@ -83,7 +83,7 @@ def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, way: s
         assert stands(robots, name, 0.5)
         watcher.drive_until_fast(0.3)
         process.terminate()
-        assert process.wait(LIMIT) == 0
+        assert exit_code(process, LIMIT) == 0
         assert stands(robots, name, 0.5)
 
 
@@ -202,4 +202,4 @@ def test_line_on_the_terminal_says_who_is_connected_and_where(name: str) -> None
             assert process.stdout is not None
             assert process.stdout.readline() == f"connected to {name} (p3dx-sh) at 9600 bit/s; keys under {name}-b/\n"
             process.terminate()
-            assert process.wait(LIMIT) == 0
+            assert exit_code(process, LIMIT) == 0

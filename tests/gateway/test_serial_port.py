@@ -14,6 +14,7 @@ import serial.rfc2217
 
 from gateway.errors import NoSuchPort, NotAPort, PortBusy, PortForbidden, PortLost
 from gateway.serial_port import Port, open_port
+from tests.waiting import join
 
 
 def receive(port: Port, size: int) -> bytes:
@@ -116,7 +117,7 @@ def test_rfc2217_server_is_read_through_a_pump() -> None:
         port.write(b"hello")
         assert receive(port, 5) == b"HELLO"
         port.close()
-        serving.join(5.0)
+        join(serving)
         assert not serving.is_alive()
 
 

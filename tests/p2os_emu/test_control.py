@@ -4,7 +4,6 @@ import contextlib
 import json
 import select
 import socket
-import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,7 @@ import pytest
 from p2os_emu.control import ControlSocket, RequestError
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller
-
-DEADLINE = 5.0
+from tests.waiting import Deadline, patience
 
 
 class Office:
@@ -45,9 +43,9 @@ class Office:
         self.control.serve()
 
     def until(self, condition: Callable[[], bool]) -> None:
-        end = time.monotonic() + DEADLINE
+        deadline = Deadline()
         while not condition():
-            assert time.monotonic() < end, "what the test waits for did not happen"
+            assert not deadline.has_passed(), deadline.in_words("the office does what the test waits for")
             self.turn()
             select.select([], [], [], 0.001)
 
@@ -152,7 +150,7 @@ def test_client_that_does_not_read_is_let_go_and_nobody_waits(office: Office) ->
 
 def say_until_shut_out(office: Office, visitor: socket.socket, data: bytes) -> int:
     """How many bytes the office took before it let the visitor go."""
-    visitor.settimeout(DEADLINE)
+    visitor.settimeout(patience())
     taken = 0
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # the office has let the visitor go
         while taken < 1 << 24:

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 import pytest
 
 from p2os_emu.program import emulator
+from tests.waiting import Deadline
 
-LIMIT = 10.0
 STOP = bytes.fromhex("02 00 02 00 20 25 35 08")
 START = bytes.fromhex("02 00 02 00 20 24 34 08")
 INSTALL = bytes.fromhex("02 00 0A 00 20 00 53 49 43 4B 5F 4C 4D 53 BE C5")
@@ -43,7 +43,7 @@ class Host:
 
     def telegram(self) -> bytes:
         """The next one: code, data and status."""
-        deadline = time.monotonic() + LIMIT
+        deadline = Deadline()
         while True:
             start = self.buffer.find(b"\x02\x80")
             if start >= 0 and len(self.buffer) >= start + 4:
@@ -53,9 +53,10 @@ class Host:
                     whole, self.buffer = self.buffer[start:end], self.buffer[end:]
                     assert whole[-2:] == crc(whole[:-2])
                     return whole[4:-2]
-            left = deadline - time.monotonic()
-            assert select.select([self.descriptor], [], [], max(0.0, left))[0], f"nothing in {LIMIT} s"
-            self.buffer += os.read(self.descriptor, 4096)
+            if select.select([self.descriptor], [], [], deadline.left)[0]:
+                self.buffer += os.read(self.descriptor, 4096)
+            else:
+                assert not deadline.has_passed(), deadline.in_words("a telegram comes")
 
     def answer(self, command: bytes, code: int) -> bytes:
         """Send a command; the data of its answer, whatever comes before."""

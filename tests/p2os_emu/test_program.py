@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 
 from p2os_emu.__main__ import main
+from tests.waiting import Deadline, end_of, exit_code, patience, run, wait_until
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
 
-DEADLINE = 20.0  # s; generous, a wait ends as soon as its condition holds
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]
 OPEN = bytes.fromhex("FA FB 03 01 00 01")
 PULSE = SYNCS[0]
@@ -37,7 +37,7 @@ class Client:
         self._socket: socket.socket | None = None
         if port.startswith("socket://"):
             host, number = port.removeprefix("socket://").split(":")
-            self._socket = socket.create_connection((host, int(number)), timeout=DEADLINE)
+            self._socket = socket.create_connection((host, int(number)), timeout=patience())
             self._descriptor = self._socket.fileno()
         else:
             self._descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY)
@@ -47,7 +47,7 @@ class Client:
 
     def frame(self) -> bytes:
         """The payload of the next frame."""
-        end = time.monotonic() + DEADLINE
+        deadline = Deadline()
         while True:
             begin = self.heard.find(b"\xfa\xfb")
             if begin >= 0 and len(self.heard) >= begin + 3 and len(self.heard) >= begin + 3 + self.heard[begin + 2]:
@@ -55,7 +55,7 @@ class Client:
                 payload = bytes(self.heard[begin + 3 : begin + size - 2])
                 del self.heard[: begin + size]
                 return payload
-            assert time.monotonic() < end, "no frame came"
+            assert not deadline.has_passed(), deadline.in_words("a frame comes")
             if select.select([self._descriptor], [], [], 0.1)[0]:
                 self.heard += os.read(self._descriptor, 4096)
 
@@ -79,9 +79,9 @@ class Client:
         self.wait_for_speed(lambda left, right: left > 100 and right > 100, pulse=True)
 
     def wait_for_speed(self, condition: Callable[[int, int], bool], *, pulse: bool = False) -> None:
-        end = time.monotonic() + DEADLINE
+        deadline = Deadline()
         while True:
-            assert time.monotonic() < end, "the wheels do not do what the test waits for"
+            assert not deadline.has_passed(), deadline.in_words("the wheels do what the test waits for")
             sip = self.sip()
             left, right = (int.from_bytes(sip[at : at + 2], "little", signed=True) for at in (7, 9))
             if condition(left, right):
@@ -116,7 +116,7 @@ class Program:
     def ask(self, **request: Any) -> dict[str, Any]:
         if self._control is None:
             self._control = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-            self._control.settimeout(DEADLINE)
+            self._control.settimeout(patience())
             self._control.connect(self.ready["control"])
         self._control.sendall(json.dumps(request).encode() + b"\n")
         heard = b""
@@ -129,7 +129,7 @@ class Program:
         """Ask for the end; exit code and what was still said."""
         if self.process.poll() is None:
             self.process.send_signal(number)
-        out, err = self.process.communicate(timeout=DEADLINE)
+        out, err = end_of(self.process)
         if self._control is not None:
             self._control.close()
         return self.process.returncode, out, err
@@ -214,7 +214,7 @@ def test_signal_ends_it_and_leaves_nothing_behind(tmp_path: Path, number: int) -
 def test_quit_over_the_control_socket_is_answered_and_ends_it(tmp_path: Path) -> None:
     running = Program("--robot", "p3dx", "--control", str(tmp_path / "control"))
     assert running.ask(do="quit")["ok"]
-    running.process.wait(DEADLINE)
+    exit_code(running.process)
     assert running.end() == (0, "", "")
     assert list(tmp_path.iterdir()) == []
 
@@ -248,9 +248,10 @@ def test_robot_whose_client_left_is_stopped_if_asked_to() -> None:
         with client_of(emulator.ports[0]) as client:
             client.handshake()
             client.drive()
-        end = time.monotonic() + DEADLINE
-        while emulator.ask(do="truth")["robots"]["p3dx"]["connected"]:
-            assert time.monotonic() < end, "the robot does not notice that its client left"
+        wait_until(
+            lambda: not emulator.ask(do="truth")["robots"]["p3dx"]["connected"],
+            "its client is missed",
+        )
 
 
 def test_machine_that_stood_still_for_long_drops_what_is_beyond_a_second() -> None:
@@ -260,9 +261,7 @@ def test_machine_that_stood_still_for_long_drops_what_is_beyond_a_second() -> No
         # Not a wait for luck: that much time must pass for the steps of it to be late.
         time.sleep(1.5)
         emulator.process.send_signal(signal.SIGCONT)
-        end = time.monotonic() + DEADLINE
-        while emulator.ask(do="truth")["late_dropped"] == 0:
-            assert time.monotonic() < end, "no step was dropped"
+        wait_until(lambda: emulator.ask(do="truth")["late_dropped"], "steps are dropped")
         assert "more than a second late" in emulator.end()[2]
 
 
@@ -277,11 +276,9 @@ def test_the_list_of_robots_has_their_full_names(capsys: pytest.CaptureFixture[s
 def test_listing_into_a_closed_pipe_ends_quietly() -> None:
     reader, writer = os.pipe()
     os.close(reader)
-    listing = subprocess.run(
-        [sys.executable, "-m", "p2os_emu", "--list-robots"], stdout=writer, stderr=subprocess.PIPE, timeout=DEADLINE
-    )
+    listing = run([sys.executable, "-m", "p2os_emu", "--list-robots"], stdout=writer)
     os.close(writer)
-    assert (listing.returncode, listing.stderr) == (0, b"")
+    assert (listing.returncode, listing.stderr) == (0, "")
 
 
 def test_window_without_a_display_is_one_sentence_and_an_exit_code(

@@ -3,13 +3,13 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from p2os_emu.program import ChildFailed
 from p2os_emu.robot_for_tests import RobotForTests, start
+from tests.waiting import run, wait_until
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
 
@@ -19,9 +19,7 @@ OWN_FILES = {"PYTHONPATH": str(Path(__file__).parents[2])}
 
 def pytest_in(folder: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error", *arguments]
-    return subprocess.run(
-        command, cwd=folder, env={**os.environ, **OWN_FILES}, capture_output=True, text=True, timeout=LIMIT
-    )
+    return run(command, LIMIT, cwd=folder, env={**os.environ, **OWN_FILES})
 
 
 def test_robot_is_on_a_port_of_its_own_and_can_be_placed(emulated_robot: RobotForTests) -> None:
@@ -112,10 +110,7 @@ def test_emulator_ends_with_a_test_that_was_killed(tmp_path: Path, monkeypatch: 
     (tmp_path / "test_stranger.py").write_text(STRANGER.format(marker="", rest=rest))
     assert pytest_in(tmp_path).returncode < 0
     pid = int((tmp_path / "port").read_text())
-    end = time.monotonic() + LIMIT
-    while not is_gone(pid):
-        assert time.monotonic() < end, "the emulator outlived its test"
-        time.sleep(0.01)
+    wait_until(lambda: is_gone(pid), "the emulator ends with its test")
     assert not list(folders.glob("p2os-emu-*"))
 
 

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.waiting import run
+
 
 @pytest.fixture
 def display() -> Iterator[str]:
@@ -29,7 +31,7 @@ def display() -> Iterator[str]:
 def test_window_opens_and_leaves_standard_output_to_the_one_line_of_json(display: str) -> None:
     command = [sys.executable, "-m", "p2os_emu", "--robot", "powerbot", "--gui", "--json", "--duration", "0.5"]
     environment = {**os.environ, "DISPLAY": display}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+    done = run(command, env=environment)
     assert done.returncode == 0, done.stderr
     (line,) = done.stdout.splitlines()
     assert json.loads(line)["robots"][0]["model"] == "powerbot"

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from tests.sites.lab import CABLE, NoNamespaces, Site, two_sites
-from tests.waiting import DEADLINE
+from tests.waiting import Deadline
 
 ROBOTS = ("happy", "doc")
 
@@ -34,8 +34,8 @@ class Onlooker:
 
     def until(self, condition: Callable[[dict[str, Any]], bool], **question: Any) -> dict[str, Any]:
         """Ask until the answer is as wanted; the last answer when it is not in time."""
-        deadline = time.monotonic() + DEADLINE
-        while not condition(answer := self.ask(**question)) and time.monotonic() < deadline:
+        deadline = Deadline()
+        while not condition(answer := self.ask(**question)) and not deadline.has_passed():
             time.sleep(0.05)
         return answer
 

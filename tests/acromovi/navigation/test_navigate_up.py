@@ -17,7 +17,7 @@ from acromovi.navigation.components import descriptions
 from bus import NoAnswer, ZenohBus
 from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import ROOT, alive, run
-from tests.waiting import wait_until
+from tests.waiting import exit_code, wait_until
 
 
 @dataclass
@@ -105,7 +105,7 @@ def test_the_wiring_is_drawn_from_what_runs(up: Up, tmp_path: Path) -> None:
 
 def test_ctrl_c_ends_all_and_nothing_is_left(up: Up) -> None:
     up.process.send_signal(signal.SIGINT)
-    assert up.process.wait(10.0) == 130
+    assert exit_code(up.process) == 130
     wait_until(lambda: not alive(up.process.pid), "no process is left")
     assert list(up.folder.iterdir()) == []
 

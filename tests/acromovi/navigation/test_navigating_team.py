@@ -12,7 +12,7 @@ import pytest
 
 from acromovi.team.host_control import control_key
 from tests.acromovi.team.running import ROOT, RunningTeam, running
-from tests.waiting import wait_until
+from tests.waiting import end_of, wait_until
 
 HOUSE = """\
 world = "house"
@@ -57,7 +57,7 @@ def test_a_mission_goes_on_when_a_process_is_killed_and_another_frozen(house: Ru
         os.kill(before["happy-monitor"], signal.SIGSTOP)
         wait_until(lambda: processes(house)["happy-reactive"] not in (before["happy-reactive"], None), "it is back")
         wait_until(lambda: processes(house)["happy-monitor"] not in (before["happy-monitor"], None), "this one, too")
-        told, _ = going.communicate(timeout=200)
+        told, _ = end_of(going, 200)
     assert json.loads(told)["state"] == "done"
     assert going.returncode == 0
     assert picture.stat().st_size > 10_000

@@ -16,8 +16,9 @@ from typing import Any
 
 from bus import ZenohBus
 from p2os_emu.program import EmulatedRobots
+from tests import waiting
 from tests.acromovi.team.private_bus import private_bus
-from tests.waiting import wait_until
+from tests.waiting import exit_code, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -58,7 +59,7 @@ class RunningTeam:
         """End it with a signal; returns how many s it took until nothing of it was left."""
         begun = time.monotonic()
         self.process.send_signal(number)
-        self.process.wait(20)
+        exit_code(self.process)
         wait_until(lambda: not self.pids(), "no process is left")
         return time.monotonic() - begun
 
@@ -70,7 +71,7 @@ class RunningTeam:
 def run(*arguments: str) -> "subprocess.CompletedProcess[str]":
     """Run a command to its end."""
     command = [sys.executable, "-m", "acromovi", *arguments]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
+    return waiting.run(command, 60.0, cwd=ROOT)  # an `acromovi up` that fails may have started a whole team before
 
 
 def alive(session: int) -> set[int]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.team.keeper import DEADLINES
-from tests.waiting import wait_until
+from tests.waiting import exit_code, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 LISTENS = "trap 'echo {name} >> {diary}; exit 0' TERM; while :; do sleep 0.05; done"
@@ -59,9 +59,9 @@ class Kept:
         begun = time.monotonic()
         assert self.keeper.stdin is not None
         self.keeper.stdin.close()
-        self.keeper.wait(20)
+        exit_code(self.keeper)
         for child in self.children:
-            child.wait(20)
+            exit_code(child)
         return time.monotonic() - begun
 
 

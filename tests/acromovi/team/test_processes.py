@@ -11,6 +11,7 @@ import pytest
 
 from acromovi.team.plan import Program, Stage
 from acromovi.team.processes import Processes
+from tests.waiting import waiting
 
 MANY = 20  # so that what happens to one in five, when it goes wrong, happens here
 TIMES = 1000
@@ -69,4 +70,8 @@ def test_a_process_that_is_frozen_has_no_more_turns(tmp_path: Path) -> None:
         assert child.turns == 0
         await processes.end()
 
-    asyncio.run(asyncio.wait_for(play(), 30.0))
+    async def in_time() -> None:
+        async with waiting():
+            await play()
+
+    asyncio.run(in_time())

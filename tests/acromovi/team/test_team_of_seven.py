@@ -21,7 +21,7 @@ from p2os import RobotModel
 from p2os_emu.fit import read_fit
 from tests.acromovi.team.running import RunningTeam, running
 from tests.live_team import LIMIT, ROOT, LiveTeam
-from tests.waiting import wait_until
+from tests.waiting import end_of, wait_until
 
 EVERY = {"base", "sonar", "battery", "io", "sound", "servos"}
 """What every controller of these robots has: wheels, the sonar on it, and its own ports."""
@@ -76,7 +76,7 @@ def test_team_of_seven_comes_up_works_loses_and_finds_a_laser_and_leaves_nothing
             assert_laser_goes_and_comes_with_its_agent(team, tokens)
             assert_killed_container_comes_back(team, "doc", tokens)
             for robot, process in driven.items():
-                said, complaints = process.communicate(timeout=LIMIT)
+                said, complaints = end_of(process, LIMIT)
                 if LOST in complaints:  # a busy machine has kept its gateway from running, which stops a robot
                     again = programs.run(*SQUARE, robot)
                     said, complaints = again.stdout, again.stderr

@@ -11,6 +11,7 @@ from typing import Any
 from acromovi.children import end
 from agents.platform import Agent, AgentName, Container, Directory
 from bus import ZenohBus
+from tests.waiting import patience, waiting
 
 PATIENCE = 30.0  # s
 
@@ -37,7 +38,7 @@ class Application:
 
     async def ask(self, element: str, name: str, **arguments: Any) -> dict[str, Any]:
         who = AgentName(element, self._robot)
-        result = (await self._agent.request(who, name, reply_within=PATIENCE, **arguments)).value()
+        result = (await self._agent.request(who, name, reply_within=patience(PATIENCE), **arguments)).value()
         assert isinstance(result, dict)
         return result
 
@@ -51,7 +52,7 @@ class Application:
 
     async def _wait(self, condition: Callable[[set[str]], bool]) -> None:
         with Directory(self._agent.bus) as directory:
-            async with asyncio.timeout(PATIENCE):
+            async with waiting(PATIENCE):
                 while not condition({name.local for name in directory.names if name.platform == self._robot}):
                     await asyncio.sleep(0.02)
 

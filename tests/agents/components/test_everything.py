@@ -15,6 +15,7 @@ from agents.face.readings import OtherReading
 from agents.face.robot import ELEMENTS
 from cameras import picture_size
 from tests.agents.components.application import Application, application, container
+from tests.waiting import waiting
 
 FIT = "gripper,laser,ptz:vcc4,arm,camera:64x48@10,gyro,compass,joystick"
 SETTINGS = """
@@ -109,7 +110,7 @@ def test_every_element_tells_what_it_has_to_and_does_what_it_is_told(robot: str,
             assert len((await app.ask("sonar", "read"))["ranges"]) == DISCS
             check_truth(robots.ask("truth", robot=robot)["robots"][robot], start)
             robots.ask("joystick", robot=robot, x=-0.5)
-            async with asyncio.timeout(5.0):
+            async with waiting():
                 while (await app.ask("joystick", "read"))["axes"][0] != pytest.approx(0.5, abs=0.02):
                     await asyncio.sleep(0.05)
 

@@ -7,13 +7,14 @@ import pytest
 from acromovi.children import EmulatedRobots, emulator, gateway
 from agents.platform import RequestNotDone
 from tests.agents.components.application import application, container
+from tests.waiting import waiting
 
 ELEMENTS = {"base", "sonar", "battery", "io", "sound"}
 WATCHDOG = 10.0  # s within which a robot that hears of nobody stands; its firmware waits for 2 s
 
 
 async def has_come_to_rest(robots: EmulatedRobots) -> None:
-    async with asyncio.timeout(WATCHDOG):
+    async with waiting(WATCHDOG):
         while abs(robots.ask("truth")["robots"].popitem()[1]["linear"]) > 0.01:
             await asyncio.sleep(0.05)
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import run
+
 BEGIN = """\
 import os, signal, threading
 from agents import RobotError, Team
@@ -22,11 +24,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("scripts")
 
 
-def run(folder: Path, text: str) -> "subprocess.CompletedProcess[str]":
+def run_script(folder: Path, text: str) -> "subprocess.CompletedProcess[str]":
     """Run a script to its end."""
     (folder / "drive.py").write_text(BEGIN + text)
     command = [sys.executable, str(folder / "drive.py")]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=30.0)
+    return run(command, cwd=folder)
 
 
 @pytest.mark.parametrize(
@@ -50,24 +52,24 @@ def run(folder: Path, text: str) -> "subprocess.CompletedProcess[str]":
     ],
 )
 def test_what_a_script_does_not_catch_is_one_sentence(folder: Path, text: str, told: str, code: int) -> None:
-    ended = run(folder, text)
+    ended = run_script(folder, text)
     assert re.fullmatch(f"{told}\n", ended.stderr), ended.stderr
     assert ended.returncode == code
 
 
 def test_a_mistake_that_has_nothing_to_do_with_robots_is_told_as_python_does(folder: Path) -> None:
-    ended = run(folder, "print(1 / 0)\n")
+    ended = run_script(folder, "print(1 / 0)\n")
     assert ended.stderr.startswith("Traceback (most recent call last):\n")
     assert ended.stderr.endswith("ZeroDivisionError: division by zero\n")
 
 
 def test_a_script_that_closes_nothing_ends_in_silence(folder: Path) -> None:
-    ended = run(folder, "print(team.robots())\n")
+    ended = run_script(folder, "print(team.robots())\n")
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "[]\n", "")
 
 
 def test_who_tells_errors_in_his_own_way_goes_on_to(folder: Path) -> None:
     first = "import sys\nsys.excepthook = lambda *error: print('mine')\n"
     (folder / "drive.py").write_text(first + BEGIN + "team.robot('a robot')\n")
-    ended = subprocess.run([sys.executable, "drive.py"], cwd=folder, capture_output=True, text=True, timeout=30.0)
+    ended = run([sys.executable, "drive.py"], cwd=folder)
     assert (ended.stdout, ended.stderr) == ("mine\n", "")

@@ -18,7 +18,7 @@ from acromovi.team.host_control import control_key
 from agents import Failed, NotThere, Robot, RobotError, Team
 from tests.acromovi.team.running import RunningTeam, running
 from tests.live_team import SCRIPT
-from tests.waiting import DEADLINE, wait_until
+from tests.waiting import end_of, join, wait_until
 
 DWARFS = """\
 world = "empty"
@@ -92,8 +92,8 @@ def during_a_move(dwarfs: RunningTeam, robot: Robot, happens: "threading.Thread"
     moving.start()
     wait_until_it_drives(dwarfs, robot.name)
     happens.start()
-    moving.join(DEADLINE)
-    happens.join(DEADLINE)
+    join(moving)
+    join(happens)
     assert told, "the motion goes on"
     wait_until_it_stands(dwarfs, robot.name)
     return told[0]
@@ -135,7 +135,7 @@ def test_threads_of_a_program_move_robots_side_by_side(team: Team) -> None:
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(DEADLINE)
+        join(thread)
     assert all(way > 0.1 for way in ends.values())
 
 
@@ -144,7 +144,7 @@ def test_ctrl_c_in_a_motion_stops_the_robot(dwarfs: RunningTeam, tmp_path: Path,
     with script(dwarfs, tmp_path, text) as process:
         wait_until_it_drives(dwarfs, "grumpy")
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=DEADLINE)
+        _, told = end_of(process)
     wait_until_it_stands(dwarfs, "grumpy")
     assert re.fullmatch(r"drive.py, line \d: stopped by Ctrl-C\n", told)
     assert process.returncode == -signal.SIGINT
@@ -153,7 +153,7 @@ def test_ctrl_c_in_a_motion_stops_the_robot(dwarfs: RunningTeam, tmp_path: Path,
 def test_a_script_that_closes_nothing_leaves_its_robot_at_rest(dwarfs: RunningTeam, tmp_path: Path) -> None:
     with script(dwarfs, tmp_path, FORGOTTEN) as process:
         wait_until_it_drives(dwarfs, "grumpy")
-        _, told = process.communicate(timeout=DEADLINE)
+        _, told = end_of(process)
     wait_until_it_stands(dwarfs, "grumpy")
     assert (process.returncode, told) == (0, "")
 
@@ -167,7 +167,7 @@ def test_a_new_application_drives_as_it_is(
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         wait_until_it_drives(dwarfs, "grumpy")
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=DEADLINE)
+        _, told = end_of(process)
     assert (process.returncode, told) == (130, "")
     wait_until_it_stands(dwarfs, "grumpy")
 

@@ -15,7 +15,7 @@ from bus import Bus, ZenohBus
 from tests.agents.faults.processes import until
 from tests.agents.faults.scripts import PATIENCE
 from tests.agents.faults.worker import Worker
-from tests.waiting import DEADLINE
+from tests.waiting import waiting
 
 
 @asynccontextmanager
@@ -38,7 +38,7 @@ async def meet(bus: Bus, *names: AgentName) -> None:
 
 async def reach(me: Agent, peer: AgentName) -> None:
     """Ask until there is an answer: the first question after a change may be lost on the way."""
-    async with asyncio.timeout(DEADLINE):
+    async with waiting():
         while not (await me.request(peer, "look", reply_within=1.0)).is_done:
             await asyncio.sleep(0.01)
 

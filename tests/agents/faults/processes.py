@@ -4,13 +4,12 @@ import asyncio
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from agents.platform import AgentName
-from tests.waiting import DEADLINE
+from tests.waiting import Deadline
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -38,7 +37,7 @@ def party(me: AgentName, *peer: AgentName, profile: str = "") -> "AbstractContex
 
 async def until(condition: Callable[[], object], what: str) -> None:
     """Wait for a condition without holding up the loop; `what` is what a failing test complains of."""
-    deadline = time.monotonic() + DEADLINE
+    deadline = Deadline()
     while not condition():
-        assert time.monotonic() < deadline, f"waited {DEADLINE} s in vain until {what}"
+        assert not deadline.has_passed(), deadline.in_words(what)
         await asyncio.sleep(0.01)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from agents.platform import Agent, AgentName, Container, Ending, Report, request
 from bus import MemoryBus, MemoryNetwork
-from tests.waiting import DEADLINE, wait_until
+from tests.waiting import patience, wait_until
 
 BLOCKER, NEIGHBOUR = AgentName("blocker", "happy"), AgentName("neighbour", "happy")
 
@@ -19,7 +19,7 @@ class Blocker(Agent):
 
     @request("block")
     def block(self) -> None:
-        assert self.let_go.wait(DEADLINE)
+        assert self.let_go.wait(patience())
 
 
 class Neighbour(Agent):
@@ -49,7 +49,7 @@ def happy(network: MemoryNetwork, reports: list[Report], let_go: threading.Event
 
     thread = threading.Thread(target=lambda: asyncio.run(live()))
     thread.start()
-    assert ready.wait(DEADLINE)
+    assert ready.wait(patience())
     try:
         yield
     finally:
@@ -65,14 +65,14 @@ def test_who_asks_a_neighbour_loses_patience_and_what_was_asked_is_not_done_late
         async with Container(MemoryBus(network), "lab") as container:
             console = Agent("console@lab")
             await container.start(console)
-            blocking = console.begin_request(BLOCKER, "block", reply_within=DEADLINE)
+            blocking = console.begin_request(BLOCKER, "block", reply_within=patience())
             await asyncio.to_thread(wait_until, lambda: reports, "the blocker is reported")
             late = await console.request(NEIGHBOUR, "count", reply_within=0.05)
             assert (late.ending, late.agreed) == (Ending.TIMED_OUT, False)
             assert late.why == "neighbour@happy has not come to an end within 0.05 s"
             let_go.set()
             assert (await blocking).is_done
-            assert (await console.request(NEIGHBOUR, "count", reply_within=DEADLINE)).value() == 1
+            assert (await console.request(NEIGHBOUR, "count", reply_within=patience())).value() == 1
 
     with happy(network, reports, let_go):
         asyncio.run(main())

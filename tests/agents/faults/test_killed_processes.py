@@ -14,7 +14,7 @@ from bus import ZenohBus
 from tests.agents.faults import processes
 from tests.agents.faults.party import conversations, meet, party
 from tests.agents.faults.worker import Worker
-from tests.waiting import DEADLINE
+from tests.waiting import waiting
 
 
 def here(me: AgentName, main: Callable[[Worker], Coroutine[Any, Any, None]]) -> None:
@@ -37,7 +37,7 @@ def test_who_asked_in_every_protocol_comes_to_one_end_when_who_answers_is_killed
         while (await me.request(peer, "load")).value() < len(begun):
             await asyncio.sleep(0.01)
         other.kill()
-        async with asyncio.timeout(DEADLINE):
+        async with waiting():
             endings = {name: await one for name, one in begun.items()}
         assert endings.pop("cancel") in (Ending.DIED, Ending.CANCELLED)  # it does not wait for its word for long
         assert set(endings.values()) == {Ending.DIED}

@@ -15,7 +15,7 @@ from bus.session import configuration
 from tests.agents.faults import processes
 from tests.agents.faults.party import conversations, meet, party, reach
 from tests.agents.faults.worker import Worker
-from tests.waiting import DEADLINE
+from tests.waiting import waiting
 
 CONSOLE, WORKER = AgentName("console", "lab"), AgentName("worker", "happy")
 
@@ -37,7 +37,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
             await processes.until(lambda: worker.at_work == len(begun), "they are in the middle of it")
 
             router.fail(how)
-            async with asyncio.timeout(DEADLINE):
+            async with waiting():
                 endings = {name: await one for name, one in begun.items()}
             assert endings.pop("cancel") in (Ending.DIED, Ending.CANCELLED)
             assert set(endings.values()) == {Ending.DIED}

@@ -8,8 +8,7 @@ import pytest
 
 from agents.platform import Agent, AgentName, Container, Directory, State
 from bus import Bus, KeyNotValid, MemoryBus, MemoryNetwork, ZenohBus
-
-DEADLINE = 20.0  # s; only a failing test waits so long
+from tests.waiting import waiting
 
 
 class Laser(Agent):
@@ -35,7 +34,7 @@ class World:
 
     def run(self, main: Callable[[], Awaitable[None]]) -> None:
         async def bounded() -> None:
-            async with asyncio.timeout(DEADLINE):
+            async with waiting():
                 await main()
 
         try:

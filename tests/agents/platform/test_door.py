@@ -5,7 +5,7 @@ from typing import Any
 
 from agents.platform.door import Door
 from bus import Conversation, Sample
-from tests.waiting import wait_until
+from tests.waiting import patience, wait_until
 
 
 class Silent(Conversation):
@@ -30,13 +30,13 @@ def test_a_conversation_that_is_just_being_begun_counts_as_begun_before_the_door
 
     def begin(message: dict[str, Any], conversation: Conversation) -> None:
         at_it.set()
-        assert go_on.wait(20.0)
+        assert go_on.wait(patience())
         begun.append(message)
 
     door = Door(lambda payload: None, begin)
     entering = threading.Thread(target=door.caller, args=({"number": 1}, Silent()))
     entering.start()
-    assert at_it.wait(20.0)
+    assert at_it.wait(patience())
 
     def shut() -> None:
         door.keep_callers()

@@ -9,7 +9,7 @@ from agents.platform import Agent, Container, Report, request
 from agents.platform.watchdog import LONGEST_TURN
 from bus import MemoryBus, Sample, messages
 from bus.messages import decode_json
-from tests.waiting import DEADLINE
+from tests.waiting import Deadline, patience
 
 
 class Blocker(Agent):
@@ -32,8 +32,8 @@ class Blocker(Agent):
 
     def block(self) -> None:
         """Hold up the loop until somebody notices."""
-        deadline = time.monotonic() + DEADLINE
-        while not self.reports and time.monotonic() < deadline:
+        deadline = Deadline()
+        while not self.reports and not deadline.has_passed():
             time.sleep(0.01)
 
 
@@ -51,7 +51,7 @@ def test_an_agent_that_blocks_is_named_with_its_line(how: str) -> None:
             if how == "behaviour":
                 await blocker.add(blocker.act).result()
             elif how == "request":
-                assert (await blocker.request("blocker@happy", "block", reply_within=DEADLINE)).is_done
+                assert (await blocker.request("blocker@happy", "block", reply_within=patience())).is_done
 
     asyncio.run(main())
     doing = {
@@ -73,8 +73,8 @@ def test_what_is_no_agents_is_told_of_without_a_name(caplog: pytest.LogCaptureFi
 
     async def main() -> None:
         async with Container(bus, "happy"):
-            deadline = time.monotonic() + DEADLINE
-            while not told and time.monotonic() < deadline:
+            deadline = Deadline()
+            while not told and not deadline.has_passed():
                 time.sleep(0.01)
 
     asyncio.run(main())

@@ -15,9 +15,9 @@ from agents.platform import Agent, AgentName, Container, Outcome, Report
 from agents.wrappers.wrapped import Wrapped
 from agents.wrappers.wrapper_file import load_wrapper
 from bus import MemoryBus
+from tests.waiting import waiting
 
 NAME = AgentName("it", "happy")
-DEADLINE = 20.0  # s; only a failing test waits so long
 
 
 class Bench:
@@ -33,7 +33,7 @@ class Bench:
         return await self.console.request(NAME, name, **arguments)
 
     async def until(self, condition: Callable[[], object]) -> None:
-        async with asyncio.timeout(DEADLINE):
+        async with waiting():
             while not condition():
                 await asyncio.sleep(0.005)
 

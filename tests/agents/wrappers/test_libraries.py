@@ -12,6 +12,7 @@ from agents.wrappers.frames import FrameSplitter, call
 from bus import keys
 from bus.messages import CompressedImage, header
 from tests.agents.wrappers.conftest import bench
+from tests.waiting import waiting
 
 FILE = """
 services = ["filters"]
@@ -99,7 +100,7 @@ def test_a_function_that_crashes_harms_neither_agent_nor_container(file: Path) -
             crashed = await at.ask("crash")
             assert crashed.ending is Ending.FAILED
             assert "SIGABRT" in crashed.why
-            async with asyncio.timeout(20.0):
+            async with waiting():
                 while not (await at.ask("length", text="four")).is_done:
                     await asyncio.sleep(0.02)
 

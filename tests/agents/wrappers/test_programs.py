@@ -12,6 +12,7 @@ import pytest
 from agents.platform import Ending
 from agents.wrappers.program import ProgramEnded
 from tests.agents.wrappers.conftest import bench
+from tests.waiting import waiting
 
 SERVER = Path(__file__).with_name("acts_server.py")
 
@@ -107,7 +108,7 @@ def test_a_server_that_ends_is_started_again_and_serves(acts: Path) -> None:
         async with bench(acts) as at:
             assert (await at.ask("quit")).is_done
             await at.until(lambda: at.reports)
-            async with asyncio.timeout(20.0):
+            async with waiting():
                 while not (outcome := await at.ask("blobs")).is_done:
                     assert "started again" in outcome.why or "has ended" in outcome.why or "closed" in outcome.why
                     await asyncio.sleep(0.02)
@@ -147,7 +148,7 @@ def test_a_program_that_dies_is_told_with_its_last_words_and_begins_again(talker
             error = at.reports[0].error
             assert isinstance(error, ProgramEnded)
             assert "(exit code 3): it was all too much" in str(error)
-            async with asyncio.timeout(20.0):
+            async with waiting():
                 while not (await at.ask("add", a=1)).is_done:
                     await asyncio.sleep(0.02)
 
@@ -159,7 +160,7 @@ def test_a_late_answer_is_never_taken_for_the_next_one(talker: Path) -> None:
         async with bench(talker) as at:
             late = await at.ask("sleep", seconds=1.0)
             assert (late.ending, "has not answered sleep within 0.3 s" in late.why) == (Ending.FAILED, True)
-            async with asyncio.timeout(20.0):
+            async with waiting():
                 while not (outcome := await at.ask("add", a=1)).is_done:
                     await asyncio.sleep(0.02)
             assert outcome.value() == {"sum": 2.0}
@@ -202,7 +203,7 @@ asyncio.run(main())
         pid = int(await container.stdout.readline())
         container.send_signal(signal.SIGKILL)
         await container.wait()
-        async with asyncio.timeout(20.0):
+        async with waiting():
             while is_alive(pid):
                 await asyncio.sleep(0.01)
 

@@ -110,7 +110,7 @@ def test_camera_that_dies_is_said_once_and_the_robot_goes_on(world: str, until: 
         assert process.stdout is not None
         process.stdout.readline()
         os.kill(camera_pid(process.pid), signal.SIGKILL)
-        _, complaints = process.communicate(timeout=LIMIT)
+        _, complaints = end_of(process, LIMIT)
     assert process.returncode == 0
     assert complaints == "p2os-emu: the camera of happy has ended; the robot goes on without it\n"
 
@@ -175,6 +175,6 @@ def test_ctrl_c_in_the_terminal_ends_emulator_and_camera_without_a_word(world: s
         process.stdout.readline()
         camera = camera_pid(process.pid)
         os.killpg(process.pid, signal.SIGINT)
-        said, complaints = process.communicate(timeout=LIMIT)
+        said, complaints = end_of(process, LIMIT)
     assert (process.returncode, said, complaints) == (0, "", "")
     assert not is_running(camera)

@@ -45,7 +45,7 @@ class Served:
     def close(self) -> None:
         self.server.shutdown()
         self.server.server_close()
-        self.thread.join(LIMIT)
+        join(self.thread)
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def test_single_picture_is_a_fresh_one(served: Served) -> None:
     with served.get("/image") as answer:
         assert answer.headers["Content-Type"] == "image/jpeg"
         assert answer.read() == b"new"
-    maker.join(LIMIT)
+    join(maker)
 
 
 def test_video_is_a_part_for_each_picture_with_its_length(served: Served) -> None:

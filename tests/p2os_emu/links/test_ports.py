@@ -4,7 +4,6 @@ import os
 import select
 import socket
 import termios
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,8 +15,7 @@ from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
 from p2os_emu.links.tcp import TcpLink
-
-DEADLINE = 5.0  # s; generous, a wait ends as soon as its condition holds
+from tests.waiting import Deadline, patience
 
 
 class Cable(ABC):
@@ -131,7 +129,7 @@ class TcpCable(Cable):
 
     def connect(self) -> socket.socket:
         host, port = self.link.port.removeprefix("socket://").split(":")
-        client = socket.create_connection((host, int(port)), timeout=DEADLINE)
+        client = socket.create_connection((host, int(port)), timeout=patience())
         client.setblocking(False)
         return client
 
@@ -165,9 +163,9 @@ def collect(read: Callable[[], bytes], count: int) -> bytes:
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + DEADLINE
+    deadline = Deadline()
     while not condition():
-        assert time.monotonic() < end, "what the test waits for did not happen"
+        assert not deadline.has_passed(), deadline.in_words("the link does what the test waits for")
         # Yields the processor to whoever makes the condition true.
         select.select([], [], [], 0.001)
 
