@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
@@ -20,11 +21,12 @@ from configs.loader import ConfigError
 
 if TYPE_CHECKING:
     from agents.platform import Container, Report
+    from bus import Bus
 
 PROGRAM = "acromovi container"
 GRACE = 1.8  # s for all agents to end; what has not ended then is cut off
 MEETING_TIME = 1.0  # s in which sessions on one machine have met
-LOOK_FOR_OTHERS = 2.0  # s to wait for a container of the same name that is slow to answer
+LOOK_AGAIN = 0.5  # s, for the end of another container of the same name
 SERVICES = "services"  # the name of the container with a team's services
 EPILOG = """\
 examples:
@@ -62,6 +64,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")
+    parser.add_argument(
+        "--force", action="store_true", help="wait until another container of this name has ended, and take its place"
+    )
     add_bus(parser)
 
 
@@ -76,9 +81,36 @@ def run(arguments: argparse.Namespace) -> int:
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
+        await_name(bus, name, end, forces=arguments.force)
+        if end.code:
+            return end.code
         container = Container(bus, name, reporter(PROGRAM), platform=platform, kinds=Kinds(arguments.apps))
         asyncio.run(live(container, arguments, end))
     return end.code
+
+
+def await_name(bus: "Bus", name: str, end: "End", *, forces: bool = False) -> None:
+    """See that no other container of this name is on the bus; wait until it is free if that is asked for.
+
+    Raises:
+        NameTaken: There is one; the message says what to do.
+    """
+    from bus import NameTaken
+    from bus.name_holder import check_name_free
+
+    is_told = False
+    while not end.code:
+        try:
+            check_name_free(bus, f"the container {name}", f"*/containers/{name}/description")
+            return
+        except NameTaken as err:
+            if not forces:
+                advice = "end that one, or give this one another name or another bus (--bus local:NAME)"
+                raise NameTaken(f"{err}; {advice}. With --force it waits until the other has ended") from err
+            if not is_told:
+                print(f"{PROGRAM}: {err}; waiting until it has ended", file=sys.stderr, flush=True)
+                is_told = True
+            time.sleep(LOOK_AGAIN)
 
 
 def reporter(program: str) -> "Callable[[Report], None]":
@@ -211,17 +243,18 @@ async def start_services(container: "Container", team: str, properties: Mapping[
 
 
 async def leave_if_second(container: "Container", end: End) -> None:
-    """End if there is a container of this name already: two would double every agent."""
-    from agents.platform.talk import query
-    from bus import BusError
+    """End if another container of this name began at the same moment, but earlier: two would double every agent."""
+    from bus import BusError, NameTaken
+    from bus.name_holder import check_name_free
 
-    await asyncio.sleep(MEETING_TIME)  # else only this one answers
+    await asyncio.sleep(MEETING_TIME)  # both have been seen by then
+    where = f"*/containers/{container.name}/description"
     try:
-        found = await query(container.bus, f"*/containers/{container.name}/description", None, LOOK_FOR_OTHERS)
-    except (BusError, TimeoutError):
-        return  # someone who does not answer is frozen, and cannot be judged
-    elder = min(found, key=lambda answer: (answer.value["since"], answer.value["identity"])).value
-    if elder["identity"] != container.identity:
-        why = f"there is a container {container.name} already, process {elder['process']}; give this one another name"
-        print(f"acromovi container: {why}", file=sys.stderr)
+        await asyncio.to_thread(
+            check_name_free, container.bus, f"the container {container.name}", where, container.process
+        )
+    except NameTaken as err:
+        print(f"{PROGRAM}: {err}", file=sys.stderr)
         end.tell(1)
+    except BusError:
+        return  # the bus is being closed

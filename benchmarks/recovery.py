@@ -21,7 +21,7 @@ from benchmarks.figures import Figure, percentile
 from bus import ZenohBus, keys, messages
 
 TRIES = 50
-LANES = 5  # robots at a time
+LANES = 3  # robots at a time
 REACH_S = 2.0
 FREEZES_S = (1.5, 12.0)
 GIVE_UP_S = 30.0
@@ -68,11 +68,13 @@ def _lane(number: int) -> list[tuple[str, float]]:
     """Tries one after the other: who was frozen, and the time from its thaw to fresh odometry, s."""
     rng = random.Random(number)
     times = []
-    for turn in range(TRIES // LANES):
+    for turn in range(number, TRIES, LANES):
         victim = ("gateway", "subscriber")[turn % 2]
         with _pair(f"recovery-{number}-{turn}", is_gateway_first=rng.random() < 0.5) as (driver, subscriber):
             frozen = driver if victim == "gateway" else subscriber.process
-            times.append((victim, _freeze(frozen, subscriber, rng.uniform(*FREEZES_S))))
+            length = rng.uniform(*FREEZES_S)
+            times.append((victim, _freeze(frozen, subscriber, length)))
+        print(f"   {victim} frozen for {length:4.1f} s: received again after {times[-1][1]:.3f} s", flush=True)
     return times
 
 

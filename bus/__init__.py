@@ -2,7 +2,17 @@
 
 from bus import keys, messages
 from bus.bus import CDR, JSON, Answer, Bus, Conversation, Publisher, Sample, Subscription
-from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, NotAllowed, Refused, TimedOut
+from bus.errors import (
+    BusError,
+    BusUnavailable,
+    KeyNotValid,
+    MessageError,
+    NameTaken,
+    NoAnswer,
+    NotAllowed,
+    Refused,
+    TimedOut,
+)
 from bus.memory import MemoryBus
 from bus.memory_network import MemoryNetwork
 from bus.session import ZenohBus
@@ -19,6 +29,7 @@ __all__ = [
     "MemoryBus",
     "MemoryNetwork",
     "MessageError",
+    "NameTaken",
     "NoAnswer",
     "NotAllowed",
     "Publisher",

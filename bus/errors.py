@@ -4,6 +4,7 @@ BusError
  +-- BusUnavailable (ConnectionError)   no session can be opened, or it is closed
  +-- KeyNotValid (ValueError)           not a key, or not a robot's name
  +-- MessageError (ValueError)          a payload is not the message it claims to be, or a message does not fit its type
+ +-- NameTaken                          another program has the name that this one wants
  +-- NotAllowed (PermissionError)       the certificate's role does not allow it
  +-- NoAnswer (TimeoutError)            nobody answered a query in time
  |    +-- TimedOut                      someone is there and has not answered, or not ended its answers, in time
@@ -31,6 +32,10 @@ class MessageError(BusError, ValueError):
 
 class NotAllowed(BusError, PermissionError):
     """The role of this program's certificate does not allow it; the message says what the role allows."""
+
+
+class NameTaken(BusError):
+    """Another program on this bus has the name; the message says which program."""
 
 
 class NoAnswer(BusError, TimeoutError):

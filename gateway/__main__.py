@@ -45,7 +45,7 @@ examples:
   p2os-gateway /dev/ttyS1 --radio                      a robot behind radio modems
 
 exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not a port, 5 no permission, 6 port in use,
-7 no robot answers, 8 something else answers, 9 unknown robot model"""
+7 no robot answers, 8 something else answers, 9 unknown robot model, 11 another gateway has the name"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -63,6 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             name=arguments.name,
             bus=arguments.bus,
             waits=arguments.wait,
+            forces=arguments.force,
             is_quiet=arguments.quiet,
             is_json=arguments.json,
         )
@@ -197,6 +198,9 @@ def _parser() -> argparse.ArgumentParser:
         f"[%(default)s; {VARIABLE} changes it]",
     )
     parser.add_argument("--wait", action="store_true", help="look for port and robot until they are there")
+    parser.add_argument(
+        "--force", action="store_true", help="wait until another gateway of this name has ended, and take its place"
+    )
     parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
     parser.add_argument("--json", action="store_true", help="say what happens in JSON, a line each")
     return parser

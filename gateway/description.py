@@ -9,6 +9,7 @@ from typing import Any
 from bus import keys
 from bus.keys import Topic
 from bus.messages import encode_json
+from bus.name_holder import Process
 from bus.validation import printable
 from gateway.driver import Driver
 from gateway.faces.all_faces import FACES
@@ -59,7 +60,11 @@ def _version() -> str:
 
 
 def describe(
-    name: str, driver: Driver, settings: Settings, cable_faces: Sequence[CableFace[Any]] = ()
+    name: str,
+    driver: Driver,
+    settings: Settings,
+    cable_faces: Sequence[CableFace[Any]] = (),
+    process: Process | None = None,
 ) -> dict[str, Any]:
     """Describe one robot.
 
@@ -88,6 +93,7 @@ def describe(
             "acromovi": _version(),
             "firmware": f"{model.firmware.value} {configuration.firmware_version}".strip(),
         },
+        **(process.told() if process else {}),
     }
 
 

@@ -10,6 +10,7 @@
      +-- NotARobot                     8   something answers, but not in P2OS packets
      +-- UnknownModel                  9   a robot, but none that configs/robots knows
      +-- WrongRobot                    10  another robot than the one before
+     +-- NameInUse                     11  another gateway on the bus has the robot's name
      +-- PortLost (ConnectionError)        the port was there and is gone; the bridge waits for it
      +-- CameraNotUsable               2   no camera could be opened in that way
      +-- CommandRefused                    a command that the robot must not be given now, or ever
@@ -78,6 +79,22 @@ class WrongRobot(GatewayError):
     """Another robot answers than the one that this gateway has published so far."""
 
     exit_code = 10
+
+
+class NameInUse(GatewayError):
+    """Another gateway on the bus has the robot's name.
+
+    holder: which one, in words.
+    """
+
+    exit_code = 11
+
+    def __init__(self, holder: str) -> None:
+        super().__init__(
+            f"{holder}; end that one, or give this robot another name (--name) or another bus (--bus local:NAME). With "
+            "--force this gateway waits until the other has ended"
+        )
+        self.holder = holder
 
 
 class PortLost(GatewayError, ConnectionError):

@@ -13,7 +13,7 @@ from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
 from gateway.element_news import ElementNews
-from gateway.errors import NameNotValid
+from gateway.errors import NameInUse, NameNotValid
 from gateway.events import Event, HandshakeCompleted, LinkLost
 from gateway.link_diagnosis import LinkProblem, LinkReports
 from gateway.search import Search, bus_name
@@ -21,10 +21,13 @@ from gateway.settings import Settings
 
 if TYPE_CHECKING:
     from bus import Bus
+    from bus.name_holder import Process
     from gateway.robot_on_bus import RobotOnBus
 
 BUS_PERIOD = 1.0
 """Seconds between two tries to open the bus."""
+SECOND_LOOK = 1.0
+"""Seconds after the robot has come to the bus; others that came at the same moment are seen by then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,13 +35,15 @@ class Options:
     """What the command line says beyond the settings.
 
     name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
-    forever. is_quiet: say nothing but errors. is_json: say it in JSON, a line each.
+    forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: say nothing but
+    errors. is_json: say it in JSON, a line each.
     """
 
     port: str
     name: str | None = None
     bus: str = "local"
     waits: bool = False
+    forces: bool = False
     is_quiet: bool = False
     is_json: bool = False
 
@@ -156,6 +161,7 @@ class Gateway:
             import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
             from bus import BusUnavailable, KeyNotValid, ZenohBus
             from bus.keys import robot_name
+            from bus.name_holder import Process
 
             gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
             try:
@@ -170,12 +176,49 @@ class Gateway:
                     self._is_closed.wait(BUS_PERIOD)
             self._is_known.wait()
             if self._bus is not None and not self._is_closed.is_set():
-                self._joined = self._join_robot(self._bus)
+                own = Process.here()
+                self._await_name(self._bus)
+                if not self._is_closed.is_set():
+                    self._joined = self._join_robot(self._bus, own)
+                    self._bridge.wake()
+                    if not self._is_closed.wait(SECOND_LOOK):  # two that started together have found the name free
+                        self._check_name(self._bus, own)
         except Exception as error:  # of any kind: the bridge's thread raises it, and the program ends
             self._bus_error = error
         self._bridge.wake()
 
-    def _join_robot(self, bus: "Bus") -> "RobotOnBus":
+    def _await_name(self, bus: "Bus") -> None:
+        """See that no other gateway has the robot's name; wait until it is free if that was asked for.
+
+        Raises:
+            NameInUse: Another one has it.
+        """
+        while not self._is_closed.is_set():
+            try:
+                self._check_name(bus)
+                return
+            except NameInUse as error:
+                if not self._options.forces:
+                    raise
+                self._complain(f"{error.holder}; waiting until it has ended")
+                self._is_closed.wait(BUS_PERIOD)
+
+    def _check_name(self, bus: "Bus", own: "Process | None" = None) -> None:
+        """See that no other gateway has the robot's name. own: this one, once it has taken the name too.
+
+        Raises:
+            NameInUse: Another one has it; if both have taken it, an earlier one.
+        """
+        from bus import NameTaken
+        from bus.keys import DESCRIPTION
+        from bus.name_holder import check_name_free
+
+        try:
+            check_name_free(bus, self._name, DESCRIPTION.key(self._name), own)
+        except NameTaken as error:
+            raise NameInUse(str(error)) from error
+
+    def _join_robot(self, bus: "Bus", process: "Process") -> "RobotOnBus":
         """Bring the robot to the bus, and the elements on cables of their own with it."""
         from bus import NotAllowed
         from gateway.faces.all_faces import CABLE_FACES
@@ -188,7 +231,9 @@ class Gateway:
             for cable in self._cables
         ]
         try:
-            robot = RobotOnBus(self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces)
+            robot = RobotOnBus(
+                self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces, process=process
+            )
         except NotAllowed as error:
             raise NameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
         for cable, face in zip(self._cables, faces, strict=True):

@@ -12,6 +12,7 @@ from typing import Any
 
 from bus import Bus, BusUnavailable, Subscription, keys
 from bus.keys import Topic
+from bus.name_holder import Process
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
@@ -41,6 +42,7 @@ class RobotOnBus(Subscription):
         new_token: Callable[[], str] = lambda: secrets.token_hex(16),
         wall_clock: Callable[[], int] = time.time_ns,
         steady_clock: Callable[[], float] = time.monotonic,
+        process: Process | None = None,
     ) -> None:
         """Declare everything.
 
@@ -54,6 +56,7 @@ class RobotOnBus(Subscription):
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
             steady_clock: s; judges the age of the description.
+            process: The gateway, for the description.
         Raises:
             BusError: The name does not serve as a key, or the bus is closed.
         """
@@ -71,7 +74,7 @@ class RobotOnBus(Subscription):
         faces = [kind(name, model) for kind in FACES]
         self._present = partial(present, driver, model, settings, faces, cable_faces)
         self._description = CachedDescription(
-            lambda: describe(name, driver, settings, cable_faces), driver, steady_clock
+            lambda: describe(name, driver, settings, cable_faces, process), driver, steady_clock
         )
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [

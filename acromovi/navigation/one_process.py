@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Let the components live until a signal comes."""
-    from acromovi.container import ending_in_time, reporter
+    from acromovi.container import await_name, ending_in_time, reporter
     from agents.platform import Container
     from bus.session import ZenohBus
 
@@ -50,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     gc.freeze()
     name = container_name(arguments.robot, arguments.process)
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
+        await_name(bus, name, end)
         container = Container(bus, name, reporter(PROGRAM), platform=arguments.robot)
         asyncio.run(live(container, arguments.robot, here[arguments.process], arguments.json, end))
     return end.code

@@ -23,6 +23,7 @@ from agents.platform.life import State
 from agents.platform.names import AgentName, ContainerName
 from agents.platform.watchdog import Watchdog
 from bus import JSON, Bus, BusUnavailable, MessageError, Publisher, Subscription
+from bus.name_holder import Process
 from bus.validation import sentence
 
 SETUP_TIME = 30.0  # s
@@ -114,6 +115,11 @@ class Container:
     def identity(self) -> str:
         """What tells it from another container that has taken the same name."""
         return self._control.identity
+
+    @property
+    def process(self) -> Process:
+        """Where it runs, and since when."""
+        return self._control.process
 
     @property
     def kinds(self) -> Kinds:

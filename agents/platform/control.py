@@ -22,6 +22,7 @@ import contextlib
 import difflib
 import logging
 import os
+import socket
 import uuid
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -37,6 +38,7 @@ from agents.platform.luggage import opened, unpacked
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
 from bus import BusError, BusUnavailable, Conversation, Subscription
+from bus.name_holder import Process
 from bus.validation import check_value
 
 if TYPE_CHECKING:
@@ -59,8 +61,7 @@ class Control:
 
     def __init__(self, container: "Container") -> None:
         self._container = container
-        self._identity = uuid.uuid4().hex
-        self._since = container.wall_time()
+        self._process = Process(os.getpid(), socket.gethostname(), uuid.uuid4().hex, container.wall_time())
         self._tasks: set[asyncio.Task[None]] = set()
         self._stopping: set[asyncio.Task[None]] = set()  # those of them that stop an agent
         self._orders: dict[str, Order] = {
@@ -82,7 +83,12 @@ class Control:
     @property
     def identity(self) -> str:
         """What tells this container from another that has taken the same name."""
-        return self._identity
+        return self._process.identity
+
+    @property
+    def process(self) -> Process:
+        """Where the container runs, and since when."""
+        return self._process
 
     def serve(self) -> list[Subscription]:
         """Obey and answer from now on; needs a running event loop."""
@@ -154,9 +160,7 @@ class Control:
         return {
             "container": called.name,
             "platform": called.platform,
-            "process": os.getpid(),
-            "identity": self._identity,
-            "since": self._since,
+            **self._process.told(),
             "agents": [
                 {"name": str(agent.name), "kind": kind_of(agent), "state": str(agent.state)}
                 for agent in self._container.agents

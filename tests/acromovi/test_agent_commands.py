@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from acromovi.__main__ import main
-from tests.acromovi.container_process import container
+from tests.acromovi.container_process import container, starting
 from tests.waiting import exit_code
 
 COUNTER = """
@@ -100,12 +100,44 @@ def test_a_container_ends_even_while_an_agent_blocks_it(acromovi: Callable[..., 
         assert exit_code(process) == 130
 
 
-def test_a_second_container_of_one_name_leaves(robot: str) -> None:
-    with container(robot) as first, container(robot) as second:
+def test_a_second_container_of_one_name_refuses_and_names_the_first(robot: str) -> None:
+    with container(robot) as first, starting(robot) as second:
         assert exit_code(second) == 1
+        assert second.stdout is not None
+        assert second.stdout.read() == "", "it has never served"
         assert second.stderr is not None
-        assert f"there is a container {robot} already, process {first.pid}" in second.stderr.read()
+        holder = (
+            f"the container {robot} is on this bus already, in process {first.pid} on this machine; end that one, or"
+        )
+        assert holder in second.stderr.read()
         assert first.poll() is None
+
+
+def test_with_force_a_container_waits_until_the_other_of_its_name_has_ended(robot: str) -> None:
+    with container(robot) as first, starting(robot, "--force") as second:
+        assert second.stderr is not None
+        assert "waiting until it has ended" in second.stderr.readline()
+        first.send_signal(signal.SIGTERM)
+        assert second.stdout is not None
+        assert json.loads(second.stdout.readline()) == {"container": robot}
+
+
+def test_a_container_that_follows_a_killed_one_is_not_refused(robot: str) -> None:
+    with container(robot) as first:
+        first.kill()
+        with container(robot) as second:
+            second.send_signal(signal.SIGTERM)
+            assert second.wait(timeout=10.0) == 143
+
+
+def test_of_two_containers_of_one_name_that_start_together_one_stays(robot: str, until: Callable[..., None]) -> None:
+    with starting(robot) as one, starting(robot) as other:
+        until(lambda: one.poll() is not None or other.poll() is not None, "one of them ends")
+        stays, leaves = (one, other) if one.poll() is None else (other, one)
+        assert leaves.poll() == 1
+        assert stays.stdout is not None
+        assert json.loads(stays.stdout.readline()) == {"container": robot}
+        assert stays.poll() is None
 
 
 def test_a_robots_container_serves_while_its_robot_is_absent(robot: str) -> None:
