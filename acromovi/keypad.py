@@ -4,14 +4,20 @@ A terminal tells when a key goes down, and repeats it while it is held, but neve
 held for `HOLD` after each time it is heard of, which also bridges the pause before the first repetition.
 """
 
+import re
 from dataclasses import dataclass
 from enum import Enum, StrEnum
 
 HOLD = 0.6  # s; longer than the usual 0.5 s before a held key repeats
 PERIOD = 0.1  # s between commands
 
-ARROWS = {b"A": "up", b"B": "down", b"C": "right", b"D": "left"}
+ARROWS = {b"[A": "up", b"[B": "down", b"[C": "right", b"[D": "left"}
+ARROWS |= {key.replace(b"[", b"O"): name for key, name in ARROWS.items()}  # of a terminal in application mode
+SPECIAL = "special key"  # any other that a terminal sends as an escape sequence: a function key, Ctrl with an arrow
 ESCAPE = b"\x1b"
+SEQUENCE = re.compile(rb"\x1b(\[[0-?]*[ -/]*[@-~]|O[ -~])", re.DOTALL)
+BEGINNING = re.compile(rb"\x1b(\[[0-?]*[ -/]*|O)?", re.DOTALL)
+LONGEST = 32  # bytes of a sequence; what is longer is none
 
 
 class Action(StrEnum):
@@ -46,24 +52,29 @@ HELP = "arrows or w a s d drive · space stops · e motors on or off · x e-stop
 
 
 class KeyReader:
-    """Turns what a terminal sends into names of keys; an arrow is three bytes, which may come apart."""
+    """Turns what a terminal sends into names of keys; a special key is several bytes, which may come apart."""
 
     def __init__(self) -> None:
         self._rest = b""
 
+    @property
+    def has_lone_escape(self) -> bool:
+        """Whether an Esc has come that nothing has followed yet."""
+        return self._rest == ESCAPE
+
     def receive(self, data: bytes) -> list[str]:
-        """The keys that are complete now: `up`, `down`, `left`, `right`, or a character in lower case."""
+        """The keys that are complete now: `up`, `down`, `left`, `right`, a character in lower case, or `SPECIAL`."""
         data = self._rest + data
         keys = []
         while data:
             if data[:1] != ESCAPE:
                 keys.append(chr(data[0]).lower())
                 data = data[1:]
-            elif len(data) < 3 and data[1:2] in (b"", b"[", b"O"):
+            elif found := SEQUENCE.match(data):
+                keys.append(ARROWS.get(found[1], SPECIAL))
+                data = data[found.end() :]
+            elif len(data) < LONGEST and BEGINNING.fullmatch(data):
                 break
-            elif data[1:2] in (b"[", b"O"):
-                keys += [ARROWS[data[2:3]]] if data[2:3] in ARROWS else []
-                data = data[3:]
             else:
                 data = data[1:]
         self._rest = data

@@ -4,11 +4,13 @@ import argparse
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
-from acromovi.keypad import HELP, PERIOD, Action, Keypad, KeyReader
+from acromovi.keypad import HELP, MOVES, PERIOD, SPECIAL, Action, Keypad, KeyReader
 from acromovi.options import add_bus
+from acromovi.robot_view import RobotView, in_keys
 
 if TYPE_CHECKING:
     from acromovi.presence import Presence
@@ -53,7 +55,6 @@ def run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus:
         presence = Presence(bus)
         presence.expect(arguments.robot)
-        print(HELP)
         with Terminal() as terminal, Teleop(bus, arguments.robot, arguments.speed, arguments.turn) as teleop:
             drive(teleop, terminal, presence)
     return 0
@@ -66,16 +67,22 @@ def drive(teleop: "Teleop", terminal: "Terminal", presence: "Presence") -> None:
     while True:
         data = terminal.read(READ_TIMEOUT)
         now = time.monotonic()
+        teleop.view.is_there = teleop.robot in presence.robots
         if data is None or not all(teleop.press(key, now) for key in reader.receive(data)):
             return
+        if not data and reader.has_lone_escape:
+            teleop.view.note = "Esc has no function; q quits"
         teleop.step(now)
-        if now - shown_at >= PERIOD:
+        if data or now - shown_at >= PERIOD:
             shown_at = now
-            terminal.show(teleop.line(teleop.robot in presence.robots))
+            terminal.show(teleop.view.screen(terminal.size.columns, terminal.size.lines))
 
 
 class Teleop:
-    """Keys to commands of one robot, and what the robot says to one line. Time is an argument, s on a steady clock."""
+    """Keys to commands of one robot. Time is an argument, s on a steady clock.
+
+    view: what is shown of the robot.
+    """
 
     def __init__(self, bus: "Bus", robot: str, linear_speed: float, angular_speed: float) -> None:
         """Drive `robot` with these speeds, m/s and rad/s."""
@@ -85,10 +92,12 @@ class Teleop:
         self._bus = bus
         self._keypad = Keypad(linear_speed, angular_speed)
         self._command = bus.publisher(keys.CMD_VEL.key(robot), keys.CMD_VEL.type_name)
-        self._latest: dict[str, Any] = {}  # message by topic suffix
-        self._note = ""
-        self._requests = ThreadPoolExecutor(1, "teleop")  # an answer may take its time, the wheels may not
-        self._subscriptions = [self._hear(topic) for topic in (keys.ODOM, keys.BATTERY, keys.STATE)]
+        self.view = RobotView(robot)
+        # An answer may take its time, the wheels may not; and no stop waits for the answer to something else.
+        self._stops, self._requests = ThreadPoolExecutor(1, "teleop-stop"), ThreadPoolExecutor(1, "teleop")
+        heard = {"odom": keys.ODOM, "battery": keys.BATTERY, "state": keys.STATE, "lease": keys.LEASE_STATE}
+        self._subscriptions = [self._hear(name, topic) for name, topic in heard.items()]
+        self._requests.submit(self._read_lease)
 
     def __enter__(self) -> Self:
         return self
@@ -97,7 +106,8 @@ class Teleop:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._publish(0.0, 0.0)
-        self._requests.shutdown()
+        for executor in (self._stops, self._requests):
+            executor.shutdown()
         for subscription in self._subscriptions:
             subscription.close()
         self._command.close()
@@ -108,7 +118,11 @@ class Teleop:
         if action is Action.QUIT:
             return False
         if action is not None:
-            self._requests.submit(self._request, action)
+            (self._requests if action is Action.ENABLE else self._stops).submit(self._request, action)
+        elif key in MOVES:
+            self.view.note = self.view.obstacle()
+        else:
+            self.view.note = "this key has no function" if key == SPECIAL else f"the key {key!r} has no function"
         return True
 
     def step(self, now: float) -> None:
@@ -117,30 +131,27 @@ class Teleop:
         if due is not None:
             self._publish(*due)
 
-    def line(self, is_there: bool) -> str:
-        """How the robot is, in one line."""
-        from bus.messages import heading
-
-        parts = [self.robot if is_there else f"{self.robot} IS GONE"]
-        if odom := self._latest.get("odom"):
-            twist, pose = odom.twist.twist, odom.pose.pose
-            parts.append(f"{twist.linear.x:+.2f} m/s {twist.angular.z:+.2f} rad/s")
-            parts.append(
-                f"x {pose.position.x:.2f} m y {pose.position.y:.2f} m heading {heading(pose.orientation):.2f} rad"
-            )
-        if battery := self._latest.get("battery"):
-            parts.append(f"{battery.voltage:.1f} V")
-        if state := self._latest.get("state"):
-            parts.append(f"{state.connection}, motors {'on' if state.motors else 'off'}" + ", E-STOP" * state.estop)
-        return " | ".join(parts + [self._note] * bool(self._note))
-
-    def _hear(self, topic: "Topic") -> "Subscription":
-        from bus.messages import decode
+    def _hear(self, name: str, topic: "Topic") -> "Subscription":
+        from bus.messages import decode, decode_json
 
         def hear(sample: "Sample") -> None:
-            self._latest[topic.suffix] = decode(topic.type_name, sample.payload)
+            is_lease = name == "lease"
+            setattr(
+                self.view,
+                name,
+                decode_json(sample.payload) if is_lease else decode(topic.type_name, sample.payload),
+            )
 
         return self._bus.subscribe(topic.key(self.robot), hear)
+
+    def _read_lease(self) -> None:
+        """Ask once who holds the robot: it is published on change only."""
+        from bus import keys
+        from bus.errors import BusError
+
+        with suppress(BusError):  # a gateway that does not answer is shown as such
+            answer = self._bus.query(keys.LEASE_STATE.key(self.robot), {}, ANSWER_TIMEOUT)[0].value
+            self.view.lease = self.view.lease or answer
 
     def _publish(self, linear: float, angular: float) -> None:
         from bus.messages import twist
@@ -152,16 +163,18 @@ class Teleop:
         from bus import keys
         from bus.errors import BusError
 
-        state = self._latest.get("state")
+        state = self.view.state
         is_on = not (state and state.motors)
+        is_free = state is not None and not state.estop
+        released = "there was no e-stop to release" if is_free else "e-stop released; press e to switch the motors on"
         topic, arguments, done = {
             Action.STOP: (keys.STOP, {}, "stopped"),
             Action.ENABLE: (keys.ENABLE, {"on": is_on}, f"motors switched {'on' if is_on else 'off'}"),
-            Action.ESTOP: (keys.ESTOP, {"on": True}, "emergency stop; c clears it, then e switches the motors on"),
-            Action.CLEAR: (keys.ESTOP, {"on": False}, "emergency stop cleared; e switches the motors on"),
+            Action.ESTOP: (keys.ESTOP, {"on": True}, "e-stop latched; press c to release it, then e for the motors"),
+            Action.CLEAR: (keys.ESTOP, {"on": False}, released),
         }[action]
         try:
             self._bus.query(topic.key(self.robot), arguments, ANSWER_TIMEOUT)
-            self._note = done
+            self.view.note = done
         except BusError as err:
-            self._note = f"{action}: {err}"
+            self.view.note = f"{action}: {in_keys(str(err))}"

@@ -18,8 +18,9 @@ from typing import Any
 import pytest
 
 from acromovi.__main__ import COMMANDS, main
+from acromovi.robot_view import joined
 from bus import ZenohBus
-from bus.messages import decode, twist
+from bus.messages import RobotState, decode, header, twist
 from configs import find
 from tests.waiting import exit_code
 
@@ -176,6 +177,12 @@ class Screen:
             self.text += os.read(self.master, 4096).decode()
         return text in self.text
 
+    def lines(self) -> list[str]:
+        """The lines that a live screen has now, by the last frame that is complete."""
+        self.shows("")
+        frames = self.text.rpartition("\x1b[J")[0].split("\x1b[H")
+        return [line.removesuffix("\x1b[K") for line in frames[-1].split("\r\n")]
+
     def type(self, keys: bytes) -> None:
         os.write(self.master, keys)
 
@@ -220,6 +227,54 @@ def test_teleop_drives_and_puts_the_terminal_back(
             until(lambda: driven[-1] == 0.0, "leaving stopped the robot")
     assert termios.tcgetattr(slave) == before
     assert "Traceback" not in screen.text
+
+
+def test_teleop_says_in_80_and_40_columns_why_a_key_has_no_effect(
+    terminal: tuple[Screen, int], robot: str, until: Until
+) -> None:
+    screen, slave = terminal
+    termios.tcsetwinsize(slave, (24, 80))
+    with ZenohBus.open() as bus:
+        bus.declare_alive(f"{robot}/alive")
+        state = bus.publisher(f"{robot}/state", "acromovi_msgs/msg/RobotState")
+
+        def latch(arguments: dict[str, Any]) -> dict[str, Any]:
+            faults = ["the e-stop is latched"] if arguments["on"] else []
+            state.put(RobotState(header(0, ""), "connected", motors=False, estop=arguments["on"], faults=faults))
+            return {"accepted": True}
+
+        bus.serve(f"{robot}/command/estop", latch)
+        with acromovi("teleop", robot, stdin=slave, stdout=slave, stderr=slave) as process:
+            until(lambda: screen.lines()[0].startswith(robot))
+            screen.type(b"x")
+            until(
+                lambda: (
+                    screen.lines()[:2]
+                    == [
+                        f"{robot} | E-STOP | connected | motors off",
+                        "e-stop latched; press c to release it, then e for the motors",
+                    ]
+                )
+            )
+            screen.type(b"\x1b[A")
+            until(
+                lambda: (
+                    screen.lines()[1:3]
+                    == [
+                        "no effect: the e-stop is latched; press c to release it, then e to switch the",
+                        "motors on",
+                    ]
+                )
+            )
+            termios.tcsetwinsize(slave, (24, 40))
+            state_in_40 = joined([robot, "E-STOP", "connected", "motors off"], 40)
+            until(lambda: screen.lines()[: len(state_in_40)] == state_in_40)
+            assert max(map(len, screen.lines())) <= 40
+            screen.type(b"c")
+            until(lambda: "E-STOP" not in screen.lines()[0])
+            screen.type(b"q")
+            until(lambda: screen.shows("") and process.poll() is not None)
+            assert process.returncode == 0
 
 
 def test_teleop_of_an_unknown_robot_names_the_nearest(terminal: tuple[Screen, int], robot: str, until: Until) -> None:

@@ -20,7 +20,10 @@ def keypad() -> Keypad:
         (b"W", ["w"]),
         (b"\x1b[A\x1b[B\x1b[C\x1b[D", ["up", "down", "right", "left"]),
         (b"\x1bOA", ["up"]),  # as a terminal in application mode sends it
-        (b"\x1b[Zq", ["q"]),  # a key that means nothing here
+        (b"\x1b[Zq", ["special key", "q"]),  # a key that means nothing here
+        (b"\x1b[1;5Aq", ["special key", "q"]),  # Ctrl and an arrow: not a turn by its last letter
+        (b"\x1b[15~", ["special key"]),
+        (b"\x1bOP", ["special key"]),
         (b"\x1bq", ["q"]),
         (b" x", [" ", "x"]),
     ],
@@ -29,6 +32,20 @@ def test_keys_are_read_wherever_the_bytes_come_apart(sent: bytes, keys: list[str
     assert KeyReader().receive(sent) == keys
     reader = KeyReader()
     assert [key for byte in sent for key in reader.receive(bytes([byte]))] == keys
+
+
+def test_an_escape_alone_is_noticed_and_nothing_is_made_of_it() -> None:
+    reader = KeyReader()
+    assert reader.receive(b"\x1b") == []
+    assert reader.has_lone_escape
+    assert reader.receive(b"[A") == ["up"]
+    assert not reader.has_lone_escape
+
+
+def test_a_sequence_without_an_end_is_given_up() -> None:
+    reader = KeyReader()
+    assert reader.receive(b"\x1b[" + 40 * b"1")[:2] == ["[", "1"]
+    assert reader.receive(b"w")[-1] == "w"
 
 
 @given(st.binary())

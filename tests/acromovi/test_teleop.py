@@ -1,3 +1,4 @@
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -20,6 +21,7 @@ from bus.messages import (
     quaternion,
     twist,
 )
+from tests.waiting import DEADLINE
 
 Until = Callable[..., None]
 
@@ -89,10 +91,10 @@ def test_leaving_by_an_error_stops_the_robot_too(network: MemoryNetwork, robot: 
 
 def test_e_switches_the_motors_the_other_way(teleop: Teleop, robot: Robot, until: Until) -> None:
     teleop.press("e", 0.0)
-    until(lambda: "motors switched on" in teleop.line(True))
+    until(lambda: "motors switched on" in teleop.view.note)
     robot.bus.put("happy/state", RobotState(header(0, ""), "connected", motors=True))
     teleop.press("e", 1.0)
-    until(lambda: "motors switched off" in teleop.line(True))
+    until(lambda: "motors switched off" in teleop.view.note)
     assert robot.asked == [("enable", {"on": True}), ("enable", {"on": False})]
 
 
@@ -105,22 +107,83 @@ def test_x_is_always_an_emergency_stop_and_only_c_clears_it(teleop: Teleop, robo
 
 def test_a_refusal_is_shown(teleop: Teleop, robot: Robot, until: Until) -> None:
     teleop.press(" ", 0.0)
-    until(lambda: "stop: this robot never stops" in teleop.line(True))
+    until(lambda: "stop: this robot never stops" in teleop.view.note)
 
 
 def test_q_quits(teleop: Teleop) -> None:
     assert not teleop.press("q", 0.0)
 
 
-def test_the_line_shows_speed_pose_battery_and_state(teleop: Teleop, robot: Robot) -> None:
-    assert teleop.line(True) == "happy"
+def test_the_screen_shows_what_the_robot_publishes(teleop: Teleop, robot: Robot) -> None:
+    assert teleop.view.screen(200, 24)[0] == "happy"
     robot.bus.put("happy/odom", odometry())
     robot.bus.put("happy/battery", battery(12.6))
     robot.bus.put("happy/state", RobotState(header(0, ""), "connected", motors=True, estop=True))
-    assert teleop.line(True) == (
-        "happy | +0.30 m/s -0.10 rad/s | x 1.00 m y -2.00 m heading 0.50 rad | 12.6 V | connected, motors on, E-STOP"
-    )
-    assert teleop.line(False).startswith("happy IS GONE | ")
+    assert teleop.view.screen(200, 24)[:2] == [
+        "happy | E-STOP | connected | motors on | 12.6 V",
+        "+0.30 m/s | -0.10 rad/s | x 1.00 m | y -2.00 m | heading 0.50 rad",
+    ]
+    teleop.view.is_there = False
+    assert teleop.view.screen(200, 24)[0].startswith("happy IS GONE | ")
+
+
+def test_a_key_without_effect_says_why(teleop: Teleop, robot: Robot) -> None:
+    robot.bus.put("happy/state", RobotState(header(0, ""), "connected", motors=True, estop=True))
+    teleop.press("w", 0.0)
+    assert teleop.view.note == "no effect: the e-stop is latched; press c to release it, then e to switch the motors on"
+    robot.bus.put("happy/state", RobotState(header(0, ""), "connected", motors=False))
+    teleop.press("left", 0.0)
+    assert teleop.view.note == "no effect: the motors are off; press e to switch them on"
+    robot.bus.put("happy/state", RobotState(header(0, ""), "connected", motors=True))
+    teleop.press("left", 0.0)
+    assert teleop.view.note == ""
+    teleop.press("z", 0.0)
+    assert teleop.view.note == "the key 'z' has no function"
+    teleop.press("special key", 0.0)
+    assert teleop.view.note == "this key has no function"
+
+
+def test_c_without_an_e_stop_says_that_there_was_none(teleop: Teleop, robot: Robot, until: Until) -> None:
+    robot.bus.put("happy/state", RobotState(header(0, ""), "connected", motors=True))
+    teleop.press("c", 0.0)
+    until(lambda: teleop.view.note == "there was no e-stop to release")
+    assert robot.asked == [("estop", {"on": False})]
+
+
+def test_another_holder_is_known_from_the_start_and_when_it_changes(network: MemoryNetwork, until: Until) -> None:
+    bus = MemoryBus(network)
+    bus.serve("happy/lease/state", lambda given: {"holder": "anna@lab", "elements": {}})
+    with Teleop(MemoryBus(network), "happy", 0.3, 0.8) as teleop:
+        bus.put("happy/state", RobotState(header(0, ""), "connected", motors=True))
+        until(lambda: "anna@lab holds the lease on the robot" in teleop.view.obstacle())
+        bus.put("happy/lease/state", {"holder": None, "elements": {"base": {"holder": "bob@lab"}}})
+        assert "bob@lab holds the lease on the base" in teleop.view.obstacle()
+        bus.put("happy/lease/state", {"holder": None, "elements": {}})
+        assert teleop.view.obstacle() == ""
+
+
+class SlowToEnable(MemoryBus):
+    """A bus on which the answer to `enable` takes until it is allowed."""
+
+    def __init__(self, network: MemoryNetwork) -> None:
+        super().__init__(network)
+        self.may_answer = threading.Event()
+
+    def query(self, key: str, *arguments: Any, **more: Any) -> Any:  # type: ignore[override]  # passed on as it is
+        if key.endswith("/enable"):
+            self.may_answer.wait(DEADLINE)
+        return super().query(key, *arguments, **more)
+
+
+def test_an_e_stop_waits_for_no_other_answer(network: MemoryNetwork, robot: Robot, until: Until) -> None:
+    bus = SlowToEnable(network)
+    with Teleop(bus, "happy", 0.3, 0.8) as teleop:
+        teleop.press("e", 0.0)
+        teleop.press("x", 0.0)
+        until(lambda: ("estop", {"on": True}) in robot.asked)
+        assert robot.asked == [("estop", {"on": True})]
+        bus.may_answer.set()
+    assert robot.asked == [("estop", {"on": True}), ("enable", {"on": True})]
 
 
 def odometry() -> Odometry:
