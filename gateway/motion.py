@@ -67,6 +67,7 @@ class Motion:
         self._motors_on = False
         self.is_estopped = False
         self.is_rolling = False
+        self._needs_enable = False  # since an e-stop
         self.wants_motors = wants_motors
         self.max_linear = inf
         self.max_angular = inf
@@ -168,7 +169,7 @@ class Motion:
 
     def emergency_stop(self, now: float) -> None:
         """Stop at once, latch, and switch the motors off when the robot stands."""
-        self.is_estopped = True
+        self.is_estopped = self._needs_enable = True
         self.wants_motors = False
         self._estopped_at = now
         self._outbox.drop(Command.ENABLE)
@@ -188,6 +189,7 @@ class Motion:
             raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
         self.halt(now)
         self.wants_motors = on
+        self._needs_enable = self._needs_enable and not on
         self._enabled_at = now if on else -inf
         self._outbox.put(Command.ENABLE, MOTORS_ON if on else MOTORS_OFF)
 
@@ -232,7 +234,8 @@ class Motion:
     def _check_free(self, now: float) -> None:
         if self.is_estopped:
             raise CommandRefused('the e-stop is latched; send estop {"on": false} and then enable {"on": true}')
-        if not self._motors_on and now - self._enabled_at > TIME_TO_ENABLE:
+        has_power = self._motors_on or now - self._enabled_at <= TIME_TO_ENABLE
+        if self._needs_enable or not has_power:  # released so soon after an e-stop, they have not been switched off yet
             raise CommandRefused('the motors are off; send enable {"on": true}')
 
     def _set_speed(self, command: Command, value: float, now: float) -> None:
@@ -254,7 +257,7 @@ class Motion:
     def _follow_motors(self, sip: StandardSip, now: float) -> None:
         went_off = self._motors_on and not sip.motors_enabled
         self._motors_on = sip.motors_enabled
-        if self.is_estopped and sip.motors_enabled:
+        if self._needs_enable and sip.motors_enabled:
             if not self.is_rolling or now - self._estopped_at >= TIME_TO_BRAKE:
                 self._outbox.put(Command.ENABLE, MOTORS_OFF)
         elif went_off and now - self._enabled_at > TIME_TO_ENABLE:

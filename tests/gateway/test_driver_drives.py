@@ -188,6 +188,24 @@ def test_estop_under_a_stream_of_velocities_stays_a_stop_until_off_and_enable(be
     assert bench.body.is_turning()
 
 
+def test_an_estop_that_is_released_at_once_still_needs_enable(bench: "Bench") -> None:
+    bench.connect()
+    driver = bench.driver
+    driver.emergency_stop(True, bench.now)
+    driver.emergency_stop(False, bench.now)
+    has_power = bench.robot.motors_enabled
+    assert has_power  # no SIP has come since, so the driver has switched nothing off
+    for move in (lambda: driver.set_velocity(0.3, 0.0, bench.now), lambda: driver.move(1.0, bench.now)):
+        assert refusal(move) == 'the motors are off; send enable {"on": true}'
+    bench.run(1.0)
+    assert not bench.robot.motors_enabled
+    driver.enable(True, bench.now)
+    bench.run(0.2)
+    driver.set_velocity(0.3, 0.0, bench.now)
+    bench.run(0.3)
+    assert bench.body.is_turning()
+
+
 def test_estop_outlives_the_link(bench: "Bench") -> None:
     bench.connect()
     bench.driver.emergency_stop(True, bench.now)
