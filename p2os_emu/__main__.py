@@ -18,7 +18,8 @@ import configs
 from configs.extras import ExtraMissing
 from p2os_emu.cassette import CassetteError
 from p2os_emu.control import ControlSocket
-from p2os_emu.emulator import STEP, Emulator
+from p2os_emu.degradation import STAGES
+from p2os_emu.emulator import Emulator
 from p2os_emu.factory import Factory
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
@@ -116,6 +117,14 @@ def _emulate(options: Options) -> None:
         control = ControlSocket(_control_path(options, stack), poller, desk.answer)
         stack.callback(control.close)
         runner.between_steps += [control.serve, cameras.tend]
+        if not options.quiet:
+            runner.between_steps.append(lambda: _report_load(runner))
+
+        def degrade(level: int) -> None:
+            cameras.has_stopped = level > STAGES.index("camera images")
+            emulator.economise(people=level > STAGES.index("people"), parked=level == len(STAGES))
+
+        runner.when_degraded.append(degrade)
         factory = _open_factory(options, poller, team, stack)
         if factory is not None:
             runner.between_steps.append(factory.tend)
@@ -227,11 +236,16 @@ def _announce(options: Options, robots: list[dict[str, Any]], factory: Factory |
         )
 
 
+def _report_load(runner: Runner) -> None:
+    sentence = runner.report()
+    if sentence:
+        print(f"p2os-emu: {sentence}", file=sys.stderr, flush=True)
+
+
 def _report(options: Options, runner: Runner) -> None:
     if runner.late_dropped and not options.quiet:
-        seconds = runner.late_dropped * STEP
         print(
-            f"p2os-emu: the machine was too busy: {runner.late_dropped} steps ({seconds:.1f} s) were more than a "
+            f"p2os-emu: the machine was too busy: {runner.late_dropped} steps ({runner.lost:.1f} s) were more than a "
             "second late and were dropped",
             file=sys.stderr,
         )

@@ -237,6 +237,10 @@ class Emulator:
         """Where everybody is who walks about, m, m, rad, and whether they walk just now."""
         return self._world.people()
 
+    def economise(self, *, people: bool, parked: bool) -> None:
+        """Save computing time: let people stand still, and do not compute robots that stand; or stop saving it."""
+        self._world.economise(people=people, parked=parked)
+
     def doors(self) -> Mapping[str, tuple[float, float]]:
         """How far each door with a leaf is open, m, and of how much."""
         return self._world.doors()

@@ -49,8 +49,12 @@ class Pacer:
         self._speed = speed
         self.restart(now)
 
-    def begin(self, now: float) -> None:
-        """Count a step as taken at `now`, and give up what is later than the limit."""
+    def begin(self, now: float) -> float:
+        """Count a step as taken at `now`, and give up what is later than the limit.
+
+        Returns:
+            How late the step is, s of wall time; negative where it is early.
+        """
         late = now - self.deadline
         if late > CATCH_UP_LIMIT:
             period = self._step / self._speed
@@ -58,3 +62,4 @@ class Pacer:
             self.dropped += given_up
             self._start += given_up * period
         self._taken += 1
+        return late

@@ -203,6 +203,8 @@ def _pace(desk: Desk) -> dict[str, Any]:
         "speed": desk.runner.speed,
         "paused": desk.runner.is_paused,
         "late_dropped": desk.runner.late_dropped,
+        "lost": desk.runner.lost,
+        "degraded": list(desk.runner.degradation.given_up),
     }
 
 

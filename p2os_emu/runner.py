@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Protocol
 
+from p2os_emu.degradation import Degradation
 from p2os_emu.emulator import STEP
 from p2os_emu.links.poller import Poller
 from p2os_emu.pacing import Pacer
@@ -27,6 +28,9 @@ class Runner:
     """Steps an emulator, lets it hear its ports before every step, and lets somebody speak between steps.
 
     between_steps: all called after the ports were heard, also while paused.
+    when_degraded: all called with the new level of `degradation`, whenever it has changed.
+    degradation: what is given up because the machine is too busy; nothing where a speed above 1 was asked for, since
+        then being late is no sign of load.
     is_paused: emulated time stands still; ports are still heard, what comes waits.
     """
 
@@ -49,6 +53,8 @@ class Runner:
             speed: Emulated seconds per second of the clock.
         """
         self.between_steps: list[Callable[[], None]] = []
+        self.when_degraded: list[Callable[[int], None]] = []
+        self.degradation = Degradation()
         self.is_paused = False
         self._emulator = emulator
         self._poller = poller
@@ -61,6 +67,11 @@ class Runner:
     def late_dropped(self) -> int:
         """Steps given up because they were more than a second late."""
         return self._pacer.dropped
+
+    @property
+    def lost(self) -> float:
+        """Robot time that was given up so, s."""
+        return self._pacer.dropped * STEP
 
     @property
     def speed(self) -> float:
@@ -96,8 +107,20 @@ class Runner:
             for turn in self.between_steps:
                 turn()
             if not (self.is_paused or self._is_leaving):
-                self._pacer.begin(self._clock())
+                self._begin_step()
                 self._emulator.step()
+
+    def report(self) -> str | None:
+        """Return a sentence about load for people, at most one a minute."""
+        return self.degradation.report(self.lost, self._clock())
+
+    def _begin_step(self) -> None:
+        now = self._clock()
+        late = self._pacer.begin(now)
+        has_changed = self.degradation.note(late, now) if self.speed <= 1.0 else self.degradation.reset()
+        if has_changed:
+            for tell in self.when_degraded:
+                tell(self.degradation.level)
 
     def _wait(self) -> None:
         wait = STEP if self.is_paused else self._pacer.deadline - self._clock()

@@ -22,8 +22,9 @@ from p2os_emu.world.view import View
 
 NICENESS = 10
 """Pictures may be late; the robots' packets may not."""
-FRESH_WITHIN = 0.2
-"""s in which the emulator sends what is new once somebody looks; an emulator that is busy, or stopped, may not."""
+LEAST_OFTEN = 1.0
+"""s after which a picture is drawn though nothing new has come: the emulator is paused or too busy, and viewers wait.
+"""
 
 
 class Inbox:
@@ -81,7 +82,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if not feed.has_viewers:
             feed.wait_for_viewers()
             view = _take(inbox, mirror, view)  # it may be as old as the last viewer
-            inbox.wait(FRESH_WITHIN)
+        inbox.wait(LEAST_OFTEN)
         view = _take(inbox, mirror, view)
         assert view is not None  # the first has been waited for
         feed.put(_jpeg(mirror.draw(view, image.width, image.height), int(quality)))

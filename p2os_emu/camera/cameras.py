@@ -22,7 +22,10 @@ RATE = 30.0
 
 
 class Cameras:
-    """Made beside an emulator, and told whenever a robot is added and between steps."""
+    """Made beside an emulator, and told whenever a robot is added and between steps.
+
+    has_stopped: no news are sent, and so no pictures drawn, beyond the few that keep viewers waiting.
+    """
 
     def __init__(self, emulator: "Emulator", world: "World", complain: Callable[[str], None]) -> None:
         """Begin without any.
@@ -32,6 +35,7 @@ class Cameras:
             world: What they see.
             complain: Says a sentence to people.
         """
+        self.has_stopped = False
         self._emulator = emulator
         self._world = world
         self._complain = complain
@@ -85,7 +89,7 @@ class Cameras:
         """Tell a camera what is new, if that is due or somebody has just begun to look; returns whether it lives."""
         if not process.listen():
             return False
-        if process.is_newly_watched or (is_due and process.wants_news):
+        if process.is_newly_watched or (is_due and process.wants_news and not self.has_stopped):
             return process.tell(self._moment(robot, process))
         return True
 

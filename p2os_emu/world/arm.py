@@ -4,7 +4,7 @@ The engine's own motors hold and move the joints, with no more torque than the m
 for more lags or sinks. Nothing is computed here in a step.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,14 +31,18 @@ class _Servo:
 class JointedArm:
     """The arm of one robot."""
 
-    def __init__(self, client: int, body: int, first: int, model: ArmModel) -> None:
+    def __init__(
+        self, client: int, body: int, first: int, model: ArmModel, on_command: Callable[[], None] = lambda: None
+    ) -> None:
         """Take hold of an arm that is part of a body.
 
         Args:
             client, body: Of the engine.
             first: Index of its first link.
             model: The same that its links were made of; they are put at home, without power.
+            on_command: Called before every command.
         """
+        self._on_command = on_command
         self._client = client
         self._body = body
         joints = [
@@ -67,6 +71,7 @@ class JointedArm:
 
     def move(self, joint: int, position: float, speed: float) -> None:
         """Let a joint, counted from 0, go to a position, rad (m), or its end, no faster than `speed`, rad/s (m/s)."""
+        self._on_command()
         servo = self._servos[joint]
         share = len(servo.links)
         for link in servo.links:
@@ -84,6 +89,7 @@ class JointedArm:
 
     def release(self, joint: int) -> None:
         """Take the power off a joint: it sinks as its friction lets it."""
+        self._on_command()
         servo = self._servos[joint]
         for link in servo.links:
             engine.setJointMotorControl2(

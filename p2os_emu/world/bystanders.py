@@ -40,6 +40,10 @@ class Bystanders:
         if self._people:
             self._people.step(lambda: (*robots(), *self._leaves.in_gaps().values()))
 
+    def stop_people(self, on: bool) -> None:
+        """Let people stand still, or walk on."""
+        self._people.stand_still = on
+
     def moving(self) -> Iterator[Moving]:
         """Each at its present place."""
         yield from self._leaves.moving()

@@ -5,7 +5,7 @@ that holds is a constraint between lift and object, no stronger than friction wo
 press with. What asks for more slips. (Friction alone lets the solver shake an object out of the paddles in seconds.)
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import cos, dist, sin
 from typing import Any
@@ -72,7 +72,15 @@ class _Grip:
 class RobotGripper:
     """The gripper of one robot."""
 
-    def __init__(self, client: int, body: int, first: int, model: GripperModel, objects: Objects) -> None:
+    def __init__(
+        self,
+        client: int,
+        body: int,
+        first: int,
+        model: GripperModel,
+        objects: Objects,
+        on_command: Callable[[], None] = lambda: None,
+    ) -> None:
         """Take hold of a gripper that is part of a body.
 
         Args:
@@ -80,8 +88,10 @@ class RobotGripper:
             first: Index of its first link.
             model: The same that its links were made of.
             objects: What can be gripped.
+            on_command: Called before every command.
         """
         self.model = model
+        self._on_command = on_command
         self._client = client
         self._body = body
         self._lift, self._left, self._right = range(first, first + 3)
@@ -105,6 +115,8 @@ class RobotGripper:
 
     def drive(self, paddles: float, lift: float) -> None:
         """Command the motors, at their own speed: -1 closes or lowers, 0 holds where it is, 1 opens or lifts."""
+        if (paddles, lift) != (self._paddles, self._raising):
+            self._on_command()
         if paddles != self._paddles:
             self._paddles = paddles
             self._drive_paddles()

@@ -29,13 +29,18 @@ from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import Sonar
 from p2os_emu.world.spec import Block
 
+STANDING = 0.002
+"""m/s or rad/s; a part of a robot that moves no faster stands."""
+
 
 class RobotBody:
     """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`.
 
     touched: body ids of what hull and accessories touched in the last step, but for the floor.
+    is_resting: it stands, and the engine does not compute it until something moves it.
     """
 
+    is_resting = False
     arm: Arm | None = None
     touched: Collection[int] = ()
 
@@ -68,10 +73,9 @@ class RobotBody:
         self.links = joined([arm_parts, gripper_parts])
         self.body_id = build_robot(client, chassis, pose, self.links)
         if arm is not None:
-            self.arm = JointedArm(client, self.body_id, FIRST, arm)
-        self._gripper = (
-            RobotGripper(client, self.body_id, FIRST + len(arm_parts), gripper, objects) if gripper else None
-        )
+            self.arm = JointedArm(client, self.body_id, FIRST, arm, self.wake)
+        first = FIRST + len(arm_parts)
+        self._gripper = RobotGripper(client, self.body_id, first, gripper, objects, self.wake) if gripper else None
         self._infrared = Infrared(client, self.body_id, model, chassis) if sensors_of(model) else None
         ledge = load(LedgeModel, "accessories", "ledge") if fit.has("ledge") else None
         self._ledges = Ledges(client, self.body_id, drops, chassis.front, ledge) if drops else None
@@ -123,12 +127,14 @@ class RobotBody:
         """Command the wheel rims, m/s; the motors follow as far as their torque allows."""
         if self._target != (left, right):
             self._target = left, right
+            self.wake()
             self._motors(left / self._left_rim, right / self._right_rim, self._strongest)
 
     def release(self) -> None:
         """Take the power off both motors; gears and brushes bring the wheels to rest."""
         if self._target is not None:
             self._target = None
+            self.wake()
             self._motors(0.0, 0.0, self.chassis.coasting_torque)
 
     def ping(self, discs: Sequence[int]) -> list[float]:
@@ -150,9 +156,40 @@ class RobotBody:
         disturbed = echoes.ranges + self._chance.normal(0.0, beams.noise, beams.count)
         return echoes._replace(ranges=np.maximum(disturbed, 0.0))
 
+    def rest(self) -> None:
+        """Let the engine compute the robot no longer, if it is parked: it stands, is not driven and holds nothing."""
+        if self._target not in (None, (0.0, 0.0)) or self.held is not None or self._moves():
+            return
+        self.is_resting = True
+        self._activate(engine.ACTIVATION_STATE_ENABLE_SLEEPING + engine.ACTIVATION_STATE_SLEEP)
+
+    def wake(self) -> None:
+        """Let the engine compute the robot again."""
+        if self.is_resting:
+            self.is_resting = False
+            self._activate(engine.ACTIVATION_STATE_WAKE_UP + engine.ACTIVATION_STATE_DISABLE_SLEEPING)
+
+    def look_whether_it_rests(self) -> None:
+        """Read the machine anew, and wake it for good if something has moved it."""
+        self.refresh()
+        if self._moves():
+            self.wake()
+
+    def _moves(self) -> bool:
+        (vx, vy, _), (_, _, turning) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
+        if max(abs(vx), abs(vy), abs(turning)) > STANDING:
+            return True
+        joints = range(engine.getNumJoints(self.body_id, physicsClientId=self._client))
+        states = engine.getJointStates(self.body_id, list(joints), physicsClientId=self._client)
+        return any(abs(speed) > STANDING for _, speed, *_ in states)
+
+    def _activate(self, state: int) -> None:
+        engine.changeDynamics(self.body_id, HULL, activationState=state, physicsClientId=self._client)
+
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""
         client = self._client
+        self.wake()
         self.lift()
         engine.resetBasePositionAndOrientation(
             self.body_id, mass_position(pose), upright(pose.heading), physicsClientId=client

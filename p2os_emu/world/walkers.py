@@ -99,9 +99,10 @@ class Walker:
 
 
 class Walkers:
-    """All people in one world."""
+    """All people in one world. stand_still: nobody takes a step."""
 
     def __init__(self, client: int, people: Sequence[Person], seed: int) -> None:
+        self.stand_still = False
         self._steps = 0
         self._walkers = [Walker(client, person, Random(f"{seed} {person.name} walk")) for person in people]
 
@@ -116,12 +117,16 @@ class Walkers:
     def places(self) -> dict[str, PersonPlace]:
         """Where each of them is."""
         return {
-            walker.person.name: PersonPlace(walker.place.x, walker.place.y, walker.place.heading, walker.walks)
+            walker.person.name: PersonPlace(
+                walker.place.x, walker.place.y, walker.place.heading, walker.walks and not self.stand_still
+            )
             for walker in self._walkers
         }
 
     def step(self, others: Callable[[], Iterable[Presence]]) -> None:
         """Let `STEP` seconds pass among robots and doors; people walk through each other."""
+        if self.stand_still:
+            return
         if self._steps % LOOK_PERIOD == 0:
             ahead = tuple(others())
             for walker in self._walkers:

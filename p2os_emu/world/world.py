@@ -32,6 +32,9 @@ from p2os_emu.world.touches import Touches, TouchLog
 from p2os_emu.world.truth import Outline, Truth
 from p2os_emu.world.walkers import PersonPlace, check_routes
 
+LOOK_AT_PARKED = 12
+"""Steps from one look at robots that rest, or may rest, to the next, while computing time is saved."""
+
 
 class World:
     """Physics for any number of robots.
@@ -70,6 +73,7 @@ class World:
         self.objects = Objects(self._client, spec.objects)
         self._bystanders = Bystanders(self._client, spec, seed)
         self._touches: dict[str, TouchLog] = {}
+        self._rests_parked = False
         self._names = _names(walls, spec.walls, "a wall") | _names(furniture, spec.furniture, "furniture")
         self._names |= {body: movable.name for body, movable in self.objects.bodies.items()} | self._bystanders.names
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
@@ -175,8 +179,14 @@ class World:
         engine.stepSimulation(physicsClientId=self._client)
         self.steps += 1
         self._moving = None
+        may_rest = self._rests_parked and self.steps % LOOK_AT_PARKED == 0
         for name, robot in self._robots.items():
-            robot.refresh()
+            if not robot.is_resting:
+                robot.refresh()
+                if may_rest:
+                    robot.rest()
+            elif may_rest:
+                robot.look_whether_it_rests()
             if robot.touched:
                 self._touches[name].note(self.time, {self._names[body] for body in robot.touched})
 
@@ -213,6 +223,18 @@ class World:
     def people(self) -> Mapping[str, PersonPlace]:
         """Where everybody is who walks about."""
         return self._bystanders.people()
+
+    def economise(self, *, people: bool, parked: bool) -> None:
+        """Save computing time, or stop saving it; `Surroundings.economise`.
+
+        The engine puts parked robots to sleep and wakes them when they are driven or bumped into. They are read ten
+        times a second, not at every step.
+        """
+        self._bystanders.stop_people(people)
+        self._rests_parked = parked
+        if not parked:
+            for robot in self._robots.values():
+                robot.wake()
 
     def doors(self) -> Mapping[str, DoorState]:
         """How far each door with a leaf is open."""

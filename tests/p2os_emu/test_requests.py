@@ -68,7 +68,7 @@ def test_truth_of_all_and_of_one(desk: Desk) -> None:
     assert everybody["robots"]["happy"]["x"] == 1.0
     one = ask(desk, "truth", robot="happy")
     assert (one["x"], one["y"], one["heading"]) == (1.0, 2.0, 0.5)
-    assert one["late_dropped"] == 0
+    assert (one["late_dropped"], one["lost"], one["degraded"]) == (0, 0.0, [])
 
 
 def test_truth_tells_touches_people_and_doors(desk: Desk) -> None:

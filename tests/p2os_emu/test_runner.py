@@ -96,3 +96,31 @@ def test_leaving_ends_the_run_before_the_next_step(machine: Machine) -> None:
     machine.runner.between_steps.append(machine.runner.leave)
     machine.runner.run()
     assert machine.emulator.time == 0.0
+
+
+def test_lost_time_and_what_is_given_up_can_be_seen_and_are_told(machine: Machine) -> None:
+    standstill = iter([3.0])
+    levels: list[int] = []
+    machine.runner.when_degraded.append(levels.append)
+
+    def between_steps() -> None:
+        machine.now += next(standstill, 0.0) if machine.emulator.time > 1.0 else 0.0
+
+    machine.runner.between_steps.append(between_steps)
+    machine.runner.run(2.0)
+    assert machine.runner.lost == pytest.approx(2.0, abs=2 * STEP)
+    assert levels == [3]
+    assert machine.runner.degradation.given_up == ("camera images", "people", "physics of parked robots")
+    sentence = machine.runner.report()
+    assert sentence is not None
+    assert sentence.startswith("the machine is too busy: 2.0 s of robot time were lost (2.0 s since the start)")
+    machine.runner.run(10.0)
+    assert levels == [3, 2, 1, 0]
+
+
+def test_nothing_is_given_up_where_more_speed_is_asked_for_than_there_is(machine: Machine) -> None:
+    machine.runner.speed = 50.0
+    machine.runner.between_steps.append(lambda: machine.sleep(0.05))
+    machine.runner.run(20.0)
+    assert machine.runner.lost > 0.0
+    assert machine.runner.degradation.level == 0
