@@ -48,7 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("line", metavar="PORT|FILE", help="the robot's port, or a recording")
     parser.add_argument("--listen", metavar="PATH|TCP", help="where the client finds the robot: a path, or a TCP port")
     parser.add_argument("--json", action="store_true", help="one JSON object a line")
-    parser.add_argument("--record", type=Path, metavar="FILE", help="keep what flows on the live line on a cassette")
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE", help="record the live line; a file that exists is an error"
+    )
+    parser.add_argument("--force", action="store_true", help="let --record overwrite a file that exists")
     parser.add_argument(
         "--model",
         metavar="MODEL",
@@ -155,7 +158,9 @@ def _listen(arguments: argparse.Namespace, show: Callable[[Iterable[Entry]], Non
             print(f"acromovi wire: the client opens {link.port}", file=sys.stderr, flush=True)
         keep = None
         if arguments.record is not None:
-            keep = stack.enter_context(contextlib.closing(Recorder(arguments.record, "", arguments.model or "")))
+            keep = stack.enter_context(
+                contextlib.closing(Recorder(arguments.record, "", arguments.model or "", force=arguments.force))
+            )
         tap = Tap(port, link, _wire_log(arguments.model, ""), show, keep)
         start = time.monotonic()
         poller.watch(port.fileno(), lambda events: tap.from_robot(time.monotonic() - start))

@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import re
 import tomllib
 import types
 from collections.abc import Callable, Mapping, Sequence
@@ -16,8 +17,15 @@ T = TypeVar("T")
 
 SUFFIX = ".toml"
 PARAMETER_SUFFIX = ".p"
+LARGEST_EXACT = 2**53  # integers that a float holds exactly
+LARGEST_FILE = 1_000_000  # bytes of TOML; a thousand times what any file here has, and parsed in less than a second
+LONGEST_QUOTE = 200  # characters of a value in an error
+MAX_DEPTH = 64  # levels of a dotted key; lists and tables end where Python's parser ends
 FILE_SUFFIXES = (SUFFIX, PARAMETER_SUFFIX, ".map")
 KINDS = ("robots", "worlds", "links", "bus", "accessories", "teams", "wrappers")
+# The time that tomllib needs for a key grows with the square of its levels.
+_KEY = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
+_DEEP_KEY = re.compile(rf"(?:{_KEY}\.[ \t]*+){{{MAX_DEPTH}}}")
 
 
 class ConfigError(ValueError):
@@ -94,13 +102,26 @@ def read(path: Path) -> dict[str, Any]:
     try:
         if path.suffix == PARAMETER_SUFFIX:
             return parse(path.read_text(encoding="latin-1"), lambda name: read(find("robots", name)), names("robots"))
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return _parse_toml(path)
     except OSError as err:
         raise ConfigError(f"{path} cannot be read: {err.strerror}") from err
     except ParameterError as err:
         raise ConfigError(f"{path}: {err}") from err
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as err:
+    except RecursionError as err:
+        raise ConfigError(f"{path} is nested too deeply; no table here has more than a few levels") from err
+    except ConfigError:
+        raise
+    except ValueError as err:  # no TOML, no UTF-8, or a number of thousands of digits
         raise ConfigError(f"{path} is not TOML: {err}") from err
+
+
+def _parse_toml(path: Path) -> dict[str, Any]:
+    text = path.read_text(encoding="utf-8")
+    if len(text) > LARGEST_FILE:
+        raise ConfigError(f"{path} has {len(text)} characters; at most {LARGEST_FILE} are read")
+    if _DEEP_KEY.search(text):
+        raise ConfigError(f"{path} is nested too deeply: a key has more than {MAX_DEPTH} levels")
+    return tomllib.loads(text)
 
 
 def load(cls: type[T], kind: str, name: str) -> T:
@@ -168,7 +189,7 @@ def _convert(kind: Any, value: Any, source: str, path: str) -> Any:
         converted = _convert_plain(kind, value)
         if converted is not None:
             return converted
-    raise ConfigError(f"{source}: {path} must be {_type_name(kind)}, not {value!r}")
+    raise ConfigError(f"{source}: {path} must be {_type_name(kind)}, not {_shown(value)}")
 
 
 def _convert_plain(kind: type, value: Any) -> Any:
@@ -178,7 +199,7 @@ def _convert_plain(kind: type, value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if kind is float and isinstance(value, int):
-        return float(value)
+        return float(value) if abs(value) < LARGEST_EXACT else None
     if kind is Path and isinstance(value, str):
         return Path(value)
     if isinstance(value, kind):
@@ -196,7 +217,7 @@ def _convert_union(kind: Any, value: Any, source: str, path: str) -> Any:
             return _convert(option, value, source, path)
         except ConfigError:
             continue  # not this alternative; if none fits, the error below tells
-    raise ConfigError(f"{source}: {path} must be {_type_name(kind)}, not {value!r}")
+    raise ConfigError(f"{source}: {path} must be {_type_name(kind)}, not {_shown(value)}")
 
 
 def _convert_tuple(items: Sequence[Any], values: list[Any], source: str, path: str) -> tuple[Any, ...]:
@@ -207,6 +228,12 @@ def _convert_tuple(items: Sequence[Any], values: list[Any], source: str, path: s
     return tuple(
         _convert(item, each, source, f"{path}[{i}]") for i, (item, each) in enumerate(zip(items, values, strict=True))
     )
+
+
+def _shown(value: Any) -> str:
+    """A value as an error quotes it; whole files may stand where a number belongs."""
+    text = repr(value)
+    return text if len(text) <= LONGEST_QUOTE else text[: LONGEST_QUOTE - 1] + "…"
 
 
 def _files(kind: str) -> list[Path]:

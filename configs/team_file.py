@@ -4,6 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from configs.loader import ConfigError, find, load
+
+MOST_ROBOTS = 100
+"""Robots in one team: an emulator's core has room for about as many, firmware and physics included."""
 EMULATED = "emu"
 """The port of a robot that is emulated."""
 
@@ -50,3 +54,19 @@ class TeamFile:
     world: str = "office"
     link: str = "ideal"
     services: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def read_team(name: str) -> TeamFile:
+    """Find and read a team.
+
+    Args:
+        name: One of `configs/teams`, or a file.
+    Raises:
+        ConfigError: There is no such team, its file has an error, or it has more than `MOST_ROBOTS`.
+    """
+    team = load(TeamFile, "teams", name)
+    if len(team.robots) > MOST_ROBOTS:
+        raise ConfigError(
+            f"{find('teams', name)}: a team of {len(team.robots)} robots is too large; use at most {MOST_ROBOTS}"
+        )
+    return team

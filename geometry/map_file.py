@@ -5,6 +5,7 @@ The counts in the header are advisory: nothing here depends on them.
 Source: the layout as seen in public map files; lengths in mm, headings in degrees.
 """
 
+import io
 import re
 import shlex
 from collections.abc import Iterable, Mapping
@@ -15,6 +16,13 @@ from pathlib import Path
 from geometry.pose import Pose2D, wrap_angle
 from geometry.segments import Segment
 
+MOST_POINTS = 200_000
+"""Points kept of a map. A floor of a large building, scanned and thinned to 5 cm, has fewer."""
+FINEST_CELL = 0.05
+"""m; a map with more points is thinned to a grid of this pitch, or of one twice, four times … as coarse."""
+_MANY = 1_000_000  # characters of points from which on they are read all at once
+_FARTHEST = 1e6  # m; farther out the keys of cells would overlap
+_SHIFT = 1 << 31
 _MM = 1e-3
 _SECTION = re.compile(r"[A-Za-z][\w .-]*")
 _NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
@@ -47,6 +55,7 @@ class MapFile:
 
     lines: walls, m.
     points: what a laser saw, (x, y) in m.
+    cell: where the file has more than `MOST_POINTS`, one is kept in each square of this edge, m; 0 where all are kept.
     cairns: named places in the order of the file.
     kinds: what the file says of kinds of cairns of its own: attribute to value, by the kind's name.
     """
@@ -55,6 +64,7 @@ class MapFile:
     points: tuple[tuple[float, float], ...] = field(default=(), repr=False)
     cairns: tuple[Cairn, ...] = ()
     kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    cell: float = 0.0
 
     def places(self, kind: str) -> tuple[Cairn, ...]:
         """All cairns of one kind, in the order of the file."""
@@ -86,11 +96,11 @@ def parse_map(text: str, source: str) -> MapFile:
     Raises:
         MapError: the text is no map, or a row of it makes no sense.
     """
+    points, cell, text = _plain_points(text)
     rows = [(number, row.strip()) for number, row in enumerate(text.splitlines(), start=1) if row.strip()]
     if not rows or not rows[0][1].startswith("2D-Map"):
         raise MapError(f"{source}:1: not an ARIA map: the first line must be 2D-Map")
     lines: list[Segment] = []
-    points: list[tuple[float, float]] = []
     cairns: list[Cairn] = []
     kinds: dict[str, Mapping[str, str]] = {}
     section = ""
@@ -112,7 +122,33 @@ def parse_map(text: str, source: str) -> MapFile:
             points.append((x * _MM, y * _MM))
         elif not section:
             raise MapError(f"{source}:{number}: expected `Key: value`, LINES or DATA, found {row[:40]!r}")
-    return MapFile(tuple(lines), tuple(points), tuple(cairns), kinds)
+    return MapFile(tuple(lines), tuple(points), tuple(cairns), kinds, cell)
+
+
+def _plain_points(text: str) -> tuple[list[tuple[float, float]], float, str]:
+    """Take the points off the end of a map that has many, all at once; return them, their cell and the rest.
+
+    Where the last section is no list of pairs of numbers, nothing is taken: the parser of rows finds the place.
+    """
+    head, section, tail = text.rpartition("\nDATA\n")
+    if not section or len(tail) < _MANY:
+        return [], 0.0, text
+    import numpy as np  # here and not at the top: a program that reads no large map starts sooner
+
+    try:
+        table = np.loadtxt(io.StringIO(tail), comments=None, ndmin=2) * _MM
+    except ValueError:
+        return [], 0.0, text
+    if table.shape[1] != 2 or not np.isfinite(table).all() or np.abs(table).max() > _FARTHEST:
+        return [], 0.0, text
+    cell = 0.0
+    while len(table) > MOST_POINTS:
+        cell = 2.0 * cell or FINEST_CELL
+        columns = np.round(table / cell).astype(np.int64)
+        keys = np.sort(columns[:, 0] * _SHIFT + columns[:, 1] + _SHIFT // 2)  # one number for each cell
+        keys = keys[np.append(True, np.diff(keys) != 0)]
+        table = np.stack((keys // _SHIFT, keys % _SHIFT - _SHIFT // 2), axis=1) * cell
+    return [(x, y) for x, y in table.tolist()], cell, f"{head}{section}"
 
 
 def _section(row: str, where: str) -> str:

@@ -101,7 +101,8 @@ def _emulate(options: Options) -> None:
             links=options.links,
         )
         if options.record is not None:
-            recording = stack.enter_context(contextlib.closing(Recording(options.record, len(options.robots))))
+            recording = Recording(options.record, len(options.robots), force=options.force)
+            stack.callback(recording.close)
             team.whenever_added.append(recording.add)
         cameras = stack.enter_context(contextlib.closing(_open_cameras(emulator, world, team)))
         robots = [team.add(text, options.places.get(text.rpartition(":")[2])) for text in options.robots]
@@ -167,6 +168,8 @@ def _make_world(options: Options) -> "World":
         spec = load_world(options.world)
     except WorldError as error:
         raise configs.ConfigError(str(error)) from error
+    if spec.note and not options.quiet:
+        print(f"p2os-emu: {spec.note}", file=sys.stderr)
     try:
         return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
     except WorldError as error:

@@ -106,16 +106,22 @@ class Recorder:
     """Writes a cassette, line by line, so that whatever ends the program loses nothing.
 
     Args:
-        path: Replaced if it exists.
+        path: Where to write.
         name: The robot's. model: Its model.
+        force: Overwrite a file that exists.
     Raises:
-        CassetteError: The file cannot be written.
+        CassetteError: The file exists, or cannot be written.
     """
 
-    def __init__(self, path: Path, name: str, model: str) -> None:
+    def __init__(self, path: Path, name: str, model: str, *, force: bool = False) -> None:
         self._path = path
         try:
-            self._file = path.open("w", encoding="utf-8", buffering=1)
+            may_exist = force or (path.exists() and not path.is_file())  # a device or a pipe keeps nothing
+            self._file = path.open("w" if may_exist else "x", encoding="utf-8", buffering=1)
+        except FileExistsError as error:
+            raise CassetteError(
+                f"{path} exists already and would be overwritten; choose another file, or add --force"
+            ) from error
         except OSError as error:
             raise self._complaint(error) from error
         try:

@@ -19,6 +19,7 @@ from p2os_emu.microcontroller.simulator import SERIAL, Simulator
 from p2os_emu.surroundings import Surroundings, Touches, Truth
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
+FARTHEST = 1e5  # m from the origin for places that robots are put at; larger numbers are typing errors
 _FAREWELL = encode_command(Command.CLOSE)
 
 
@@ -109,6 +110,11 @@ class Hand:
         self.robot.microcontroller.forget_travels()
 
 
+def _check_place(pose: Pose2D) -> None:
+    if not max(abs(pose.x), abs(pose.y)) <= FARTHEST:
+        raise ValueError(f"the place ({pose.x:g}, {pose.y:g}) m is too far away; choose one within {FARTHEST:g} m")
+
+
 class Emulator:
     """Robots in a world.
 
@@ -176,6 +182,8 @@ class Emulator:
         """
         if name in self.robots:
             raise ValueError(f"there is a robot {name!r} already; choose another name")
+        if pose is not None:
+            _check_place(pose)
         flash = flash or self.flash(model, name)
         controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
         body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
@@ -250,7 +258,12 @@ class Emulator:
         self._world.set_door(name, is_open)
 
     def place(self, name: str, pose: Pose2D) -> None:
-        """Put a robot elsewhere, as a hand would; its odometry does not notice."""
+        """Put a robot elsewhere, as a hand would; its odometry does not notice.
+
+        Raises:
+            ValueError: The place is not free, or farther away than `FARTHEST`.
+        """
+        _check_place(pose)
         self._world.place(name, pose)
 
     def restart(self, name: str) -> None:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import configs
 from configs.command_line import CommandParser, add_version
-from configs.team_file import TeamFile
+from configs.team_file import MOST_ROBOTS, TeamFile, read_team
 from geometry import Pose2D
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
+from p2os_emu.pacing import FASTEST, SLOWEST
 
 EXIT_OK = 0
 EXIT_PARTS = 1
@@ -75,6 +76,7 @@ class Options:
     hangup_stops: bool
     as_simulator: bool
     record: Path | None
+    force: bool
     serve: Path | None
     check: Path | None
     until_stdin_closes: bool
@@ -87,13 +89,13 @@ def parse(argv: Sequence[str] | None = None) -> Options:
     """Read the command line; ends the program with exit code 2 and a message where it is wrong.
 
     Raises:
-        ConfigError: There is no such team, or its file has an error.
+        ConfigError: There is no such team, its file has an error, or there are too many robots.
     """
     parser = _parser()
     given = parser.parse_args(argv)
     if given.only is not None and not given.team:
         parser.error("--only chooses among the robots of a team: give --team as well")
-    places = _add_emulated(given, configs.load(TeamFile, "teams", given.team)) if given.team else {}
+    places = _add_emulated(given, read_team(given.team)) if given.team else {}
     needs_robot = given.listing is None and given.serve is None and given.check is None
     if needs_robot and not (given.robot or given.tcp_robot or given.factory):
         parser.error("which robot? give --robot MODEL[:NAME] or --team; --list-robots shows the models")
@@ -103,6 +105,8 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         given.tcp = MOBILESIM_PORT
     if given.pty is not None and given.tcp is not None:
         parser.error("a robot has one port: give --pty or --tcp, not both")
+    if (count := len(given.robot) + len(given.tcp_robot)) > MOST_ROBOTS:
+        raise configs.ConfigError(f"{count} robots are too many; use at most {MOST_ROBOTS}")
     links = {name: profile for name, _, profile in (text.rpartition("=") for text in given.link)}
     return Options(
         robots=(*given.robot, *given.tcp_robot),
@@ -126,6 +130,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
         hangup_stops=given.hangup_stops,
         as_simulator=given.as_simulator,
         record=given.record,
+        force=given.force,
         serve=given.serve,
         check=given.check,
         until_stdin_closes=given.until_stdin_closes,
@@ -270,10 +275,11 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--speed",
-        type=_positive,
+        type=_speed,
         default=1.0,
         metavar="X",
-        help="emulated seconds per second (1); at any other the clients' watchdogs and the robot's no longer agree",
+        help=f"emulated seconds per second, {SLOWEST:g} to {FASTEST:g} (1); at any other than 1 the clients' "
+        "watchdogs and the robot's no longer agree",
     )
     group.add_argument(
         "--fault",
@@ -300,8 +306,12 @@ def _add_cassettes(parser: argparse.ArgumentParser) -> None:
         "cassettes", "recorded lines: one JSON object a line, with t (s), from (host or robot) and hex"
     )
     group.add_argument(
-        "--record", type=Path, metavar="FILE", help="record the robot's line; of several robots each has FILE-NAME"
+        "--record",
+        type=Path,
+        metavar="FILE",
+        help="record the robot's line; of several robots each has FILE-NAME; a file that exists is an error",
     )
+    group.add_argument("--force", action="store_true", help="let --record overwrite files that exist")
     group.add_argument(
         "--serve",
         type=Path,
@@ -339,6 +349,13 @@ def _positive(text: str) -> float:
         number = math.nan
     if not 0 < number < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} will not do; give a number above zero")
+    return number
+
+
+def _speed(text: str) -> float:
+    number = _positive(text)
+    if not SLOWEST <= number <= FASTEST:
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible; give a number from {SLOWEST:g} to {FASTEST:g}")
     return number
 
 

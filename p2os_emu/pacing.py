@@ -8,6 +8,8 @@ dropped and counted, since nobody is served by minutes of hurried past.
 import math
 
 CATCH_UP_LIMIT = 1.0  # s of wall time
+SLOWEST, FASTEST = 0.01, 1000.0
+"""Emulated seconds per second. A step takes almost a second at the lower end, and no machine reaches the upper end."""
 
 
 class Pacer:
@@ -22,7 +24,7 @@ class Pacer:
         Args:
             step: Emulated time of one step, s.
             now: Wall time on a steady clock, s.
-            speed: Emulated seconds per wall second.
+            speed: Emulated seconds per wall second, `SLOWEST` to `FASTEST`.
         """
         self.dropped = 0
         self._step = step

@@ -16,11 +16,13 @@ from p2os_emu.faults.kind import FaultKind
 from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
+from p2os_emu.pacing import FASTEST, SLOWEST
 from p2os_emu.runner import Runner
 from p2os_emu.team import Team, TeamError
 from p2os_emu.truth_rows import robot_row, surroundings_rows
 
 Fields = Mapping[str, Any]
+_LONGEST_QUOTE = 80  # characters of a value in an error
 _MOST_STEPS = 72_000  # ten minutes of emulated time
 
 
@@ -59,7 +61,7 @@ class Desk:
         do = request.get("do")
         if not isinstance(do, str) or do not in REQUESTS:
             hint = nearest(do if isinstance(do, str) else "", REQUESTS)
-            raise RequestError(f'there is no "do": {do!r}; {hint}')
+            raise RequestError(f'there is no "do": {_shown(do)}; {hint}')
         kind = REQUESTS[do]
         fields = {key: value for key, value in request.items() if key != "do"}
         for key, value in fields.items():
@@ -98,8 +100,14 @@ def _checked(do: str, kind: _Request, key: str, value: Any) -> Any:
     if wanted is float and type(value) is int and abs(value) < 2**53:
         value = float(value)
     if type(value) is not wanted or (isinstance(value, float) and not math.isfinite(value)):
-        raise RequestError(f'"{key}" must be {_TYPE_NAMES[wanted]}, not {value!r}')
+        raise RequestError(f'"{key}" must be {_TYPE_NAMES[wanted]}, not {_shown(value)}')
     return value
+
+
+def _shown(value: Any) -> str:
+    """A value as an error quotes it."""
+    text = repr(value)
+    return text if len(text) <= _LONGEST_QUOTE else text[: _LONGEST_QUOTE - 1] + "…"
 
 
 def _truth(desk: Desk, fields: Fields) -> Mapping[str, Any]:
@@ -193,6 +201,8 @@ def _speed(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     factor = fields.get("factor", desk.runner.speed)
     if factor <= 0:
         raise RequestError(f'"factor" must be above zero, not {factor}; {{"do": "pause"}} stops time')
+    if not SLOWEST <= factor <= FASTEST:
+        raise RequestError(f'"factor" must be from {SLOWEST:g} to {FASTEST:g}, not {factor:g}')
     if "factor" in fields:
         desk.runner.speed = factor
     return _pace(desk)

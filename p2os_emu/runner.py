@@ -8,6 +8,7 @@ from p2os_emu.emulator import STEP
 from p2os_emu.links.poller import Poller
 from p2os_emu.pacing import Pacer
 
+_LONGEST_WAIT = 0.1  # s; ports and requests are heard so often at any speed
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
 
 
@@ -102,11 +103,11 @@ class Runner:
         end = None if duration is None else self._emulator.time + duration - _LAST_STEP
         self._pacer.restart(self._clock())
         while not self._is_leaving and (end is None or self._emulator.time < end):
-            self._wait()
+            is_due = self._wait()
             self._poller.poll()
             for turn in self.between_steps:
                 turn()
-            if not (self.is_paused or self._is_leaving):
+            if is_due and not (self.is_paused or self._is_leaving):
                 self._begin_step()
                 self._emulator.step()
 
@@ -122,7 +123,9 @@ class Runner:
             for tell in self.when_degraded:
                 tell(self.degradation.level)
 
-    def _wait(self) -> None:
+    def _wait(self) -> bool:
+        """Wait for the next step, but not for long; return whether it is due."""
         wait = STEP if self.is_paused else self._pacer.deadline - self._clock()
         if wait > 0:
-            self._sleep(wait)
+            self._sleep(min(wait, _LONGEST_WAIT))
+        return wait <= _LONGEST_WAIT

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import time
+from collections import Counter
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -24,12 +25,17 @@ from p2os_emu.surroundings import Surroundings
 class Recording:
     """Puts a recorder on the line of every robot: the first and only one writes `path`, of several each PATH-NAME.
 
+    A robot whose name another one had before, in the same run, writes PATH-NAME-2 and so on.
+
     Args:
         path: Where to write.
         robots: How many robots there are from the start.
+        force: Overwrite files that exist.
     """
 
-    def __init__(self, path: Path, robots: int) -> None:
+    def __init__(self, path: Path, robots: int, *, force: bool = False) -> None:
+        self._force = force
+        self._uses: Counter[str] = Counter()
         self._path = path
         self._is_alone = robots == 1
         self._recorders: list[Recorder] = []
@@ -38,11 +44,15 @@ class Recording:
         """Record a robot from now on.
 
         Raises:
-            CassetteError: The file cannot be written.
+            CassetteError: The file exists, or cannot be written.
         """
         plain = self._is_alone and not self._recorders
-        path = self._path if plain else self._path.with_name(f"{self._path.name}-{robot.name}")
-        recorder = Recorder(path, robot.name, robot.model.name)
+        name = self._path.name if plain else f"{self._path.name}-{robot.name}"
+        self._uses[name] += 1
+        if self._uses[name] > 1:
+            name = f"{name}-{self._uses[name]}"
+        path = self._path.with_name(name)
+        recorder = Recorder(path, robot.name, robot.model.name, force=self._force)
         self._recorders.append(recorder)
         robot.line.tap = recorder
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import configs
 from configs import ConfigError
+from configs.team_file import MOST_ROBOTS
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.cassette import CassetteError
@@ -90,10 +91,13 @@ class Team:
             link: Its cable; None opens a port for it.
             parts: Of this robot alone, as `--fit` writes them.
         Raises:
-            TeamError: The name will not do, the world has no room there, or it is to be recorded and cannot be.
+            TeamError: There are too many robots, the name will not do, the world has no room there, or it is to be
+                recorded and cannot be.
             ConfigError: There is no such model, or a file has an error.
             PortError: Its port cannot be opened.
         """
+        if len(self.emulator.robots) >= MOST_ROBOTS:
+            raise TeamError(f"there are {MOST_ROBOTS} robots already, and no room for more; run a second emulator")
         name, model = read_robot(text, self.emulator.robots)
         model, fit = self._fitted(name, model, parts)
         flash = self._flash_of(model, name)

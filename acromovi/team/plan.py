@@ -14,7 +14,7 @@ from acromovi.team.identities import robots_key, teams_key
 from bus.keys import robot_name
 from bus.secure import Profile
 from configs import ConfigError
-from configs.team_file import TeamFile, TeamRobot
+from configs.team_file import TeamFile, TeamRobot, read_team
 from p2os_emu.links.profile import LinkProfile
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def load_team(name: str, only: Sequence[str] = ()) -> Team:
         KeyNotValid: A name cannot be a robot's.
     """
     path = configs.find("teams", name)
-    file = configs.load(TeamFile, "teams", str(path))
+    file = read_team(str(path))
     names = [robot.name for robot in file.robots]
     if not names:
         raise ConfigError(f"{path}: a team needs a robot; write [[robots]] with a name and a model")

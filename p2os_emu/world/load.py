@@ -4,7 +4,7 @@ from pathlib import Path
 
 import configs
 from geometry import MapError, read_map
-from p2os_emu.world.aria_map import world_of
+from p2os_emu.world.aria_map import MOST_WALLS, world_of
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor_plan import PREFIX, floor_plan
 from p2os_emu.world.spec import WorldFile, WorldSpec
@@ -28,7 +28,10 @@ def load_world(name: str | Path) -> WorldSpec:
         file = configs.build(WorldFile, configs.read(path), str(path))
     except (configs.ConfigError, MapError) as err:
         raise WorldError(str(err)) from err
-    return file.to_spec(path.stem, str(path))
+    spec = file.to_spec(path.stem, str(path))
+    if (count := len(spec.walls) + len(spec.furniture)) > MOST_WALLS:
+        raise WorldError(f"{path}: {count} walls and pieces of furniture are too many; use at most {MOST_WALLS}")
+    return spec
 
 
 def _seed(text: str) -> int:

@@ -62,6 +62,7 @@ class WorldSpec:
     objects: what can be pushed and gripped. drops: where the floor ends, as at stairs that go down; of no height.
     places: named points, m, for those who send robots somewhere. people: who walks about.
     moving_doors: leaves that open and shut in gaps of walls.
+    note: how it differs from its file, a sentence for people; empty where it does not.
     """
 
     name: str
@@ -77,6 +78,7 @@ class WorldSpec:
     places: Mapping[str, Point] = field(default_factory=dict)
     people: tuple[Person, ...] = ()
     moving_doors: tuple[MovingDoor, ...] = ()
+    note: str = ""
 
     @property
     def middle(self) -> tuple[float, float, float]:

@@ -1,3 +1,4 @@
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -8,6 +9,7 @@ import pytest
 
 import configs
 from configs import ConfigError
+from configs.team_file import MOST_ROBOTS, read_team
 from p2os import RobotModel
 
 
@@ -238,3 +240,41 @@ def test_all_lists_the_public_names() -> None:
         "nearest",
         "read",
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("a = " + "[" * 100_000 + "]" * 100_000, "nested too deeply"),
+        ("a = " + "{a=" * 5000 + "1" + "}" * 5000, "nested too deeply"),
+        ("a." * 30_000 + "b = 1", "a key has more than 64 levels"),
+        ("[" + '"a".' * 30_000 + "b]", "a key has more than 64 levels"),
+        ("x = {" + "a . " * 30_000 + "b = 1}", "a key has more than 64 levels"),
+        ("a" * 900_000, "is not TOML"),
+        ("a = '" + "a" * 1_000_000 + "'", "characters; at most 1000000 are read"),
+        ("a = " + "9" * 5000, "is not TOML"),
+    ],
+)
+def test_a_hostile_file_is_refused_in_one_sentence_at_once(tmp_path: Path, text: str, why: str) -> None:
+    path = tmp_path / "hostile.toml"
+    path.write_text(text)
+    started = time.process_time()
+    with pytest.raises(ConfigError, match=why) as refused:
+        configs.read(path)
+    assert time.process_time() - started < 2.0
+    assert len(str(refused.value)) < 300
+
+
+def test_a_number_that_no_float_holds_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "huge.toml"
+    path.write_text('robots = [{name = "a", model = "p3dx", heading_deg = ' + "9" * 400 + "}]")
+    with pytest.raises(ConfigError, match="heading_deg must be a number") as refused:
+        read_team(str(path))
+    assert len(str(refused.value)) < 500
+
+
+def test_a_team_that_is_too_large_is_refused_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "crowd.toml"
+    path.write_text("".join(f'[[robots]]\nname = "r{number}"\nmodel = "p3dx"\n' for number in range(5000)))
+    with pytest.raises(ConfigError, match=f"a team of 5000 robots is too large; use at most {MOST_ROBOTS}"):
+        read_team(str(path))

@@ -111,3 +111,32 @@ def test_kinds_of_its_own_keep_their_attributes() -> None:
 def test_a_kind_with_a_quote_too_many_is_named_by_its_line() -> None:
     with pytest.raises(MapError, match=r"tin\.map:2: No closing quotation"):
         parse_map('2D-Map\nMapInfo: GoalType "Name=Goal\n', "tin.map")
+
+
+def test_many_points_are_read_as_few_are() -> None:
+    rows = [(x % 7001 - 3500, x // 7) for x in range(150_000)]
+    text = "2D-Map\nLINES\n0 0 1000 0\nDATA\n" + "".join(f"{x} {y}\n" for x, y in rows)
+    read = parse_map(text, "large.map")
+    assert [(round(x * 1000), round(y * 1000)) for x, y in read.points] == rows
+    assert (read.cell, len(read.lines)) == (0.0, 1)
+
+
+def test_points_that_are_too_many_are_thinned_to_a_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("geometry.map_file.MOST_POINTS", 20_000)
+    rows = [(x % 401 * 50 - 10_000, x // 401 * 50 - 4000) for x in range(150_000)]
+    read = parse_map("2D-Map\nDATA\n" + "".join(f"{x} {y}\n" for x, y in rows), "large.map")
+    assert 0 < len(read.points) <= 20_000
+    assert read.cell > 0.05
+    kept = {(round(x / read.cell), round(y / read.cell)) for x, y in read.points}
+    wanted = {(x / 1000 / read.cell, y / 1000 / read.cell) for x, y in rows}
+    assert all(any((int(x) + i, int(y) + j) in kept for i in (-1, 0, 1) for j in (-1, 0, 1)) for x, y in wanted)
+
+
+@pytest.mark.parametrize("row", ["1 2 3", "1", "1 x", "1 nan", "1 1e999", "Late: key"])
+def test_a_wrong_row_among_many_points_is_named(row: str) -> None:
+    text = "2D-Map\nDATA\n" + "1000 1000\n" * 150_000
+    if row.startswith("Late"):
+        assert len(parse_map(text + row + "\n", "large.map").points) == 150_000
+    else:
+        with pytest.raises(MapError, match=r"large\.map:150003"):
+            parse_map(text + row + "\n", "large.map")

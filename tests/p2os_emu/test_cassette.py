@@ -201,3 +201,14 @@ def test_lines_are_plain_json(tmp_path: Path) -> None:
 def test_full_disk_is_said_with_the_path() -> None:
     with pytest.raises(CassetteError, match=r"/dev/full cannot be written: .*; choose another path"):
         Recorder(Path("/dev/full"), "happy", "p3dx")
+
+
+def test_a_cassette_that_exists_is_overwritten_only_by_force(tmp_path: Path) -> None:
+    path = tmp_path / "tape"
+    Recorder(path, "happy", "p3dx-sh").close()
+    before = path.read_text()
+    with pytest.raises(CassetteError, match="exists already and would be overwritten"):
+        Recorder(path, "grumpy", "p2dx")
+    assert path.read_text() == before
+    Recorder(path, "grumpy", "p2dx", force=True).close()
+    assert "grumpy" in path.read_text()

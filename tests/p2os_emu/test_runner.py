@@ -1,6 +1,7 @@
 """The loop on a virtual clock."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import pytest
 
@@ -8,6 +9,7 @@ from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
+from p2os_emu.pacing import FASTEST, SLOWEST
 from p2os_emu.runner import Runner
 
 
@@ -124,3 +126,20 @@ def test_nothing_is_given_up_where_more_speed_is_asked_for_than_there_is(machine
     machine.runner.run(20.0)
     assert machine.runner.lost > 0.0
     assert machine.runner.degradation.level == 0
+
+
+@pytest.mark.parametrize("speed", [SLOWEST, FASTEST])
+def test_requests_are_heard_at_once_at_any_speed(machine: Machine, speed: float) -> None:
+    machine.runner.speed = speed
+    turns: list[float] = []
+
+    def between_steps() -> None:
+        turns.append(machine.now)
+        if machine.emulator.time > 10 * STEP:
+            machine.runner.leave()
+
+    machine.runner.between_steps.append(between_steps)
+    start = machine.now
+    machine.runner.run()
+    assert max(b - a for a, b in pairwise([start, *turns])) < 0.2
+    assert machine.now - start == pytest.approx(11 * STEP / speed, rel=0.2, abs=0.01)

@@ -38,6 +38,20 @@ def test_of_several_robots_each_has_its_file(tmp_path: Path) -> None:
         assert sorted(path.name for path in tmp_path.iterdir()) == ["tape-one", "tape-two"]
 
 
+def test_a_recording_is_not_overwritten_without_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tape = tmp_path / "tape"
+    tape.write_text("a recording that nobody can make again")
+    again = ["--robot", "p3dx", "--record", str(tape), "--duration", "0.1", "--quiet"]
+    assert main(again) == EXIT_CONFIG
+    assert (
+        f"{tape} exists already and would be overwritten; choose another file, or add --force"
+        in capsys.readouterr().err
+    )
+    assert tape.read_text() == "a recording that nobody can make again"
+    assert main([*again, "--force"]) == EXIT_OK
+    assert "cassette" in tape.read_text()
+
+
 def test_recorded_robot_meets_a_client_as_it_did(tape: Path, tmp_path: Path) -> None:
     with program("--serve", str(tape), "--pty", str(tmp_path / "robot")) as player:
         assert player.ready["robots"][0]["name"] == "happy"
