@@ -32,6 +32,7 @@ GROUPS = {
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "recovery": "how soon a gateway is received again after it or its subscriber was frozen",
+    "soak": "memory, threads and descriptors of a team while sessions join and leave; writes soak.csv",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
 
@@ -49,6 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("group", nargs="*", choices=[*GROUPS, []], help="what to measure (default: all)")
     parser.add_argument("--out", type=Path, default=Path("bench"), help="folder for figures.json and figures.png")
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the cadence run (default: 10)")
+    parser.add_argument("--soak-minutes", type=float, default=2.0, help="length of the soak run (default: 2)")
+    parser.add_argument("--soak-pace", type=float, default=33.0, help="its sessions per minute (default: 33)")
     options = parser.parse_args(argv)
     os.environ.setdefault(VARIABLE, f"local:bench-{uuid.uuid4().hex[:12]}")  # nobody else's messages are measured
     figures: list[Figure] = []
