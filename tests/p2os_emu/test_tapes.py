@@ -1,29 +1,50 @@
 """The program with cassettes: it records what flows, serves what was recorded, and checks it."""
 
 import json
+from itertools import count, pairwise
 from pathlib import Path
 
 import pytest
 
+from p2os.wire_log import Source
 from p2os_emu.__main__ import main
 from p2os_emu.cassette import read
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS
 from tests.p2os_emu.test_program import CLOSE, OPEN, Client, program
+from tests.waiting import Deadline
+
+HELD_UP = 0.03  # s, three steps of the emulator beyond what its ±5 ms of cadence are
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
 
 
 @pytest.fixture(scope="module")
 def tape(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A drive, recorded by the program."""
-    path = tmp_path_factory.mktemp("tapes") / "drive.jsonl"
+    """A drive, recorded by the program while the machine let it keep time."""
+    folder, deadline = tmp_path_factory.mktemp("tapes"), Deadline()
+    for number in count():
+        path = folder / f"drive-{number}.jsonl"
+        record(path)
+        if keeps_time(path):
+            return path
+        assert not deadline.has_passed(), deadline.in_words("the emulator keeps time for a whole drive")
+    raise AssertionError("counting does not end")
+
+
+def record(path: Path) -> None:
+    """Record a drive in real time."""
     with program("--robot", "p3dx-sh:happy", "--perfect", "--record", str(path)) as emulator:
         client = Client(emulator.ports[0])
         client.handshake()
         client.drive()
         client.say(CLOSE)
         client.close()
-    return path
+
+
+def keeps_time(tape: Path) -> bool:
+    """Whether the SIPs came every 0.1 s: an emulator that the machine holds up answers later than a robot does."""
+    sips = [each.time for each in read(tape).moments if each.source is Source.ROBOT and each.data[3:4] in (b"2", b"3")]
+    return len(sips) > 3 and all(abs(after - before - 0.1) < HELD_UP for before, after in pairwise(sips))
 
 
 def test_recording_has_both_directions_and_the_name(tape: Path) -> None:
