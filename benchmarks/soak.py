@@ -1,7 +1,7 @@
 """Memory, threads and file descriptors of a team while sessions of other programs join and leave its bus.
 
-A team of one robot with a laser is brought up by `acromovi up` on the bus of the benchmarks. Sessions come at an even pace; they
-close, are killed, or freeze and are killed later. Every process of the team is sampled once a second.
+A team of one robot with a laser is brought up by `acromovi up` on the bus of the benchmarks. Sessions come at an even
+pace; they close, are killed, or freeze and are killed later. Every process of the team is sampled once a second.
 
 Memory that grows at first is not a leak: an allocator keeps what was needed once, and a single busy moment makes a
 step. A leak grows in every part of the run. So the run is divided into quarters, the first is warm-up, and the figure
