@@ -23,8 +23,8 @@ def draw_drive(path: Path, world: WorldSpec, true_path: Sequence[Pose2D], odomet
 
     page = Figure(figsize=(11, 7.5), layout="constrained")
     axes = page.subplots()
-    _fill(axes, (block.footprint for block in world.walls), "#3d4248")
-    _fill(axes, (block.footprint for block in world.furniture), "#b9b2a3")
+    _fill(axes, (block.footprint for block in world.walls), "#3d4248", "walls")
+    _fill(axes, (block.footprint for block in world.furniture), "#b9b2a3", "furniture")
     axes.plot([p.x for p in true_path], [p.y for p in true_path], color=TRUE_COLOUR, linewidth=2.2, label="true path")
     axes.plot(
         [p.x for p in odometry_path],
@@ -45,9 +45,10 @@ def draw_drive(path: Path, world: WorldSpec, true_path: Sequence[Pose2D], odomet
     page.savefig(path, dpi=110)
 
 
-def _fill(axes: object, polygons: Iterable[Polygon], colour: str) -> None:
+def _fill(axes: object, polygons: Iterable[Polygon], colour: str, label: str) -> None:
     from matplotlib.axes import Axes
 
     assert isinstance(axes, Axes)
-    for polygon in polygons:
-        axes.fill([x for x, _ in polygon], [y for _, y in polygon], color=colour, linewidth=0)
+    for number, polygon in enumerate(polygons):
+        outline = [x for x, _ in polygon], [y for _, y in polygon]
+        axes.fill(*outline, color=colour, linewidth=0, label=label if number == 0 else None)

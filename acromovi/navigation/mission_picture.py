@@ -22,7 +22,7 @@ SOURCES = ("#9467bd", "#0f9aa8", "#d4487a", "#8c6239", "#5b6abf", "#7a8a1f")
 AHEAD = 2.0  # s that the motion of a command is drawn
 NEAR = 1.2  # m around the robot in the small panel
 RADIUS = 0.3  # m of an outline when nobody says how large the robot is
-WIDTH, FLOOR, LOWEST, HIGHEST = 12.0, 8.0, 7.0, 12.0  # inches, of the page and of the floor on it
+WIDTH, FLOOR, LOWEST, HIGHEST = 12.3, 8.0, 7.8, 12.0  # inches, of the page and of the floor on it
 
 
 def draw(path: Path, shot: Snapshot) -> None:
@@ -38,8 +38,8 @@ def draw(path: Path, shot: Snapshot) -> None:
 
     page = Figure(figsize=(WIDTH, height := _height(shot)))
     # By hand: what is beside the floor is as wide as its texts, and the floor has the rest.
-    axes = page.add_axes((0.6 / WIDTH, 0.6 / height, FLOOR / WIDTH, 1.0 - 1.1 / height), anchor="NW")
-    near = page.add_axes(((FLOOR + 1.0) / WIDTH, 1.6 / height, 2.2 / WIDTH, 2.2 / height), anchor="NW")
+    axes = page.add_axes((0.8 / WIDTH, 0.6 / height, FLOOR / WIDTH, 1.0 - 1.1 / height), anchor="NW")
+    near = page.add_axes(((FLOOR + 1.3) / WIDTH, 2.1 / height, 2.2 / WIDTH, 2.2 / height), anchor="NW")
     _draw_floor(axes, shot.planning.get("grid"))
     _draw_doors(axes, shot.planning.get("doors", ()))
     _draw_ways(axes, shot)
@@ -48,12 +48,13 @@ def draw(path: Path, shot: Snapshot) -> None:
     axes.set_ylabel("y in odom, m")
     axes.set_title(_wrapped(shot.title), loc="left", fontsize=11)
     _draw_commands(near, shot)
-    near.set_axis_off()
+    near.tick_params(labelsize=7)
+    near.spines[["top", "right"]].set_visible(False)
     axes.set_aspect("equal")
     near.set_aspect("equal")
     axes.spines[["top", "right"]].set_visible(False)
     if axes.get_legend_handles_labels()[0]:
-        place = (FLOOR + 0.9) / WIDTH, 1.0 - 0.4 / height
+        place = (FLOOR + 1.0) / WIDTH, 1.0 - 0.4 / height
         page.legend(
             *axes.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=place, frameon=False, fontsize=9
         )
@@ -87,6 +88,8 @@ def _draw_floor(axes: "Axes", grid: Mapping[str, Any] | None) -> None:
     extent = (left, left + edge * floor.shape[1], low, low + edge * floor.shape[0])
     colours = ListedColormap([UNKNOWN, FREE, OBSTACLE])
     axes.imshow(floor, cmap=colours, vmin=0, vmax=2, origin="lower", extent=extent, interpolation="nearest")
+    for what, colour in (("obstacles seen", OBSTACLE), ("seen to be free", FREE), ("not seen", UNKNOWN)):
+        axes.plot([], [], "s", color=colour, markeredgecolor="grey", markeredgewidth=0.4, label=what)
 
 
 def _draw_doors(axes: "Axes", doors: Sequence[Mapping[str, Any]]) -> None:
@@ -154,9 +157,11 @@ def _draw_commands(axes: "Axes", shot: Snapshot) -> None:
             axes.annotate("", points[-1], shaft[-1], arrowprops=_arrow(colour, width))
     axes.set_xlim(-NEAR, NEAR)
     axes.set_ylim(-NEAR / 2, 1.5 * NEAR)
+    axes.set_xlabel("to the right, m", fontsize=8)
+    axes.set_ylabel("ahead, m", fontsize=8)
     axes.set_title(f"what is wanted of the wheels, {AHEAD:g} s ahead", loc="left", fontsize=9)
     if shot.commands:
-        axes.legend(loc="upper left", bbox_to_anchor=(-0.1, 0.0), frameon=False, fontsize=8)
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.1, -0.2), frameon=False, fontsize=8)
     else:
         axes.text(0.0, NEAR, "the fuser does not answer", ha="center", fontsize=8)
 

@@ -21,6 +21,8 @@ def test_a_picture_has_all_that_there_is_to_see(tmp_path: Path) -> None:
     for what in (
         "happy, m1: going (a way of 3.0 m), 1.0 m so far",
         *("path travelled", "plan", "sub-targets", "sub-target now", "goal", "doors, with confidence", "p2dx"),
+        *("obstacles seen", "seen to be free", "not seen", "x in odom, m", "y in odom, m"),
+        *("to the right, m", "ahead, m"),
         *("0.90, passed 2", "ways remembered", "goto: 0.50 m/s, +0.20 rad/s", "orienting: nothing"),
         *("weight 0.5, at most 0.30 m/s", "old: too old to be used", "fused: 0.30 m/s, +0.00 rad/s"),
     ):

@@ -1,0 +1,41 @@
+"""Pictures of played missions say what is drawn, and in which unit."""
+
+from pathlib import Path
+
+import pytest
+
+from acromovi.missions.matrix import Result
+from acromovi.missions.picture import draw_grid, draw_mission, draw_sheet
+from acromovi.missions.tasks import Case, Condition, Job, prepare
+from geometry import Pose2D
+
+pytest.importorskip("matplotlib", reason="pictures are drawn by an extra")
+LEGEND = ("walls", "furniture", "obstacles", "ways of people", "start", "goal")
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    """A mission with all that there is to see, that nobody has played."""
+    job = Job(Case.ROOMS, Condition.ALL, 3, "p3at-sh", "office")
+    task = prepare(job)
+    return Result(job, task=task, path=(task.start, Pose2D(*task.goal, 0.0)))
+
+
+def test_a_mission_has_labels_and_a_whole_legend(result: Result, tmp_path: Path) -> None:
+    draw_mission(tmp_path / "mission.svg", result)
+    drawn = (tmp_path / "mission.svg").read_text(encoding="utf-8")
+    for what in (*LEGEND, "path", "as odometry has it", "shortest way", "x, m", "y, m"):
+        assert f"<!-- {what} -->" in drawn, what
+
+
+@pytest.mark.parametrize("sheet", [True, False])
+def test_a_page_of_missions_has_a_legend_and_a_scale(result: Result, tmp_path: Path, sheet: bool) -> None:
+    file = tmp_path / "page.svg"
+    if sheet:
+        draw_sheet(file, [result], "office")
+    else:
+        draw_grid(file, [result])
+    drawn = file.read_text(encoding="utf-8")
+    assert "a bar is 2 m -->" in drawn
+    for what in (*LEGEND, "path, reached", "path, failed"):
+        assert f"<!-- {what} -->" in drawn, what
