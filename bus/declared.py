@@ -98,9 +98,14 @@ class LatestListening(Declared):
         self._thread.start()
 
     def close(self) -> None:
-        """Withdraw it; a sample that waits is dropped."""
+        """Withdraw it; a sample that waits is dropped. Its thread has ended then, unless a handler hangs.
+
+        A thread that still waits inside Zenoh when the interpreter ends would abort the process.
+        """
         self._is_open = False
         super().close()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(HANDLER_GRACE)
 
     def _run(self) -> None:
         while self._is_open:

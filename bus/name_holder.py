@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from bus.bus import Bus
-from bus.errors import NameTaken, NoAnswer, Refused, TimedOut
+from bus.errors import MessageError, NameTaken, NoAnswer, Refused, TimedOut
 
 ANSWER_TIME = 2.0  # s for the program that has the name; longer than a process is late on a busy machine
-GONE_AFTER = 6.0  # s after which a program that was killed or frozen has left the bus
+MOST_TRIES = 3  # to get an answer; a program that was killed or frozen has left the bus by then
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,18 +67,21 @@ def check_name_free(bus: Bus, name: str, key_expr: str, own: Process | None = No
         NameTaken: Another program has it.
         BusError: The bus is closed, or does not let this program ask.
     """
-    until = time.monotonic() + GONE_AFTER
-    while True:
+    for tries_left in reversed(range(MOST_TRIES)):  # and not until a moment: this program may be the one that is late
         try:
             found = [answer.value for answer in bus.query(key_expr, timeout=ANSWER_TIME)]
         except TimedOut:
-            if time.monotonic() > until:
+            if own is not None:
+                return  # it is no proof of another one: this program answers here as well
+            if not tries_left:
                 raise NameTaken(f"{name} is on this bus already, in a program that does not answer") from None
             continue
         except NoAnswer:
             return
         except Refused as err:
             found = list(err.answers.values()) or [{}]
+        except MessageError:  # somebody has the name, whatever it answers
+            found = [{}]
         holders = [Process.of(description) for description in found]
         for holder in holders:
             if holder is None:

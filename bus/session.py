@@ -322,6 +322,8 @@ class ZenohBus(Bus):
                 self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type
             except zenoh.ZError as err:  # it is closed, but a connection to a frozen program was still being opened
                 log.warning("the bus was closed late: %s", reason(err))
+            for held in [held for held in self._declared if isinstance(held, LatestListening)]:
+                held.close()
 
     def _put(self, key: str, message: object, attachment: bytes, congestion: zenoh.CongestionControl) -> None:
         payload, encoding = encode_any(message)

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-import bus.name_holder
-from bus import Bus, MemoryBus, MemoryNetwork, NameTaken, TimedOut
+from bus import Bus, MemoryBus, MemoryNetwork, MessageError, NameTaken, Refused, TimedOut
 from bus.name_holder import Process, check_name_free
 
 KEY = "happy/description"
@@ -50,6 +49,18 @@ def test_a_holder_that_does_not_tell_who_it_is_has_the_name_all_the_same(
         check_name_free(asker, "happy", KEY)
 
 
+@pytest.mark.parametrize("error", [Refused("not now"), MessageError("a reply is not JSON")])
+def test_a_holder_that_answers_something_else_has_the_name_all_the_same(error: Exception) -> None:
+    class Odd:
+        """A bus on which somebody answers what is no description."""
+
+        def query(self, key_expr: str, timeout: float) -> Any:
+            raise error
+
+    with pytest.raises(NameTaken, match="does not tell which it is"):
+        check_name_free(Odd(), "happy", KEY)  # type: ignore[arg-type]  # the one method that is used
+
+
 def test_of_two_that_took_a_name_together_the_later_one_leaves(network: MemoryNetwork, asker: Bus) -> None:
     with closing(tells(network, MINE.told())):
         check_name_free(asker, "happy", KEY, MINE)
@@ -59,9 +70,7 @@ def test_of_two_that_took_a_name_together_the_later_one_leaves(network: MemoryNe
             check_name_free(asker, "happy", KEY, OTHER)
 
 
-def test_one_that_is_there_and_does_not_answer_is_waited_for(
-    network: MemoryNetwork, asker: Bus, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_that_is_there_and_does_not_answer_is_waited_for(asker: Bus) -> None:
     class Silent:
         """A bus on which somebody does not answer, a few times."""
 
@@ -71,10 +80,12 @@ def test_one_that_is_there_and_does_not_answer_is_waited_for(
                 raise TimedOut("late")
             return asker.query(key_expr)
 
-    silent = [1, 1, 1]
+    silent = [1, 1]
     check_name_free(Silent(), "happy", KEY)  # type: ignore[arg-type]  # the one method that is used
     assert not silent
-    monkeypatch.setattr(bus.name_holder, "GONE_AFTER", 0.0)
-    silent = [1, 1]
+    silent = [1, 1, 1]
     with pytest.raises(NameTaken, match="in a program that does not answer"):
         check_name_free(Silent(), "happy", KEY)  # type: ignore[arg-type]
+    silent = [1, 1, 1]
+    check_name_free(Silent(), "happy", KEY, MINE)  # type: ignore[arg-type]
+    assert len(silent) == 2, "a program that was frozen while it asked keeps its name"
