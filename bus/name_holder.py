@@ -67,26 +67,36 @@ def check_name_free(bus: Bus, name: str, key_expr: str, own: Process | None = No
         NameTaken: Another program has it.
         BusError: The bus is closed, or does not let this program ask.
     """
-    for tries_left in reversed(range(MOST_TRIES)):  # and not until a moment: this program may be the one that is late
+    for _ in range(MOST_TRIES):  # and not until a moment: this program may be the one that is late
         try:
-            found = [answer.value for answer in bus.query(key_expr, timeout=ANSWER_TIME)]
+            found = _descriptions(bus, key_expr)
         except TimedOut:
             if own is not None:
                 return  # it is no proof of another one: this program answers here as well
-            if not tries_left:
-                raise NameTaken(f"{name} is on this bus already, in a program that does not answer") from None
             continue
-        except NoAnswer:
-            return
-        except Refused as err:
-            found = list(err.answers.values()) or [{}]
-        except MessageError:  # somebody has the name, whatever it answers
-            found = [{}]
-        holders = [Process.of(description) for description in found]
-        for holder in holders:
+        for holder in map(Process.of, found):
             if holder is None:
                 raise NameTaken(f"{name} is on this bus already, in a program that does not tell which it is")
             is_later = own is not None and (own.since, own.identity) < (holder.since, holder.identity)
             if not is_later and (own is None or holder.identity != own.identity):
                 raise NameTaken(f"{name} is on this bus already, in {holder}")
         return
+    raise NameTaken(f"{name} is on this bus already, in a program that does not answer")
+
+
+def _descriptions(bus: Bus, key_expr: str) -> list[dict[str, Any]]:
+    """What those answer who have a name; an empty one for who answers something else.
+
+    Raises:
+        TimedOut: Somebody who has it has not answered.
+    """
+    try:
+        return [answer.value for answer in bus.query(key_expr, timeout=ANSWER_TIME)]
+    except TimedOut:
+        raise
+    except NoAnswer:
+        return []
+    except Refused as err:
+        return list(err.answers.values()) or [{}]
+    except MessageError:
+        return [{}]
