@@ -93,7 +93,7 @@ class LatestListening(Declared):
         self._channel: Any = subscriber.handler  # apart from the subscriber, which is in use while it waits otherwise
         self._handler = handler
         self._period = period
-        self._is_open = True
+        self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"latest {subscriber.key_expr}", daemon=True)
         self._thread.start()
 
@@ -102,17 +102,17 @@ class LatestListening(Declared):
 
         A thread that still waits inside Zenoh when the interpreter ends would abort the process.
         """
-        self._is_open = False
+        self._is_closed.set()
         super().close()
         if threading.current_thread() is not self._thread:
             self._thread.join(HANDLER_GRACE)
 
     def _run(self) -> None:
-        while self._is_open:
+        while not self._is_closed.is_set():
             try:
                 sample = self._channel.recv()
             except zenoh.ZError:  # the subscriber has been withdrawn, or the session closed
                 return
-            if self._is_open:
+            if not self._is_closed.is_set():
                 self._handler(sample)
-                time.sleep(self._period)
+                self._is_closed.wait(self._period)
