@@ -1,18 +1,56 @@
 """Missions that cannot be, that get into each other's way, and that are called off; as people see it."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from agents.platform import Ending
+from p2os_emu.world import load_world
 from tests.apps.indoor_navigation.faults.ten_processes import House
 
 CORRIDOR = (6.0, 4.9)
 FIRESIDE = (2.0, 7.0)
 IN_THE_WALL = (6.0, 6.6)
-OUTSIDE = (13.0, 11.0)
+TWO_ROOMS = """\
+about = "a small room with a door that can be shut, and a room behind it"
 
-SLOW = pytest.mark.timeout(400)  # the robot looks everywhere before it gives up
+[[walls]]
+name = "south wall"
+from_m = [0.0, 0.0]
+to_m = [7.0, 0.0]
+
+[[walls]]
+name = "east wall"
+from_m = [7.0, 0.0]
+to_m = [7.0, 3.0]
+
+[[walls]]
+name = "north wall"
+from_m = [7.0, 3.0]
+to_m = [0.0, 3.0]
+
+[[walls]]
+name = "west wall"
+from_m = [0.0, 3.0]
+to_m = [0.0, 0.0]
+
+[[walls]]
+name = "between"
+from_m = [3.5, 0.0]
+to_m = [3.5, 3.0]
+doors = [{ at_m = 1.5 }]
+
+[[moving_doors]]
+name = "door"
+from_m = [3.5, 1.5]
+to_m = [3.5, 2.4]
+
+[[starts]]
+at_m = [1.5, 1.5]
+"""  # small ones, since the robot looks everywhere before it gives up
+BEHIND_THE_DOOR = (5.2, 1.5)
+OUTSIDE = (8.5, 1.5)
 
 
 def fails(house: House, x: float, y: float) -> str:
@@ -24,18 +62,20 @@ def fails(house: House, x: float, y: float) -> str:
     return str(ended["why"])
 
 
-@SLOW
 def test_a_goal_inside_a_wall_is_said_to_be_there(house: House) -> None:
     assert "wall" in fails(house, *IN_THE_WALL)
 
 
-@SLOW
-@pytest.mark.parametrize("goal", [CORRIDOR, OUTSIDE])
-def test_a_goal_that_no_way_leads_to_is_said_to_be_out_of_reach(house: House, goal: tuple[float, float]) -> None:
-    house.lockstep.set_door("door between living room and study", False)
-    house.lockstep.set_door("living room door", False)
-    house.run(3.0)
-    assert fails(house, *goal)
+@pytest.mark.parametrize("goal", [BEHIND_THE_DOOR, OUTSIDE])
+def test_a_goal_that_no_way_leads_to_is_said_to_be_out_of_reach(tmp_path: Path, goal: tuple[float, float]) -> None:
+    (tmp_path / "rooms.toml").write_text(TWO_ROOMS)
+    house = House(load_world(tmp_path / "rooms.toml"))
+    try:
+        house.lockstep.set_door("door", False)
+        house.run(3.0)
+        assert "no way leads to" in fails(house, *goal)
+    finally:
+        house.close()
 
 
 @pytest.mark.parametrize("given", [{"x": "there", "y": 0.0}, {"x": 1.0}, {"x": 1.0, "y": 1.0, "tolerance": 0.0}])
