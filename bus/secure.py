@@ -25,6 +25,8 @@ from bus.loopback import LocalBus
 from configs.extras import require
 from configs.loader import ConfigError, find, read
 
+WARNING = "bus profile "
+"""How the line begins that warns of a profile; a program that starts others prints it once for all of them."""
 OURS = "acromovi"  # the table of a profile that is not Zenoh's
 ADMITTED = "admitted"
 CA, CERTIFICATE, PRIVATE_KEY = "ca.pem", "cert.pem", "key.pem"
@@ -48,12 +50,14 @@ class Profile:
     table: what the file says.
     folder: where the keys are; None for a profile without.
     local: which bus of this machine; None for a profile that is not of this machine alone.
+    warning: what a program prints that joins this bus; empty for none.
     """
 
     path: Path
     table: Mapping[str, Any]
     folder: Path | None
     local: LocalBus | None = None
+    warning: str = ""
 
     @classmethod
     def find(cls, name: str) -> "Profile":
@@ -70,14 +74,16 @@ class Profile:
         ours = table.get(OURS, {})
         if ours.get("loopback") is True:
             return cls(path, table, None, LocalBus.named(folder))
-        if not ours:
+        warning = f"{WARNING}{given}: {ours['warning']}" if "warning" in ours else ""
+        if not ours.keys() - {"warning"}:
             if folder:
                 raise ConfigError(
                     f"{path} takes nothing behind its name, but got {folder!r}; secure and secure-router take a folder "
                     "of keys, local takes the name of a bus"
                 )
-            return cls(path, table, None)
-        return cls(path, table, Path(folder) if folder else path.parent / Path(_setting(table, "keys")).expanduser())
+            return cls(path, table, None, warning=warning)
+        keys = Path(folder) if folder else path.parent / Path(_setting(table, "keys")).expanduser()
+        return cls(path, table, keys, warning=warning)
 
     def for_zenoh(self) -> dict[str, Any]:
         """The table as Zenoh takes it: with paths in place of `{keys}`, and a subject for each name that is admitted.

@@ -10,7 +10,7 @@ import json
 import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
+from functools import cache, partial
 from typing import Any, Self
 
 import zenoh
@@ -87,6 +87,11 @@ def _configured(profile: Profile, changes: Mapping[str, Any]) -> zenoh.Config:
         raise ConfigError(f"{path} is not a configuration of Zenoh: {reason(err)}") from err
 
 
+@cache
+def _warn_once(text: str) -> None:
+    log.warning("%s", text)
+
+
 class ZenohBus(Bus):
     """One participant: a session, and one thread for its handlers.
 
@@ -138,6 +143,8 @@ class ZenohBus(Bus):
         found = Profile.find(profile or default_bus())
         if found.local is not None:
             return cls._open_here(found, found.local)
+        if found.warning:
+            _warn_once(found.warning)
         config = _configured(found, {})
         permit = Permit.of(found)
         try:

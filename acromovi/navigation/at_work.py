@@ -11,6 +11,7 @@ from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.platform.talk import hand_over
 from bus import Bus
 from bus.bus import Closeable
+from bus.secure import WARNING
 
 STARTING_TIME = 60.0  # s in which all must be at work, on a small computer too
 MOST_ENDS = 3  # of one process while they come up; more of the same will not help
@@ -84,8 +85,8 @@ class NavigationAtWork(Closeable):
                 self._all_serve.set()
 
     def complained(self, program: Program, line: str) -> None:
-        """A line of standard error."""
-        if line.strip():
+        """A line of standard error; not what this program itself has printed."""
+        if line.strip() and not line.startswith(WARNING):
             self._complain(f"{program.name}: {_plain(line)}")
 
     def ended(self, entry: Entry) -> None:

@@ -19,6 +19,7 @@ from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
 from bus import Bus
 from bus.bus import Closeable
+from bus.secure import WARNING
 from configs.team_file import TeamRobot
 
 STARTING_TIME = 60.0  # s in which all must serve unless the command line says otherwise, on a small computer too
@@ -149,7 +150,9 @@ class TeamAtWork(Closeable):
                 self._tell(f"{program.name}: {line}")
 
     def complained(self, program: Program, line: str) -> None:
-        """A line of standard error, said once while it stays the same."""
+        """A line of standard error, said once while it stays the same; not what this program itself has printed."""
+        if line.startswith(WARNING):
+            return
         if line.strip():
             self._reports[program.name] = plain(line.strip())
         if line.strip() and self._said.get(program.name) != line:

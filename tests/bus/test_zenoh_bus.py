@@ -14,9 +14,10 @@ import zenoh
 
 from bus import BusUnavailable, NoAnswer, Refused, Sample, ZenohBus
 from bus.messages import encode, twist
+from bus.secure import Profile
 from bus.session import configuration
 from configs import ConfigError
-from configs.loader import names
+from configs.loader import find, names, read
 from tests.plain_zenoh import plain_session
 from tests.waiting import run
 
@@ -221,3 +222,18 @@ def test_zenohs_own_file_serves_as_a_profile(tmp_path: Path) -> None:
     path = tmp_path / "mine.json5"
     path.write_text('{mode: "client"}  // Zenoh\'s own form')
     assert configuration(str(path)).get_json("mode") == '"client"'
+
+
+def test_lan_warns_once_that_everybody_can_drive_the_robots_and_how_to_prevent_it(tmp_path: Path) -> None:
+    assert Profile.find("lan").warning.startswith("bus profile lan: everybody on this network can drive the robots")
+    table = read(find("bus", "lan"))
+    file = tmp_path / "quiet.toml"  # the same without a network
+    file.write_text(
+        'mode = "peer"\nlisten.endpoints = ["tcp/127.0.0.1:0"]\nscouting.multicast.enabled = false\n'
+        f"[acromovi]\nwarning = {json.dumps(table['acromovi']['warning'])}\n"
+    )
+    script = "import sys\nfrom bus import ZenohBus\nfor _ in range(2): ZenohBus.open(sys.argv[1]).close()"
+    done = run([sys.executable, "-c", script, str(file)], cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert "acromovi keys" in line
