@@ -70,10 +70,10 @@ class Stopwatch:
         self._tests[file].add(report.nodeid)
 
     def pytest_sessionfinish(self) -> None:
-        """Write it; what is said at its head stays."""
+        """Write it; what is said at its head stays, and what is said of files that were not run."""
         head = [line for line in DURATIONS.read_text(encoding="utf-8").splitlines() if line.startswith("#")]
-        means = {file: seconds / len(self._tests[file]) for file, seconds in sorted(self._seconds.items())}
-        rows = [f'"{file}" = {mean:.1f}' for file, mean in means.items() if mean >= WORTH_LISTING]
+        means = durations() | {file: seconds / len(self._tests[file]) for file, seconds in self._seconds.items()}
+        rows = [f'"{file}" = {mean:.1f}' for file, mean in sorted(means.items()) if mean >= WORTH_LISTING]
         DURATIONS.write_text("\n".join([*head, *rows, ""]), encoding="utf-8")
 
 

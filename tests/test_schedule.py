@@ -2,9 +2,12 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
+from tests import schedule
 from tests.schedule import durations, longest_first, unit_of
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -31,6 +34,18 @@ def test_the_longest_unit_comes_first_and_keeps_its_order() -> None:
     nodeids = ["a.py::1", "long.py::2", "a.py::3", "long.py::1", "longest.py::1"]
     seconds = {"long.py": 1.0, "longest.py": 3.0}
     assert longest_first(nodeids, seconds) == ["longest.py::1", "long.py::2", "long.py::1", "a.py::1", "a.py::3"]
+
+
+def test_a_run_changes_what_is_said_of_its_own_files_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = tmp_path / "durations.toml"
+    written.write_text('# s per test\n"kept.py" = 7.0\n"quick_now.py" = 2.0\n"slow.py" = 1.0\n')
+    monkeypatch.setattr(schedule, "DURATIONS", written)
+    stopwatch = schedule.Stopwatch()
+    for nodeid, seconds in (("slow.py::one", 2.0), ("slow.py::two", 4.0), ("quick_now.py::one", 0.1)):
+        report = SimpleNamespace(nodeid=nodeid, duration=seconds)
+        stopwatch.pytest_runtest_logreport(cast(pytest.TestReport, report))
+    stopwatch.pytest_sessionfinish()
+    assert written.read_text() == '# s per test\n"kept.py" = 7.0\n"slow.py" = 3.0\n'
 
 
 def test_every_file_that_is_said_to_take_long_exists() -> None:
