@@ -33,7 +33,7 @@ MOVE = {"action": "move", "arguments": {"distance": 1.0}}
 A_TALK = [
     said(0.0, "request", APP, BASE, content=MOVE, conversation="c0ffee11"),
     said(0.001, "agree", BASE, APP, conversation="c0ffee11"),
-    said(0.5, "inform", BASE, APP, ARM, content="<b>&\u0007 moving"),
+    said(0.5, "inform", BASE, APP, ARM, content="<b>&\t moving"),
     said(0.6, "inform", BASE, BASE, content="note"),
     said(1.0, "failure", BASE, APP, content={"why": "the wheels are stalled"}, conversation="c0ffee11"),
     said(1.1, "request", APP, ARM, content=MOVE, conversation="beef"),

@@ -262,7 +262,7 @@ def test_forged_sender_can_neither_renew_nor_release_nor_get_anothers_token(worl
         ({"element": "base@happy", "seconds": 0.0}, "seconds 0 is not within 0.1 and 60"),
         ({"element": "base@happy", "seconds": 1e9}, "seconds 1e+09 is not within"),
         ({"element": "base@happy", "notice": -1.0}, "notice -1 is not within"),
-        ({"element": "base@happy", "priority": 10**30}, "priority 1e+30 is not within"),
+        ({"element": "base@happy", "priority": 10**18}, "priority 1e+18 is not within"),
         ({"element": "base@happy", "priority": 1.5}, "takes priority as int"),
     ],
 )
