@@ -167,4 +167,8 @@ def shown(path: Path) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:  # pip has got the signal too, and ends by itself
+        print("\ninterrupted; the same command begins again", file=sys.stderr)
+        sys.exit(130)
