@@ -21,9 +21,11 @@ from configs.loader import ConfigError
 
 if TYPE_CHECKING:
     from agents.platform import Container, Report
+    from agents.platform.names import ContainerName
     from bus import Bus
 
 PROGRAM = "acromovi container"
+ENDING = (signal.SIGINT, signal.SIGTERM)
 GRACE = 1.8  # s for all agents to end; what has not ended then is cut off
 MEETING_TIME = 1.0  # s in which sessions on one machine have met
 LOOK_AGAIN = 0.5  # s, for the end of another container of the same name
@@ -73,6 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Let agents live until a signal comes."""
     from agents.platform import Container, Kinds
+    from agents.platform.names import ContainerName
     from bus.session import ZenohBus
 
     for module in _modules(arguments):
@@ -81,12 +84,24 @@ def run(arguments: argparse.Namespace) -> int:
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
+        check_may_serve(bus, ContainerName(name, platform or bus.own_name or name))
         await_name(bus, name, end, forces=arguments.force)
         if end.code:
             return end.code
         container = Container(bus, name, reporter(PROGRAM), platform=platform, kinds=Kinds(arguments.apps))
         asyncio.run(live(container, arguments, end))
     return end.code
+
+
+def check_may_serve(bus: "Bus", called: "ContainerName") -> None:
+    """See that the key of a secure bus allows this container, before anything is said of its name.
+
+    Raises:
+        NotAllowed: It does not.
+    """
+    from bus import JSON
+
+    bus.publisher(called.reports_key, JSON).close()
 
 
 def await_name(bus: "Bus", name: str, end: "End", *, forces: bool = False) -> None:
@@ -175,18 +190,41 @@ def ending_in_time() -> Iterator[End]:
     end = End()
 
     def told(number: int, frame: FrameType | None) -> None:
-        if not end.code:
-            force = threading.Timer(GRACE, os._exit, (128 + number,))
-            force.daemon = True
-            force.start()
         end.tell(128 + number)
 
-    before = {number: signal.signal(number, told) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, told) for number in ENDING}
     try:
-        yield end
+        with _cut_off_late():
+            yield end
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def _cut_off_late() -> Iterator[None]:
+    """End this process `GRACE` seconds after SIGINT or SIGTERM, whatever it does then.
+
+    Python runs a signal's handler between two steps of the main thread, which may have begun to sleep by then. So a
+    thread waits for the byte that Python writes at once for every signal.
+    """
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+
+    def wait() -> None:
+        for number in iter(lambda: os.read(reader, 1), b""):
+            if number[0] in ENDING:
+                time.sleep(GRACE)
+                os._exit(128 + number[0])
+        os.close(reader)
+
+    before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    threading.Thread(target=wait, name="ending", daemon=True).start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(writer)  # which ends the thread
 
 
 async def live(container: "Container", arguments: argparse.Namespace, end: End) -> None:

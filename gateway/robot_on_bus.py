@@ -23,6 +23,9 @@ from gateway.orders import Commander, Orders
 from gateway.settings import Settings
 from gateway.streams import Streams
 
+STAMPS_APART = 1000
+"""ns between the stamps of two packets that were read at once: readers take equal stamps for a repetition."""
+
 
 class RobotOnBus(Subscription):
     """Publishes one robot under `<name>/` and obeys what comes there.
@@ -100,9 +103,9 @@ class RobotOnBus(Subscription):
             stamp_ns: Wall clock when the bytes came that brought the events about.
         """
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
-            for event in events:
+            for index, event in enumerate(events):
                 with self._streams.guarded("events"):
-                    self._streams.publish(event, stamp_ns)
+                    self._streams.publish(event, stamp_ns + index * STAMPS_APART)
             self._has_answered |= self._driver.is_connected
             if self._has_answered:  # whoever acts on a token finds a robot that obeys
                 with self._streams.guarded("elements"):

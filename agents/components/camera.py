@@ -28,7 +28,7 @@ RATE_TIME = 3.0
 """Seconds over which the rate is taken."""
 MOST_TIMES = 200
 LINGER = 10.0
-"""Seconds for which the agent goes on hearing pictures after a request."""
+"""Seconds for which the agent goes on hearing pictures after a request, beside the time for the first picture."""
 ATTENTION = 0.1
 """Seconds between two looks whether somebody listens to its results."""
 
@@ -40,6 +40,7 @@ class Camera(Component):
     """
 
     source = keys.CAMERA
+    first_within = 8.0  # it is opened only when somebody asks
     results: ClassVar[Mapping[str, str]] = {
         "width, height": "pixels",
         "format": "jpeg or png",
@@ -107,7 +108,7 @@ class Camera(Component):
     @request("read")
     async def read(self) -> dict[str, Any]:
         """The latest result; fails where no picture has come for a while, and says why if that is known."""
-        self._wanted_until = asyncio.get_running_loop().time() + LINGER
+        self._wanted_until = asyncio.get_running_loop().time() + self.first_within + LINGER
         self._hear_pictures()
         try:
             return await super().read()

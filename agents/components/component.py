@@ -23,7 +23,6 @@ from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, S
 from bus.keys import Topic
 from bus.messages import decode, stamp_ns
 
-FIRST_READING = 2.0  # s that `read` waits for the first
 COMMAND_TIME = 2.0  # s for the gateway to answer
 NS_PER_S = 1e9
 
@@ -34,12 +33,14 @@ class Component(Agent):
     source: the stream of which results are made. None where there is none, or where `renew` is given them.
     eager: every message of it makes a result, not only those that somebody wants to know.
     fresh: s after which a reading says nothing any more.
+    first_within: s that `read` waits for the first reading.
     results: what its results hold beside `stamp`, with units, for the documentation.
     """
 
     source: ClassVar[Topic | None] = None
     eager: ClassVar[bool] = False
     fresh: ClassVar[float] = 3.0
+    first_within: ClassVar[float] = 2.0
     results: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
@@ -124,7 +125,7 @@ class Component(Agent):
             raise Refused(f"{self.name} has no readings")
         if not self._has_heard.is_set():
             try:
-                async with asyncio.timeout(FIRST_READING):
+                async with asyncio.timeout(self.first_within):
                     await self._has_heard.wait()
             except TimeoutError:
                 raise failure(f"{self.name} has heard nothing yet") from None

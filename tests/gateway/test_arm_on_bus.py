@@ -1,6 +1,5 @@
 """Both arms as the bus sees them: the Pioneer's in virtual time, and both as programs on real ports."""
 
-import time
 from contextlib import ExitStack
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -197,7 +196,8 @@ def test_powerbots_arm_moves_and_halts_when_its_gateway_is_killed(name: str, bus
             wait_until(lambda: watcher.joints.position[1] > 0.45)  # it is on its way
             process.kill()
             process.wait()
-        time.sleep(1.2)  # longer than the modules wait for a host
+        killed_at = robots.ask("truth")["time"]
+        wait_until(lambda: robots.ask("truth")["time"] > killed_at + 1.2)  # longer than the modules wait for a host
         watcher.arm = None
         with gateway(*ports):
             wait_until(lambda: watcher.arm is not None)

@@ -105,7 +105,7 @@ def assert_sensors_are_as_many_as_fitted(team: RunningTeam) -> None:
         assert {robot: len(discs) for robot, discs in ranges.items()} == SONARS
         bumpers, infrared = seen.ask("bumpers@max", "read"), seen.ask("ir@max", "read")
         assert (len(bumpers["front"]), len(bumpers["rear"]), len(infrared["ranges"])) == (7, 5, 8)
-        assert {str(joint) for joint in range(1, 8)} <= seen.ask("arm@max", "read")["joints"].keys()
+        assert set(range(1, 8)) <= seen.ask("arm@max", "read")["joints"].keys()
 
 
 def assert_laser_goes_and_comes_with_its_agent(team: RunningTeam, tokens: set[str]) -> None:
