@@ -28,7 +28,7 @@ RATE_TIME = 3.0
 """Seconds over which the rate is taken."""
 MOST_TIMES = 200
 LINGER = 10.0
-"""Seconds for which the agent goes on hearing pictures after a request, beside the time for the first picture."""
+"""Seconds for which the agent goes on hearing pictures after a request has been answered."""
 ATTENTION = 0.1
 """Seconds between two looks whether somebody listens to its results."""
 
@@ -108,12 +108,15 @@ class Camera(Component):
     @request("read")
     async def read(self) -> dict[str, Any]:
         """The latest result; fails where no picture has come for a while, and says why if that is known."""
-        self._wanted_until = asyncio.get_running_loop().time() + self.first_within + LINGER
+        loop = asyncio.get_running_loop()
+        self._wanted_until = loop.time() + self.first_within + LINGER
         self._hear_pictures()
         try:
             return await super().read()
         except Refused as err:
             raise failure(f"{err.why}: {self._complaint}" if self._complaint else err.why) from err
+        finally:
+            self._wanted_until = loop.time() + LINGER
 
     @request("picture")
     async def picture(self) -> dict[str, Any]:
