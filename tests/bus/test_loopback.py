@@ -169,13 +169,13 @@ def test_the_default_bus_is_that_of_the_environment(monkeypatch: pytest.MonkeyPa
     assert default_bus() == "local"
 
 
-def test_one_that_is_late_keeps_its_token(name: str, robot: str) -> None:
+def test_one_that_is_late_keeps_its_token(name: str, robot: str, until: Until) -> None:
     changes: list[bool] = []
     with ExitStack() as stack:
         late = serving(stack, name, f"{robot}/q", f"{robot}/alive")
         bus = stack.enter_context(ZenohBus.open(f"local:{name}"))
         bus.watch_alive(f"{robot}/alive", lambda key, is_alive: changes.append(is_alive))
-        bus.query(f"{robot}/q")
+        until(lambda: changes == [True], "they have met")
         late.send_signal(signal.SIGSTOP)
         time.sleep(LATE)
         late.send_signal(signal.SIGCONT)
@@ -193,6 +193,7 @@ def test_one_that_was_frozen_for_longer_than_the_lease_is_met_again(
         frozen = serving(stack, name, f"{robot}/q", f"{robot}/alive")
         bus = early or stack.enter_context(ZenohBus.open(f"local:{name}"))
         bus.watch_alive(f"{robot}/alive", lambda key, is_alive: changes.append(is_alive))
+        until(lambda: changes == [True], "they have met")
         frozen.send_signal(signal.SIGSTOP)
         until(lambda: changes == [True, False], "it counts as dead")
         frozen.send_signal(signal.SIGCONT)
