@@ -35,7 +35,7 @@ test: $(READY)  ## Format check, lint, strict types and all tests
 	$(BIN)/mypy
 	$(PYTEST)
 
-test-quick: $(READY)  ## Format check, lint and the tests that start no team, in two minutes; no types
+test-quick: $(READY)  ## Format check, lint and the tests that start no team, in two to three minutes; no types
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(PYTEST) --quick
