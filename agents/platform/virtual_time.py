@@ -40,8 +40,9 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
     def _is_due_within(self, seconds: float) -> bool:
         """Whether a callback is ready, or a timer expires in time; asyncio has no public way to ask."""
-        ready, timers = self._ready, self._scheduled  # type: ignore[attr-defined]  # as said above
-        return bool(ready or (timers and timers[0].when() <= self._now + seconds + self._clock_resolution))  # type: ignore[attr-defined]
+        loop: Any = self
+        until = self._now + seconds + loop._clock_resolution
+        return bool(loop._ready or (loop._scheduled and loop._scheduled[0].when() <= until))
 
 
 class _Impatient(selectors.BaseSelector):

@@ -4,10 +4,10 @@ import json
 import random
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import pytest
 
@@ -25,6 +25,8 @@ from tests.gateway.test_simulator import Line
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import MakeBench
+
+T = TypeVar("T")
 
 
 def cause(driver: Driver) -> Cause | None:
@@ -181,7 +183,7 @@ class _Commander:
     def __init__(self, bench: "Bench") -> None:
         self._bench = bench
 
-    def command(self, give):  # type: ignore[no-untyped-def]
+    def command(self, give: Callable[[Driver, float], T]) -> T:
         return give(self._bench.driver, self._bench.now)
 
 
