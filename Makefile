@@ -9,10 +9,12 @@ READY  := $(VENV)/.ready
 WORKERS := $(shell expr $$(nproc) + 2)
 PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 
-# Caches stay in this folder too.
+# Caches stay in this folder too. Bytecode is one of them: hundreds of processes begin in the tests, and each of them would
+# compile the code again.
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
+unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo install test test-quick format lint types check docs bench wheel clean
+.PHONY: help demo install test test-quick format lint types bytecode docs bench wheel clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -30,15 +32,24 @@ demo: $(DEMO)  ## Emulator, gateway and a drive round the office; ends by itself
 	@$(BIN)/python -m acromovi demo
 
 test: $(READY)  ## Format check, lint, strict types and all tests
-	$(BIN)/ruff format --check .
-	$(BIN)/ruff check .
-	$(BIN)/mypy
+	@$(MAKE) --no-print-directory -j2 lint types bytecode
 	$(PYTEST)
 
 test-quick: $(READY)  ## Format check, lint and the tests that start no team, in two to three minutes; no types
+	@$(MAKE) --no-print-directory -j2 lint bytecode
+	$(PYTEST) --quick
+
+lint: $(READY)  ## Format check and lint
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(PYTEST) --quick
+
+types: $(READY)  ## Strict types
+	$(BIN)/mypy
+
+# The workers begin at the same time, and each would compile all tests for itself.
+bytecode: $(READY)
+	@mkdir -p .cache
+	@$(BIN)/pytest -n 0 --collect-only -qq > .cache/collected.txt || (cat .cache/collected.txt; false)
 
 format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff format .
