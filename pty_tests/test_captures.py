@@ -70,4 +70,5 @@ def assert_served(site: Site, line: Client, program: str) -> None:
         assert CONFIGPAC in {payload[0] for payload in heard}, "ARIA asked for it"
     assert any(sip.motors for sip in sips)
     assert max(abs(sip.left) for sip in sips) > SPEEDS[program], "the drive commands moved no wheel"
+    list(line.hear(0.5, pulse=False))  # what was on its way
     assert not list(line.hear(0.25, pulse=False)), "the stream went on after the client's CLOSE"

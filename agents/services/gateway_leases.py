@@ -10,7 +10,8 @@ from agents.services.lease_book import new_id
 from agents.services.leases import NAMED, ROBOT, Place
 from bus import NoAnswer, NotAllowed, Refused, keys
 
-ANSWER_TIME = 1.0  # s
+ANSWER_TIME = 1.0  # s; what is asked again soon, such as a renewal
+TAKING_TIME = 3.0  # s; what is asked once, so that a busy machine refuses nobody
 
 Query = Callable[[str, Mapping[str, Any], float], Awaitable[dict[str, Any]]]
 
@@ -37,7 +38,7 @@ class GatewayLeases:
         wanted = {"do": "take", "holder": holder, "priority": priority, "seconds": seconds}
         if not place.is_whole:
             wanted["element"] = place.element
-        answer = await self._ask(place.robot, wanted)
+        answer = await self._ask(place.robot, wanted, TAKING_TIME)
         token = answer.get("token")
         if not isinstance(token, str):
             raise Refused(f"the gateway of {place.robot} gives no token; is it of this version?")
@@ -86,11 +87,11 @@ class GatewayLeases:
         """
         if place.is_named:
             return []
-        return place.holders(await self._ask(place.robot, {"do": "show"}))
+        return place.holders(await self._ask(place.robot, {"do": "show"}, TAKING_TIME))
 
-    async def _ask(self, robot: str, arguments: Mapping[str, Any]) -> dict[str, Any]:
+    async def _ask(self, robot: str, arguments: Mapping[str, Any], within: float = ANSWER_TIME) -> dict[str, Any]:
         try:
-            return await self._query(keys.LEASE.key(robot), arguments, ANSWER_TIME)
+            return await self._query(keys.LEASE.key(robot), arguments, within)
         except (NoAnswer, TimeoutError) as err:
             raise GatewayAway(f"the gateway of {robot} does not answer; is the robot there?") from err
         except NotAllowed as err:

@@ -27,7 +27,7 @@ from agents.platform import (
     Template,
 )
 from agents.platform.errors import in_words
-from agents.services.gateway_leases import ANSWER_TIME, GatewayAway, GatewayLeases
+from agents.services.gateway_leases import ANSWER_TIME, TAKING_TIME, GatewayAway, GatewayLeases
 from agents.services.lease_book import new_id
 from agents.services.leases import ONTOLOGY, SERVICE, LeaseEvent, LeaseLost, LeaseNews, Place
 from bus import BusError, Refused
@@ -39,7 +39,7 @@ LONGEST_PERIOD = (
     0.8  # s between renewals of a name; two of them with a search are less than an arbiter's TIME_TO_RETURN
 )
 TIME_TO_LET_GO = 1.0  # s
-TIME_TO_TAKE_OVER = ANSWER_TIME  # s for the gateway to answer, once a warned holder's time is up
+TIME_TO_TAKE_OVER = TAKING_TIME  # s for the gateway to answer, once a warned holder's time is up
 
 OnNews = Callable[[LeaseNews], None]
 

@@ -46,6 +46,7 @@ class UserInterface(Component):
         self._missions = 0
         self._ended: dict[str, dict[str, Any]] = {}
         self._is_planner_missed = False
+        self._is_unknown = False
         self.every(self.numbers.look, self._look)
 
     @request("go")
@@ -65,6 +66,7 @@ class UserInterface(Component):
             self._end(self._goal.mission, "replaced", "another mission was begun")
         self._missions += 1
         self._goal = GoalPoint(f"m{int(self.home.wall_time())}-{self._missions}", x, y, heading, tolerance)
+        self._is_unknown = False
         self.tell(self._goal)
         return {"mission": self._goal.mission}
 
@@ -128,7 +130,10 @@ class UserInterface(Component):
         await self._note(message)
 
     async def _look(self) -> None:
-        """See how the mission goes; if planning has forgotten it, since it was begun anew, tell it again."""
+        """See how the mission goes; if planning has forgotten it, since it was begun anew, tell it again.
+
+        Forgotten is what it does not know at two looks in a row: at the first one the goal may still be on its way.
+        """
         if self._goal is None:
             return
         goal = self._goal
@@ -144,9 +149,11 @@ class UserInterface(Component):
         self._is_planner_missed = False
         if self._goal is not goal:
             return
-        if told.get("mission") in ("", *self._ended):
-            await self._say("warning", "path planning has forgotten the mission, and is told again")
-            self.tell(goal)
+        was_unknown, self._is_unknown = self._is_unknown, told.get("mission") in ("", *self._ended)
+        if self._is_unknown:
+            if was_unknown:
+                await self._say("warning", "path planning has forgotten the mission, and is told again")
+                self.tell(goal)
         elif told.get("mission") != goal.mission:
             self._end(goal.mission, "replaced", f"somebody else has begun {told.get('mission')}")
         elif told.get("state") in ENDED:

@@ -57,7 +57,7 @@ class Planning(Component):
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:
         if self.goal is None:
-            return {"mission": None, "state": "idle", "why": "", "since": 0.0}
+            return {"mission": "", "state": "idle", "why": "", "since": 0.0}
         return {
             **{name: PICTURE[name] for name in ("since", "sub_target", "travelled", "pose")},
             "mission": self.goal.mission,
@@ -72,7 +72,9 @@ class Planning(Component):
         return {**PICTURE, **self.tell_state()}
 
 
-def navigation(robot: str, ends: str, kind: type[UserInterface] = UserInterface) -> tuple[Component, Component]:
+def navigation(
+    robot: str, ends: str, kind: type[UserInterface] = UserInterface, planning: type[Planning] = Planning
+) -> tuple[Component, Component]:
     """A face and a path planning for a robot."""
     face = kind(
         f"user_interface@{robot}",
@@ -82,5 +84,5 @@ def navigation(robot: str, ends: str, kind: type[UserInterface] = UserInterface)
             "numbers": {"look": 0.05},
         },
     )
-    planning = Planning(f"path_planning@{robot}", {"tells": {"LogMessage": ["user_interface"]}, "ends": ends})
-    return face, planning
+    planner = planning(f"path_planning@{robot}", {"tells": {"LogMessage": ["user_interface"]}, "ends": ends})
+    return face, planner

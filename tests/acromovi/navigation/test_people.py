@@ -12,11 +12,12 @@ import pytest
 from acromovi.__main__ import main
 from acromovi.navigation.log import messages
 from agents.platform import Agent, AgentName, Container, subscription
+from apps.indoor_navigation.component import answers_query, is_told
 from apps.indoor_navigation.components.user_interface import UserInterface
-from apps.indoor_navigation.data import LogMessage
+from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import Refused, ZenohBus
 from tests.acromovi.agents_alive import living
-from tests.acromovi.navigation.planning import navigation
+from tests.acromovi.navigation.planning import Planning, navigation
 
 
 @pytest.fixture
@@ -186,3 +187,40 @@ def test_a_picture_at_the_end_needs_one_who_waits(capsys: pytest.CaptureFixture[
 def test_watching_needs_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["navigate", "watch", "happy"]) == 1
     assert "needs a terminal" in capsys.readouterr().err
+
+
+class HearsLate(Planning):
+    """A path planning that has not yet heard of the goal when it is asked for the first time."""
+
+    is_asked_again = False
+
+    @answers_query("state")
+    def tell_state(self) -> dict[str, Any]:
+        told = super().tell_state()
+        if self.goal is not None and not self.is_asked_again:
+            self.is_asked_again = True
+            return {**told, "mission": ""}
+        return told
+
+
+class Forgets(Planning):
+    """A path planning that is begun anew right after the first goal has come, and knows it no more."""
+
+    is_anew = False
+
+    @is_told(GoalPoint)
+    async def take_up(self, goal: GoalPoint) -> None:
+        if self.is_anew:
+            await super().take_up(goal)
+        self.is_anew = True
+
+
+@pytest.mark.parametrize(("planning", "is_told_again"), [(HearsLate, False), (Forgets, True)])
+def test_a_goal_is_told_again_only_if_planning_has_forgotten_it(
+    robot: str, planning: type[Planning], is_told_again: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with living(robot, *navigation(robot, "done", planning=planning)):
+        assert main(["navigate", "go", robot, "1", "2", "--wait"]) == 0
+    log, last = capsys.readouterr().out.rsplit("\n", 2)[:2]
+    assert ("has forgotten the mission" in log) is is_told_again
+    assert last == "done: as the test wants it"

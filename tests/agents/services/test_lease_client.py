@@ -8,7 +8,7 @@ import pytest
 from agents.platform import Agent, RequestNotDone
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
-from agents.services.lease_client import HeldLease, leased
+from agents.services.lease_client import NOTICE, TIME_TO_TAKE_OVER, HeldLease, leased
 from agents.services.leases import LeaseEvent, LeaseLost, LeaseNews
 from tests.agents.services.lease_world import ARBITER, LeaseWorld
 
@@ -172,7 +172,7 @@ def test_warning_that_comes_to_nothing_is_over(world: LeaseWorld, app: Agent) ->
         wish = {"element": "base@happy", "priority": 1}
         assert not (await chief.request(ARBITER, "lease", reply_within=0.2, **wish)).is_done
         assert lease.wanted_by == "chief@lab"
-        await asyncio.sleep(2.0)
+        await asyncio.sleep(NOTICE + TIME_TO_TAKE_OVER)
         assert lease.wanted_by == ""
         lease.check()
 
