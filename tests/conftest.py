@@ -15,6 +15,9 @@ from tests.waiting import wait_until
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
+# In each of the hundreds of processes that begin here, numpy's linear algebra would have a thread for each core spin.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # Each run has a bus of its own, and so has each worker of it, so that two runs on one machine never meet. The programs
 # under test inherit it.
 os.environ[VARIABLE] = f"local:test-{uuid.uuid4().hex[:12]}"

@@ -206,11 +206,10 @@ def _contributions() -> NDArray[np.uint16]:
     for _ in range(LONGEST_TELEGRAM + 16):
         powers.append(register)
         register = register << 1 & 0xFFFF ^ (_POLYNOMIAL if register & 0x8000 else 0)
-    values = np.arange(256)
     table = np.zeros((LONGEST_TELEGRAM, 256), np.uint16)
-    for distance in range(LONGEST_TELEGRAM):
-        for bit in range(8):
-            # As the low byte of its own word, and as the high byte of the next one, which a last byte does not have.
-            added = powers[distance + bit] ^ (powers[distance + bit + 7] if distance else 0)
-            table[distance][(values >> bit & 1) == 1] ^= np.uint16(added)
+    for bit in range(8):
+        # As the low byte of its own word, and as the high byte of the next one, which a last byte does not have.
+        low = np.array(powers[bit : bit + LONGEST_TELEGRAM], np.uint16)
+        high = np.array([0, *powers[bit + 8 : bit + 7 + LONGEST_TELEGRAM]], np.uint16)
+        table[:, np.arange(256) >> bit & 1 == 1] ^= (low ^ high)[:, np.newaxis]
     return table

@@ -27,7 +27,7 @@ LEFT_OUT = (
 )
 UNUSED = ("cacheprovider", "hypothesispytest", "xdist")
 """Plugins that the suite does not need, and that take longer to load than a model is asked."""
-TOGETHER = 3
+TOGETHER = 5
 """Models that one process asks."""
 REASONS = (
     r"\w+( for one array)? came with .*",
