@@ -1,17 +1,17 @@
-"""Our own messages, for what no standard type says: the Python side of `bus/msg/*.msg`.
+"""Our own messages, for what no standard type says: the Python side of `bus/msg/*.msg`, to which a test holds them.
 
 Array fields take any sequence and hold a numpy array, which indexes, iterates and has a length like one.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.typesys.stores.ros2_jazzy import geometry_msgs__msg__Vector3 as Vector3
-from rosbags.typesys.stores.ros2_jazzy import sensor_msgs__msg__Range as Range
-from rosbags.typesys.stores.ros2_jazzy import std_msgs__msg__Header as Header
+
+from bus.field_types import Bool, Float32, String, Strings, UInt16
+from bus.ros_msgs import Header, Range, Vector3
 
 __all__ = [
     "ACROMOVI_MESSAGES",
@@ -25,8 +25,8 @@ __all__ = [
     "RobotState",
 ]
 
-Booleans = Sequence[bool] | NDArray[np.bool_]
-Floats = Sequence[float] | NDArray[np.float32]
+Booleans = Annotated[Sequence[bool] | NDArray[np.bool_], "bool[]"]
+Floats = Annotated[Sequence[float] | NDArray[np.float32], "float32[]"]
 
 
 @dataclass
@@ -52,8 +52,8 @@ class Bumpers:
     header: Header
     front: Booleans = ()
     rear: Booleans = ()
-    stall_left: bool = False
-    stall_right: bool = False
+    stall_left: Bool = False
+    stall_right: Bool = False
     __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Bumpers"
 
     def __post_init__(self) -> None:
@@ -74,12 +74,12 @@ class RobotState:
     """
 
     header: Header
-    connection: str
-    motors: bool = False
-    estop: bool = False
-    sonar: bool = False
-    flags: int = 0
-    faults: list[str] = field(default_factory=list)
+    connection: String
+    motors: Bool = False
+    estop: Bool = False
+    sonar: Bool = False
+    flags: UInt16 = 0
+    faults: Strings = field(default_factory=list)
     __msgtype__: ClassVar[str] = "acromovi_msgs/msg/RobotState"
 
 
@@ -112,17 +112,17 @@ class Gripper:
     """
 
     header: Header
-    fitted: bool = True
-    paddles_open: bool = False
-    paddles_closed: bool = False
-    paddles_moving: bool = False
-    lift_up: bool = False
-    lift_down: bool = False
-    lift_moving: bool = False
-    outer_beam: bool = False
-    inner_beam: bool = False
-    left_contact: bool = False
-    right_contact: bool = False
+    fitted: Bool = True
+    paddles_open: Bool = False
+    paddles_closed: Bool = False
+    paddles_moving: Bool = False
+    lift_up: Bool = False
+    lift_down: Bool = False
+    lift_moving: Bool = False
+    outer_beam: Bool = False
+    inner_beam: Bool = False
+    left_contact: Bool = False
+    right_contact: Bool = False
     __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Gripper"
 
 
@@ -134,8 +134,8 @@ class Arm:
     """
 
     header: Header
-    powered: bool = False
-    homed: bool = False
+    powered: Bool = False
+    homed: Bool = False
     moving: Booleans = ()
     __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Arm"
 
@@ -148,10 +148,10 @@ class PanTiltZoom:
     """A camera on a head: pan rad to the left, tilt rad up, zoom the magnification, 1 at the widest."""
 
     header: Header
-    pan: float = 0.0
-    tilt: float = 0.0
-    zoom: float = 1.0
-    moving: bool = False
+    pan: Float32 = 0.0
+    tilt: Float32 = 0.0
+    zoom: Float32 = 1.0
+    moving: Bool = False
     __msgtype__: ClassVar[str] = "acromovi_msgs/msg/PanTiltZoom"
 
 
@@ -164,12 +164,12 @@ class Compass:
     """
 
     header: Header
-    heading: float
-    pitch: float
-    roll: float
+    heading: Float32
+    pitch: Float32
+    roll: Float32
     magnetic_field: Vector3
-    temperature: float = 0.0
-    errors: int = 0
+    temperature: Float32 = 0.0
+    errors: UInt16 = 0
     __msgtype__: ClassVar[str] = "acromovi_msgs/msg/Compass"
 
 

@@ -1,8 +1,7 @@
 """Messages: ROS 2 types in CDR, and plain objects in JSON.
 
-The standard classes are those of ROS 2 Jazzy, our own are in `acromovi_msgs`. All are dataclasses whose fields are
-spelled as in their `.msg` files; every field of a standard class must be given, and its number arrays are numpy arrays
-of the field's own type (`covariance`: float64, shape (36,)).
+The standard classes are in `ros_msgs`, our own in `acromovi_msgs`. All are dataclasses whose fields are spelled as in
+their `.msg` files. Any other type of ROS 2 Jazzy can be read and written too, with the classes of rosbags.
 """
 
 import base64
@@ -14,14 +13,12 @@ import time
 from collections.abc import Callable, Mapping
 from functools import cache
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
-from rosbags.typesys.stores import ros2_jazzy as jazzy
 
 from bus.acromovi_msgs import (
     ACROMOVI_MESSAGES,
@@ -35,6 +32,36 @@ from bus.acromovi_msgs import (
     RobotState,
 )
 from bus.errors import MessageError
+from bus.field_types import definition
+from bus.ros_msgs import (
+    STANDARD_MESSAGES,
+    BatteryState,
+    CompressedImage,
+    DiagnosticArray,
+    DiagnosticStatus,
+    Header,
+    Imu,
+    JointState,
+    Joy,
+    KeyValue,
+    LaserScan,
+    Odometry,
+    Point,
+    PointCloud2,
+    PointField,
+    Pose,
+    PoseWithCovariance,
+    Quaternion,
+    Range,
+    TFMessage,
+    Time,
+    Transform,
+    TransformStamped,
+    Twist,
+    TwistStamped,
+    TwistWithCovariance,
+    Vector3,
+)
 from bus.validation import LARGEST_OBJECT, check_json, check_nesting, check_size
 
 __all__ = [
@@ -89,35 +116,6 @@ __all__ = [
     "type_of",
 ]
 
-BatteryState = jazzy.sensor_msgs__msg__BatteryState
-CompressedImage = jazzy.sensor_msgs__msg__CompressedImage
-DiagnosticArray = jazzy.diagnostic_msgs__msg__DiagnosticArray
-DiagnosticStatus = jazzy.diagnostic_msgs__msg__DiagnosticStatus
-Header = jazzy.std_msgs__msg__Header
-Imu = jazzy.sensor_msgs__msg__Imu
-JointState = jazzy.sensor_msgs__msg__JointState
-Joy = jazzy.sensor_msgs__msg__Joy
-KeyValue = jazzy.diagnostic_msgs__msg__KeyValue
-LaserScan = jazzy.sensor_msgs__msg__LaserScan
-Odometry = jazzy.nav_msgs__msg__Odometry
-Point = jazzy.geometry_msgs__msg__Point
-PointCloud2 = jazzy.sensor_msgs__msg__PointCloud2
-PointField = jazzy.sensor_msgs__msg__PointField
-Pose = jazzy.geometry_msgs__msg__Pose
-PoseWithCovariance = jazzy.geometry_msgs__msg__PoseWithCovariance
-Quaternion = jazzy.geometry_msgs__msg__Quaternion
-Range = jazzy.sensor_msgs__msg__Range
-TFMessage = jazzy.tf2_msgs__msg__TFMessage
-Time = jazzy.builtin_interfaces__msg__Time
-Transform = jazzy.geometry_msgs__msg__Transform
-TransformStamped = jazzy.geometry_msgs__msg__TransformStamped
-Twist = jazzy.geometry_msgs__msg__Twist
-TwistStamped = jazzy.geometry_msgs__msg__TwistStamped
-TwistWithCovariance = jazzy.geometry_msgs__msg__TwistWithCovariance
-Vector3 = jazzy.geometry_msgs__msg__Vector3
-
-DEFINITIONS = Path(__file__).with_name("msg")
-
 # What the generated serialisers raise on values and bytes that do not fit.
 ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
 DECODE_ERRORS = (SerdeError, struct.error, IndexError, TypeError, ValueError, OverflowError)
@@ -150,6 +148,8 @@ def prepare(type_name: str) -> None:
     thread = threading.get_ident()
     _compiled_at[thread] = inf
     try:
+        if type_name not in _typestore().fielddefs:
+            _know_all_of_ros()
         if type_name not in _typestore().fielddefs:
             raise MessageError(f"unknown message type {type_name!r}; expected one like nav_msgs/msg/Odometry")
         _typestore().get_msgdef(type_name)
@@ -321,11 +321,16 @@ def to_json(message: object) -> Any:
 
 @cache
 def _typestore() -> Typestore:
-    """All types of ROS 2 Jazzy, and ours; built when first needed, since that takes tens of ms."""
-    store = get_typestore(Stores.ROS2_JAZZY)
-    for message_class in ACROMOVI_MESSAGES:
-        name = message_class.__msgtype__
-        definition = DEFINITIONS / f"{name.rpartition('/')[2]}.msg"
-        store.register(get_types_from_msg(definition.read_text(encoding="utf-8"), name))
-        store.types[name] = message_class
+    """Our types and the standard ones of robots, and all of ROS once a program has wanted another."""
+    store = get_typestore(Stores.EMPTY)
+    for message_class in (*STANDARD_MESSAGES, *ACROMOVI_MESSAGES):
+        store.fielddefs[message_class.__msgtype__] = definition(message_class)
+        store.types[message_class.__msgtype__] = message_class
     return store
+
+
+@cache
+def _know_all_of_ros() -> None:
+    store, jazzy = _typestore(), get_typestore(Stores.ROS2_JAZZY)
+    for name in jazzy.fielddefs.keys() - store.fielddefs.keys():
+        store.fielddefs[name], store.types[name] = jazzy.fielddefs[name], jazzy.types[name]

@@ -1,18 +1,20 @@
 import contextlib
-import dataclasses
+import json
 import math
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rosbags.typesys import get_types_from_msg
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from bus import MessageError, messages
 from bus.acromovi_msgs import ACROMOVI_MESSAGES
+from bus.field_types import definition
 from bus.messages import (
     Bumpers,
     InputsOutputs,
@@ -34,6 +36,7 @@ from bus.messages import (
     twist,
     type_of,
 )
+from bus.ros_msgs import STANDARD_MESSAGES
 
 STAMP = 1_700_000_000_123_456_789
 
@@ -124,12 +127,32 @@ def test_the_state_comes_back(connection: str, faults: list[str], flags: int) ->
     assert (read.motors, read.estop, read.sonar) == (True, False, True)
 
 
+def plain(definition: Any) -> Any:
+    """A definition of rosbags without constants, and with lists for tuples."""
+    return json.loads(json.dumps(definition[1]))
+
+
 @pytest.mark.parametrize("message_class", ACROMOVI_MESSAGES, ids=lambda each: each.__msgtype__)
 def test_our_classes_have_the_fields_of_their_definitions(message_class: Any) -> None:
     name = message_class.__msgtype__
-    definition = (messages.DEFINITIONS / f"{name.rpartition('/')[2]}.msg").read_text()
-    (_, fields) = get_types_from_msg(definition, name)[name]
-    assert [field for field, _ in fields] == [field.name for field in dataclasses.fields(message_class)]
+    text = (Path(messages.__file__).with_name("msg") / f"{name.rpartition('/')[2]}.msg").read_text()
+    assert plain(definition(message_class)) == plain(get_types_from_msg(text, name)[name])
+
+
+@pytest.mark.parametrize("message_class", STANDARD_MESSAGES, ids=lambda each: each.__msgtype__)
+def test_the_standard_classes_are_those_of_jazzy(message_class: Any) -> None:
+    jazzy = get_typestore(Stores.ROS2_JAZZY)
+    name = message_class.__msgtype__
+    assert plain(definition(message_class)) == plain(jazzy.fielddefs[name])
+    constants, _ = jazzy.fielddefs[name]
+    assert {constant: getattr(message_class, constant) for constant, _, _ in constants} == {
+        constant: value for constant, _, value in constants
+    }
+
+
+def test_any_other_type_of_ros_can_be_exchanged() -> None:
+    text = get_typestore(Stores.ROS2_JAZZY).types["std_msgs/msg/String"]
+    assert decode("std_msgs/msg/String", encode(text(data="hello"))).data == "hello"
 
 
 @given(st.binary(max_size=300), st.sampled_from(["nav_msgs/msg/Odometry", "acromovi_msgs/msg/RobotState"]))
