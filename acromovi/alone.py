@@ -4,7 +4,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING
 
-from acromovi.container import End
+from acromovi.container import EndRequest
 
 if TYPE_CHECKING:
     from agents.platform import Agent, Container, Report
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 LOOK = 0.1  # s between two looks whether the agent has ended
 
 
-async def live_alone(bus: "Bus", agent: "Agent", command: str, end: End) -> bool:
+async def live_alone(bus: "Bus", agent: "Agent", command: str, end: EndRequest) -> bool:
     """Host an agent until it ends or moves away, or until the program is told to end.
 
     Args:

@@ -46,7 +46,7 @@ def argument(text: str) -> tuple[str, Any]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask once, print the answer."""
-    from acromovi.presence import Presence
+    from acromovi.presence import RobotPresence
     from bus import NoAnswer, ZenohBus, keys
     from configs.suggestion import hint
 
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     key = f"{keys.robot_name(arguments.robot)}/{suffix}"
     with ZenohBus.open(arguments.bus) as bus:
-        presence = Presence(bus)
+        presence = RobotPresence(bus)
         try:
             answers = bus.query(key, dict(arguments.arguments), arguments.timeout)
         except NoAnswer:

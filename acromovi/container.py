@@ -104,7 +104,7 @@ def check_may_serve(bus: "Bus", called: "ContainerName") -> None:
     bus.publisher(called.reports_key, JSON).close()
 
 
-def await_name(bus: "Bus", name: str, end: "End", *, forces: bool = False) -> None:
+def await_name(bus: "Bus", name: str, end: "EndRequest", *, forces: bool = False) -> None:
     """See that no other container of this name is on the bus; wait until it is free if that is asked for.
 
     Raises:
@@ -157,7 +157,7 @@ def _modules(arguments: argparse.Namespace) -> Iterator[str]:
         yield "agents.services.loaded"
 
 
-class End:
+class EndRequest:
     """Whether this program has been told to end, and how.
 
     code: the exit code.
@@ -182,12 +182,12 @@ class End:
 
 
 @contextmanager
-def ending_in_time() -> Iterator[End]:
+def ending_in_time() -> Iterator[EndRequest]:
     """Let SIGINT and SIGTERM end this program in order, and by force when that takes too long.
 
     The handlers run even while an agent blocks the event loop.
     """
-    end = End()
+    end = EndRequest()
 
     def told(number: int, frame: FrameType | None) -> None:
         end.tell(128 + number)
@@ -227,7 +227,7 @@ def _cut_off_late() -> Iterator[None]:
         os.close(writer)  # which ends the thread
 
 
-async def live(container: "Container", arguments: argparse.Namespace, end: End) -> None:
+async def live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
     """Have the agents live that are asked for, until the end."""
     async with container:
         tasks = [asyncio.ensure_future(leave_if_second(container, end))]
@@ -245,7 +245,7 @@ async def live(container: "Container", arguments: argparse.Namespace, end: End) 
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-async def follow_robot(container: "Container", robot: str, end: End) -> None:
+async def follow_robot(container: "Container", robot: str, end: EndRequest) -> None:
     """Keep the container's agents the same as the robot's elements."""
     from agents.components.robot_agents import RobotAgents
     from agents.platform.errors import in_words
@@ -280,7 +280,7 @@ async def start_services(container: "Container", team: str, properties: Mapping[
     await asyncio.gather(*map(container.start, services))
 
 
-async def leave_if_second(container: "Container", end: End) -> None:
+async def leave_if_second(container: "Container", end: EndRequest) -> None:
     """End if another container of this name began at the same moment, but earlier: two would double every agent."""
     from bus import BusError, NameTaken
     from bus.name_holder import check_name_free

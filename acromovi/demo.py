@@ -34,7 +34,7 @@ DRIVE_TIMEOUT_S = 90.0
 
 
 @dataclass
-class Heard:
+class StreamCounts:
     """What the robot has said on the bus, and how often."""
 
     pose: Pose2D | None = None
@@ -117,8 +117,8 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, Heard]:
-    heard = Heard()
+def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, StreamCounts]:
+    heard = StreamCounts()
     bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
     bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
     bus.subscribe(keys.BATTERY.key(ROBOT), heard.on_battery)
@@ -142,7 +142,7 @@ def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive,
     raise TimeoutError(f"the robot passed {follower.passed} waypoints in {DRIVE_TIMEOUT_S:.0f} s and then no more")
 
 
-def _wait_for_odometry(heard: Heard) -> None:
+def _wait_for_odometry(heard: StreamCounts) -> None:
     for _ in _every(PERIOD_S / 4, until=time.monotonic() + CONNECT_TIMEOUT_S):
         if heard.pose is not None:
             return
@@ -183,7 +183,7 @@ def _table() -> Iterator[Callable[[str], None]]:
         print()
 
 
-def _row(drive: Drive, heard: Heard, follower: Follower) -> str:
+def _row(drive: Drive, heard: StreamCounts, follower: Follower) -> str:
     pose = drive.odometry_path[-1]
     return (
         f"{drive.seconds:5.1f}s {pose.x:6.2f}m {pose.y:6.2f}m {math.degrees(pose.heading):5.0f}° {heard.speed:6.2f} "
@@ -191,7 +191,7 @@ def _row(drive: Drive, heard: Heard, follower: Follower) -> str:
     )
 
 
-def _summary(drive: Drive, heard: Heard, picture: Path) -> str:
+def _summary(drive: Drive, heard: StreamCounts, picture: Path) -> str:
     return (
         f"\ndrove {drive.length:.1f} m in {drive.seconds:.0f} s; heard {heard.odometry_count} poses and "
         f"{heard.sonar_count} sonar ranges; odometry ends {drive.drift:.2f} m from the truth; picture: {picture}\n"

@@ -66,9 +66,9 @@ def echo(
     Returns:
         The exit code.
     """
-    from acromovi.presence import Presence
+    from acromovi.presence import RobotPresence
 
-    presence = Presence(bus)
+    presence = RobotPresence(bus)
     arrived: queue.SimpleQueue[Sample] = queue.SimpleQueue()
     printed = 0
     with bus.subscribe(key, arrived.put):

@@ -16,7 +16,7 @@ from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
 from gateway.events import Event
 from gateway.faces.all_faces import CABLE_FACES
-from gateway.faces.cable_face import CableFace
+from gateway.faces.cable_face import CableAdapter
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import LaserSettings, Settings
 from geometry import Pose2D
@@ -213,7 +213,7 @@ class _Host:
         self._name = name
         self._settings = settings
         self._elements = {part: _Element(part, cables[part], clock, settings) for part in cables if part in CABLES}
-        self._faces: dict[str, CableFace[ElementDriver]] = {}
+        self._faces: dict[str, CableAdapter[ElementDriver]] = {}
         self.heard = bytearray()
         self._link = link
         self._bus = bus

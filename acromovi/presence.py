@@ -14,7 +14,7 @@ class UnknownRobot(BusError, LookupError):
     """A robot is asked for that nobody announces."""
 
 
-class Presence:
+class RobotPresence:
     """The robots that are there, kept up to date."""
 
     def __init__(self, bus: Bus) -> None:

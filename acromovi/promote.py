@@ -10,7 +10,7 @@ from acromovi.options import add_bus
 from acromovi.run import add_application, chosen
 
 if TYPE_CHECKING:
-    from agents.face.program import Program
+    from agents.face.program import RunningApplication
     from agents.platform import AgentName
 
 LOADER = "loader"
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
         return 1
 
 
-def _named(program: "Program", options: argparse.Namespace, own_name: str | None) -> "AgentName":
+def _named(program: "RunningApplication", options: argparse.Namespace, own_name: str | None) -> "AgentName":
     """What its agent is called, after the owner of a key where the bus lets nobody else speak."""
     from agents.face.backstage import PLATFORM
     from agents.platform import AgentName
@@ -69,7 +69,7 @@ def _named(program: "Program", options: argparse.Namespace, own_name: str | None
     return AgentName.parse(name if "@" in name else f"{name}@{own_name or PLATFORM}")
 
 
-def _live(program: "Program", options: argparse.Namespace) -> int:
+def _live(program: "RunningApplication", options: argparse.Namespace) -> int:
     """Host it here."""
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
@@ -82,7 +82,7 @@ def _live(program: "Program", options: argparse.Namespace) -> int:
     return end.code or int(agent.has_failed or not has_begun)
 
 
-def _send(program: "Program", options: argparse.Namespace) -> int:
+def _send(program: "RunningApplication", options: argparse.Namespace) -> int:
     """Have a loader or a container host it."""
     from acromovi.sending import into_container, into_loader
     from agents.services.loaded import digest

@@ -8,7 +8,7 @@ from acromovi.command import argument
 from acromovi.options import add_apps, add_bus
 
 if TYPE_CHECKING:
-    from agents.face.program import Program
+    from agents.face.program import RunningApplication
 
 EPILOG = """\
 examples:
@@ -42,7 +42,7 @@ def add_application(parser: argparse.ArgumentParser) -> None:
     add_apps(parser)
 
 
-def chosen(options: argparse.Namespace) -> "Program":
+def chosen(options: argparse.Namespace) -> "RunningApplication":
     """The application that the command line names, loaded, with arguments that it takes.
 
     Raises:

@@ -14,7 +14,7 @@ from acromovi.options import add_bus, seconds
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
-    from acromovi.sniffer.ear import Ear
+    from acromovi.sniffer.ear import Listener
     from acromovi.sniffer.overheard import Heard, Overheard
     from acromovi.sniffer.sequence import Diagram
 
@@ -72,7 +72,7 @@ def new_file(text: str) -> Path:
 def run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
-    from acromovi.sniffer.ear import Ear
+    from acromovi.sniffer.ear import Listener
     from acromovi.sniffer.overheard import wanted
     from bus.session import ZenohBus
 
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
     transcript = Transcript(wanted(arguments.agents, arguments.conversation), arguments.json)
     is_drawn = True
-    with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known, Ear(bus) as ear:
+    with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known, Listener(bus) as ear:
 
         def tell_silence() -> None:
             print(f"acromovi sniff: nothing has been said; {advice(arguments.agents, known)}", file=sys.stderr)
@@ -124,7 +124,7 @@ class Transcript:
         return diagram_of(self._last, self.count - len(self._last))
 
 
-def follow(ear: "Ear", transcript: Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
+def follow(ear: "Listener", transcript: Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
     """Print what is said for so many seconds, or for ever; tell once when nobody says anything."""
     begun = time.monotonic()
     quiet_until = begun + min(SILENCE, duration or SILENCE)

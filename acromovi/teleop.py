@@ -13,7 +13,7 @@ from acromovi.options import add_bus
 from acromovi.robot_view import RobotView, in_keys
 
 if TYPE_CHECKING:
-    from acromovi.presence import Presence
+    from acromovi.presence import RobotPresence
     from acromovi.terminal import Terminal
     from bus.bus import Bus, Sample, Subscription
     from bus.keys import Topic
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Drive until q."""
-    from acromovi.presence import Presence
+    from acromovi.presence import RobotPresence
     from acromovi.terminal import Terminal
     from bus.session import ZenohBus
 
@@ -53,14 +53,14 @@ def run(arguments: argparse.Namespace) -> int:
         print("acromovi teleop: this needs a terminal for its keys, and none is there", file=sys.stderr)
         return 1
     with ZenohBus.open(arguments.bus) as bus:
-        presence = Presence(bus)
+        presence = RobotPresence(bus)
         presence.expect(arguments.robot)
         with Terminal() as terminal, Teleop(bus, arguments.robot, arguments.speed, arguments.turn) as teleop:
             drive(teleop, terminal, presence)
     return 0
 
 
-def drive(teleop: "Teleop", terminal: "Terminal", presence: "Presence") -> None:
+def drive(teleop: "Teleop", terminal: "Terminal", presence: "RobotPresence") -> None:
     """Read keys, command the robot and show how it is, until q or the end of the terminal."""
     reader = KeyReader()
     shown_at = 0.0

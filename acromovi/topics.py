@@ -90,10 +90,10 @@ class Tally:
 
 def listen(bus: "Bus", duration: float) -> dict[str, Any]:
     """Listen to everything for `duration` s; the result is what `--json` prints."""
-    from acromovi.presence import Presence
+    from acromovi.presence import RobotPresence
 
     tally = Tally()
-    presence = Presence(bus)
+    presence = RobotPresence(bus)
     with bus.subscribe("**", lambda sample: tally.add(sample, time.monotonic())):
         time.sleep(duration)
     return {"robots": presence.robots, "topics": tally.rows()}

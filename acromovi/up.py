@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from acromovi.options import add_apps, add_bus, seconds
 
 if TYPE_CHECKING:
-    from acromovi.team.plan import Choices, Team
+    from acromovi.team.plan import Choices, TeamPlan
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
@@ -86,7 +86,7 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argparse.Namespace) -> int:
+async def _hold(team: "TeamPlan", choices: "Choices", folder: Path, arguments: argparse.Namespace) -> int:
     from acromovi.team.identities import teams_key
     from acromovi.team.processes import Processes
     from acromovi.team.team import STARTING_TIME, TeamAtWork
@@ -126,7 +126,7 @@ async def _hold(team: "Team", choices: "Choices", folder: Path, arguments: argpa
                 await at_work.supervisor.end()
 
 
-def _greeting(team: "Team", robots: Sequence[str]) -> str:
+def _greeting(team: "TeamPlan", robots: Sequence[str]) -> str:
     away = [robot.name for robot in team.robots if robot.name not in robots]
     who = f"{len(robots)} of {len(team.robots)} robots" if away else f"all {len(robots)} robots"
     if not away and len(robots) == 1:
@@ -150,7 +150,7 @@ def signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":
     return came
 
 
-async def _see_that_nobody_is_there(bus: "Bus", team: "Team") -> None:
+async def _see_that_nobody_is_there(bus: "Bus", team: "TeamPlan") -> None:
     """Refuse to bring up what is up already: two of one name would both obey.
 
     Raises:

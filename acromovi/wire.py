@@ -13,7 +13,7 @@ import configs
 from gateway.errors import GatewayError
 from gateway.serial_port import Port, open_port
 from p2os import PARTIAL_TIMEOUT, RobotModel
-from p2os.wire_log import Entry, Source, WireLog, as_json, as_text
+from p2os.wire_log import FrameSource, WireLog, WireLogEntry, as_json, as_text
 from p2os_emu.cassette import CassetteError, Recorder, read
 from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.poller import Poller
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def replay(path: Path, model: str | None, show: Callable[[Iterable[Entry]], None]) -> None:
+def replay(path: Path, model: str | None, show: Callable[[Iterable[WireLogEntry]], None]) -> None:
     """Show a recording.
 
     Args:
@@ -89,7 +89,7 @@ def replay(path: Path, model: str | None, show: Callable[[Iterable[Entry]], None
     for moment in cassette.moments:
         show(log.receive(moment.source, moment.data, moment.time))
     end = cassette.moments[-1].time + 2 * PARTIAL_TIMEOUT
-    for source in Source:
+    for source in FrameSource:
         show(log.receive(source, b"", end))
 
 
@@ -109,7 +109,7 @@ class Tap:
         port: Port,
         link: Link | None,
         log: WireLog,
-        show: Callable[[Iterable[Entry]], None],
+        show: Callable[[Iterable[WireLogEntry]], None],
         keep: Callable[[float, str, bytes], None] | None = None,
     ) -> None:
         self._port = port
@@ -123,12 +123,12 @@ class Tap:
         data = self._port.read()
         if data and self._link is not None:
             self._link.write(data)
-        self._note(Source.ROBOT, data, now)
+        self._note(FrameSource.ROBOT, data, now)
 
     def pass_time(self, now: float) -> None:
         """Take what the client has written, at the rate it has set, and give up half frames; call it often."""
         self._from_client(now)
-        for source in Source:
+        for source in FrameSource:
             self._show(self._log.receive(source, b"", now))
 
     def _from_client(self, now: float) -> None:
@@ -139,15 +139,15 @@ class Tap:
             self._port.set_rate(self._link.client_baud)
         if data:
             self._port.write(data)
-        self._note(Source.HOST, data, now)
+        self._note(FrameSource.HOST, data, now)
 
-    def _note(self, source: Source, data: bytes, now: float) -> None:
+    def _note(self, source: FrameSource, data: bytes, now: float) -> None:
         if data and self._keep is not None:
             self._keep(now, source.value, data)
         self._show(self._log.receive(source, data, now))
 
 
-def _listen(arguments: argparse.Namespace, show: Callable[[Iterable[Entry]], None]) -> None:
+def _listen(arguments: argparse.Namespace, show: Callable[[Iterable[WireLogEntry]], None]) -> None:
     with contextlib.ExitStack() as stack:
         port = open_port(arguments.line)
         stack.callback(port.close)
@@ -189,8 +189,8 @@ def _find_model(subtype: str) -> RobotModel | None:
     return configs.load(RobotModel, "robots", subtype)
 
 
-def _printer(as_objects: bool, output: TextIO) -> Callable[[Iterable[Entry]], None]:
-    def show(entries: Iterable[Entry]) -> None:
+def _printer(as_objects: bool, output: TextIO) -> Callable[[Iterable[WireLogEntry]], None]:
+    def show(entries: Iterable[WireLogEntry]) -> None:
         for entry in entries:
             print(json.dumps(as_json(entry), ensure_ascii=False) if as_objects else as_text(entry), file=output)
         output.flush()

@@ -13,7 +13,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.attraction import AttractionNumbers, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.components.goto import Goto, Steering
-from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
+from apps.indoor_navigation.data import Floats, RobotOdometry, WorldCoord
 from geometry import wrap_angle
 
 BLOCKS = 24  # of 15 degrees, about as many as a ring of sonar discs has
@@ -40,7 +40,7 @@ class FreeSpaceBlock:
         self._outline = outline
         self._numbers = numbers or BlockNumbers()
 
-    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+    def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         """Say how to go on; see `Attraction.steer`."""
         numbers = self._numbers
         x, y = target.x - odometry.x, target.y - odometry.y

@@ -29,7 +29,7 @@ from p2os import (
     Encoders,
     Frame,
     FrameDecoder,
-    InputsOutputs,
+    IoReport,
     RobotModel,
     SipCodec,
     decode_command,
@@ -173,7 +173,7 @@ def robot_parser() -> Parser:
         sip._replace(sonar=()),
         Configuration(subtype="powerbot-sh", name="happy", firmware_version="2.8"),
         Encoders(-5, 70000),
-        InputsOutputs(bytes(4), bytes(1), (1.0, 2.5)),
+        IoReport(bytes(4), bytes(1), (1.0, 2.5)),
     )
     corpus = [encode_packet(packet, model) for packet in packets]
     corpus += [bytes([kind]) + bytes(size) for kind in PacketType for size in (1, 7, 30, 120)]
@@ -182,12 +182,12 @@ def robot_parser() -> Parser:
 
 def laser_parser() -> Parser:
     """What a host does with a laser's bytes."""
-    decoder = lms_framing.TelegramDecoder(from_laser=True)
+    decoder = lms_framing.LmsTelegramDecoder(from_laser=True)
 
     def take(data: bytes) -> None:
         for event in decoder.receive(data, 0.0):
-            if isinstance(event, lms_framing.Telegram):
-                for read in (lms.read_status, lms.read_variant, lms.Configuration.unpack):
+            if isinstance(event, lms_framing.LmsTelegram):
+                for read in (lms.read_status, lms.read_variant, lms.LmsConfiguration.unpack):
                     with suppress(DecodeError):  # likewise
                         read(event.data)
                 with suppress(DecodeError):  # likewise
@@ -196,12 +196,12 @@ def laser_parser() -> Parser:
 
     values, millimetres = bytes(2 * 61), lms.Unit.MILLIMETRE
     contents = (
-        (lms.Answer.SCAN, lms.scan_data(values, millimetres)),
-        (lms.Answer.PARTIAL_SCAN, lms.partial_data(60, values, millimetres)),
-        (lms.Answer.STATUS, lms.status_data(b"X1.27", lms.VARIANTS[0])),
-        (lms.Answer.VARIANT, b"\1" + lms.variant_data(lms.VARIANTS[1])),
-        (lms.Answer.CONFIGURATION, lms.Configuration().pack()),
-        (lms.Answer.MODE, bytes(1)),
+        (lms.LmsAnswerCode.SCAN, lms.scan_data(values, millimetres)),
+        (lms.LmsAnswerCode.PARTIAL_SCAN, lms.partial_data(60, values, millimetres)),
+        (lms.LmsAnswerCode.STATUS, lms.status_data(b"X1.27", lms.VARIANTS[0])),
+        (lms.LmsAnswerCode.VARIANT, b"\1" + lms.variant_data(lms.VARIANTS[1])),
+        (lms.LmsAnswerCode.CONFIGURATION, lms.LmsConfiguration().pack()),
+        (lms.LmsAnswerCode.MODE, bytes(1)),
     )
     telegrams = [lms_framing.encode_answer(code, data, lms.STATUS_OK) for code, data in contents]
     return Parser("LMS to host", [telegram[:-2] for telegram in telegrams], 5, seal_telegrams, take)
@@ -209,21 +209,21 @@ def laser_parser() -> Parser:
 
 def laser_host_parser() -> Parser:
     """What a laser does with a host's bytes."""
-    decoder = lms_framing.TelegramDecoder(from_laser=False)
+    decoder = lms_framing.LmsTelegramDecoder(from_laser=False)
 
     def take(data: bytes) -> None:
         for event in decoder.receive(data, 0.0):
-            if isinstance(event, lms_framing.Telegram):
+            if isinstance(event, lms_framing.LmsTelegram):
                 lms.read_segment(event.data)
                 with suppress(DecodeError):  # likewise
-                    lms.Configuration.unpack(event.data)
+                    lms.LmsConfiguration.unpack(event.data)
 
     contents = (
-        (lms.Request.MODE, bytes([lms.Mode.INSTALLATION]) + lms.PASSWORD),
-        (lms.Request.MODE, bytes([lms.Mode.CONTINUOUS_PARTIAL]) + lms.segment_data(range(60, 120))),
-        (lms.Request.VARIANT, lms.variant_data(lms.VARIANTS[0])),
-        (lms.Request.SET_CONFIGURATION, lms.Configuration().pack()),
-        (lms.Request.STATUS, b""),
+        (lms.LmsRequestCode.MODE, bytes([lms.LmsMode.INSTALLATION]) + lms.PASSWORD),
+        (lms.LmsRequestCode.MODE, bytes([lms.LmsMode.CONTINUOUS_PARTIAL]) + lms.segment_data(range(60, 120))),
+        (lms.LmsRequestCode.VARIANT, lms.variant_data(lms.VARIANTS[0])),
+        (lms.LmsRequestCode.SET_CONFIGURATION, lms.LmsConfiguration().pack()),
+        (lms.LmsRequestCode.STATUS, b""),
     )
     telegrams = [lms_framing.encode(code, data) for code, data in contents]
     return Parser("host to LMS", [telegram[:-2] for telegram in telegrams], 5, seal_telegrams, take)

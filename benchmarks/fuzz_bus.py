@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from acromovi.lockstep import Lockstep
 from bus import MemoryBus, NoAnswer, Refused, Sample, keys
-from bus.exchange import Reply, key_expression
+from bus.exchange import RawReply, key_expression
 from bus.messages import TwistStamped, encode, header, twist
 from gateway.commands import COMMANDS, TOKEN, CommandRow
 from gateway.faces.all_faces import FACES
@@ -111,7 +111,7 @@ class FuzzedRobot:
             self._bus.deliver(Sample(key, payload, attachment=attachment))
             self.outcome.samples += 1
             return
-        replies: list[Reply] = []
+        replies: list[RawReply] = []
         for entry in self._bus.network.queryables:
             if entry.matches(key_expression(key)):
                 entry.call(payload, replies.append, lambda: None)

@@ -9,7 +9,7 @@ from acromovi.children import emulator
 from benchmarks.cadence import deviation
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure
-from benchmarks.laser_client import LaserClient
+from benchmarks.laser_client import LaserPortClient
 from benchmarks.processes import CpuMeter
 from p2os import Command, CommandValue
 from p2os.accessories.lms import Variant
@@ -44,7 +44,7 @@ def _rates() -> list[Figure]:
     figures = []
     for baud, variant, wanted in WANTED_RATES:
         with emulator("--robot", "p3dx-sh", "--fit", "laser", "--link", "rs232", "--quiet") as robots:
-            with LaserClient(robots.robots[0]["laser_port"]) as laser:
+            with LaserPortClient(robots.robots[0]["laser_port"]) as laser:
                 laser.start(baud, variant)
                 laser.listen(1.0)
                 before, began = laser.scans, time.monotonic()
@@ -60,7 +60,7 @@ def _powerbot() -> list[Figure]:
     with (
         emulator(*robot, "--quiet") as robots,
         PortClient(robots.port) as client,
-        LaserClient(robots.robots[0]["laser_port"]) as laser,
+        LaserPortClient(robots.robots[0]["laser_port"]) as laser,
     ):
         client.connect()
         for command, value in EVERYTHING:
@@ -78,7 +78,7 @@ def _team() -> list[Figure]:
     team = [f"--robot=p3dx-sh:r{number}" for number in range(TEAM)]
     with emulator(*team, "--fit", "laser", "--world", "empty", "--quiet") as robots, ExitStack() as stack:
         clients = [stack.enter_context(PortClient(robot["port"])) for robot in robots.robots]
-        lasers = [stack.enter_context(LaserClient(robot["laser_port"])) for robot in robots.robots]
+        lasers = [stack.enter_context(LaserPortClient(robot["laser_port"])) for robot in robots.robots]
         for client in clients:
             client.connect()
             client.send(Command.ENABLE, 1)
@@ -97,7 +97,7 @@ def _team() -> list[Figure]:
     return [Figure("laser", f"processor, {name}", cost, 30.0, "%"), worst]
 
 
-def _listen(clients: list[PortClient], lasers: list[LaserClient], seconds: float) -> list[list[float]]:
+def _listen(clients: list[PortClient], lasers: list[LaserPortClient], seconds: float) -> list[list[float]]:
     """Read everybody as bytes come and keep the robots alive; arrival times of each robot's SIPs."""
     arrivals: list[list[float]] = [[] for _ in clients]
     owner = {client.descriptor: number for number, client in enumerate(clients)}

@@ -7,14 +7,14 @@ import time
 import tty
 from typing import Self
 
-from p2os.accessories.lms import MODE_OF_BAUD, Answer, Mode, Request, Variant, variant_data
-from p2os.accessories.lms_framing import Telegram, TelegramDecoder, encode
+from p2os.accessories.lms import MODE_OF_BAUD, LmsAnswerCode, LmsMode, LmsRequestCode, Variant, variant_data
+from p2os.accessories.lms_framing import LmsTelegram, LmsTelegramDecoder, encode
 
 ANSWER_TIMEOUT_S = 2.0
 SETTLE_S = 0.2
 
 
-class LaserClient:
+class LaserPortClient:
     """Holds the laser's port open; use it as a context manager.
 
     descriptor: to wait on. scans: how many have come.
@@ -25,7 +25,7 @@ class LaserClient:
         tty.setraw(self.descriptor)
         self._set_rate(9600)
         self.scans = 0
-        self._decoder = TelegramDecoder(from_laser=True)
+        self._decoder = LmsTelegramDecoder(from_laser=True)
 
     def __enter__(self) -> Self:
         return self
@@ -39,19 +39,19 @@ class LaserClient:
         Raises:
             TimeoutError: It does not answer.
         """
-        self._ask(Request.MODE, bytes((Mode.ON_REQUEST,)), Answer.MODE)
-        self._ask(Request.MODE, bytes((MODE_OF_BAUD[baud],)), Answer.MODE)
+        self._ask(LmsRequestCode.MODE, bytes((LmsMode.ON_REQUEST,)), LmsAnswerCode.MODE)
+        self._ask(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[baud],)), LmsAnswerCode.MODE)
         self._set_rate(baud)
         time.sleep(SETTLE_S)
-        self._ask(Request.VARIANT, variant_data(variant), Answer.VARIANT)
-        self._ask(Request.MODE, bytes((Mode.CONTINUOUS,)), Answer.MODE)
+        self._ask(LmsRequestCode.VARIANT, variant_data(variant), LmsAnswerCode.VARIANT)
+        self._ask(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS,)), LmsAnswerCode.MODE)
 
-    def read(self) -> list[Telegram]:
+    def read(self) -> list[LmsTelegram]:
         """Every telegram that is complete with the bytes that wait."""
         data = os.read(self.descriptor, 4096)
         found = self._decoder.receive(data, time.monotonic())
-        telegrams = [each for each in found if isinstance(each, Telegram)]
-        self.scans += sum(each.code == Answer.SCAN for each in telegrams)
+        telegrams = [each for each in found if isinstance(each, LmsTelegram)]
+        self.scans += sum(each.code == LmsAnswerCode.SCAN for each in telegrams)
         return telegrams
 
     def listen(self, seconds: float) -> None:
@@ -66,7 +66,7 @@ class LaserClient:
         attributes[4] = attributes[5] = getattr(termios, f"B{baud}")
         termios.tcsetattr(self.descriptor, termios.TCSANOW, attributes)
 
-    def _ask(self, request: Request, data: bytes, answer: Answer) -> None:
+    def _ask(self, request: LmsRequestCode, data: bytes, answer: LmsAnswerCode) -> None:
         os.write(self.descriptor, encode(request, data))
         deadline = time.monotonic() + ANSWER_TIMEOUT_S
         while (rest := deadline - time.monotonic()) > 0:

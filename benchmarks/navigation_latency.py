@@ -16,7 +16,7 @@ import numpy as np
 import configs
 from apps.indoor_navigation.component import push_key, send_key
 from apps.indoor_navigation.data import GoalPoint, MotionCmd
-from apps.indoor_navigation.wiring import Part, load_wiring
+from apps.indoor_navigation.wiring import ComponentSpec, load_wiring
 from benchmarks.agents import peer
 from benchmarks.figures import Figure, percentile
 from bus import Bus, Sample, ZenohBus, keys
@@ -74,7 +74,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     ]
 
 
-def _arguments(part: Part) -> tuple[str, str, str]:
+def _arguments(part: ComponentSpec) -> tuple[str, str, str]:
     return part.kind, str(part.agent(ROBOT)), json.dumps(part.properties)
 
 

@@ -22,7 +22,7 @@ from benchmarks.figures import Figure
 from gateway.driver import Driver
 from gateway.events import SipReceived
 from gateway.line import CABLE
-from gateway.line import Line as GatewayLine
+from gateway.line import LineKind as GatewayLine
 from gateway.settings import Settings
 from p2os import (
     DecodeError,
@@ -38,9 +38,9 @@ from p2os import (
 from p2os.fields import POSITION_UNITS
 from p2os.sip import SIP_TYPES
 from p2os_emu.links.impairments import Impairments
-from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.links.stage import Rates, Stage
+from p2os_emu.links.stage import LinkStage, Rates
 
 PACKETS = 1_000_000
 DAMAGE = 0.01  # fraction of bytes
@@ -117,7 +117,7 @@ def run(packets: int, seed: int = SEED, samples: int = SAMPLES) -> Outcome:
     truth = _Truth(radio.to_host, seed)
     account = _Account(model, host, outcome)
     link = MemoryLink(client_rate=9600)
-    line = Line(link, radio, seed)
+    line = EmulatedLine(link, radio, seed)
     now = heard_at = next_sip = host.connect()
     sips = _drive(model, packets, seed)
     frame = b"?"
@@ -211,7 +211,7 @@ class _Truth:
         return _Injected(frame, places, _through(self._damaging, bytes(len(places))))
 
 
-def _through(stages: Sequence[Stage], data: bytes) -> bytes:
+def _through(stages: Sequence[LinkStage], data: bytes) -> bytes:
     for stage in stages:
         data = stage.carry(data, 0.0, _RATES)
     return data

@@ -12,23 +12,23 @@ import zenoh
 from bus.bus import JSON, Conversation
 from bus.declared import Declared, Listening
 from bus.errors import BusUnavailable, TimedOut
-from bus.exchange import Replies, Reply, reason, refusal, reply_of
+from bus.exchange import RawReply, Replies, reason, refusal, reply_of
 from bus.handler_thread import HandlerThread
 
 ASK_AGAIN_AFTER = 0.02  # s
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
 
 
-def read_reply(reply: zenoh.Reply) -> Reply | None:
+def read_reply(reply: zenoh.Reply) -> RawReply | None:
     """A reply as it travels, or None for Zenoh's word that someone has not answered in time."""
     if reply.ok is not None:
-        return Reply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes())
+        return RawReply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes())
     if reply.err is None:  # neither: Zenoh makes no such reply, and a strange one is no answer
-        return Reply(True, "", b"an empty reply")
+        return RawReply(True, "", b"an empty reply")
     payload = reply.err.payload.to_bytes()
     if payload == ZENOH_TIMEOUT and str(reply.err.encoding) != JSON:
         return None
-    return Reply(True, "", payload)
+    return RawReply(True, "", payload)
 
 
 class ZenohConversation(Conversation):
@@ -113,9 +113,9 @@ class ZenohAsking(Listening):
     def _late(self) -> TimedOut:
         return TimedOut(f"someone who serves {self._replies.key_expr} has not answered within {self._timeout:g} s")
 
-    def _take(self, item: Reply | TimedOut | None) -> None:
+    def _take(self, item: RawReply | TimedOut | None) -> None:
         match item:
-            case Reply():
+            case RawReply():
                 self._replies.hear(item)
             case TimedOut():
                 self._replies.error = item

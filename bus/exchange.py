@@ -20,7 +20,7 @@ Talker = Callable[[dict[str, Any], Conversation], None]
 P = ParamSpec("P")
 
 
-class Reply(NamedTuple):
+class RawReply(NamedTuple):
     """One reply as it travels: an error reply has no key."""
 
     is_error: bool
@@ -104,13 +104,13 @@ def refusal(why: str) -> bytes:
     return encode_json({"error": sentence(why)})
 
 
-def answered(key: str, answer: Answerer, payload: bytes) -> Reply:
+def answered(key: str, answer: Answerer, payload: bytes) -> RawReply:
     """Let a handler answer one query; whatever happens, there is a reply."""
     try:
         value = answer(decode_json(payload, LARGEST_REQUEST))
-        return Reply(False, key, value if isinstance(value, bytes) else encode_json(value))
+        return RawReply(False, key, value if isinstance(value, bytes) else encode_json(value))
     except Exception as err:
-        return Reply(True, key, refusal(_why_not(key, err)))
+        return RawReply(True, key, refusal(_why_not(key, err)))
 
 
 def talked(key: str, handler: Talker, payload: bytes, conversation: Conversation) -> None:
@@ -151,7 +151,7 @@ class Replies:
         """Whether nothing at all has been heard."""
         return not self._answers and not self._refusals and self.error is None
 
-    def hear(self, reply: Reply) -> None:
+    def hear(self, reply: RawReply) -> None:
         """Pass one reply on, or keep why it is none."""
         if reply.is_error:
             self._refusals.append(_why(reply.payload))
@@ -173,7 +173,7 @@ class Replies:
         self._on_end(self.error)
 
 
-def sorted_out(key_expr: str, replies: Iterable[Reply]) -> list[Answer]:
+def sorted_out(key_expr: str, replies: Iterable[RawReply]) -> list[Answer]:
     """The answers among the replies to one query.
 
     Raises:

@@ -14,8 +14,8 @@ from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Closeable, Publisher, Samp
 from bus.errors import BusError, BusUnavailable, TimedOut
 from bus.exchange import (
     Answerer,
+    RawReply,
     Replies,
-    Reply,
     Talker,
     answered,
     encode_any,
@@ -28,7 +28,7 @@ from bus.exchange import (
     talked,
 )
 from bus.memory_conversation import MemoryAsking, MemoryConversation
-from bus.memory_network import Listener, MemoryNetwork
+from bus.memory_network import MemoryListener, MemoryNetwork
 from bus.messages import encode_json, prepare
 
 
@@ -82,7 +82,7 @@ class MemoryBus(Bus):
         payload = encode_json(arguments or {})
         with self.network.lock:
             serving = [entry for entry in self.network.queryables if entry.matches(key)]
-            replies: list[Reply] = []
+            replies: list[RawReply] = []
             ended: list[None] = []
             for entry in serving:
                 entry.call(payload, replies.append, lambda: ended.append(None))
@@ -118,7 +118,7 @@ class MemoryBus(Bus):
         key: str,
         talk: "Callable[[bytes, MemoryConversation], None]",
         payload: bytes,
-        on_reply: Callable[[Reply], None],
+        on_reply: Callable[[RawReply], None],
         on_end: Callable[[], None],
     ) -> None:
         """Let one of this bus's handlers begin a conversation."""
@@ -155,9 +155,9 @@ class MemoryBus(Bus):
         for entered in list(self._open):
             entered.close()
 
-    def _enter(self, listeners: list[Listener], key_expr: str, call: Callable[..., Any]) -> "_Entered":
+    def _enter(self, listeners: list[MemoryListener], key_expr: str, call: Callable[..., Any]) -> "_Entered":
         self._check_open()
-        entered = _Entered(self._open, self.network, listeners, Listener(key_expression(key_expr), call))
+        entered = _Entered(self._open, self.network, listeners, MemoryListener(key_expression(key_expr), call))
         self._open[entered] = None
         return entered
 
@@ -173,8 +173,8 @@ class _Entered(Subscription):
         self,
         among: dict[Closeable, None],
         network: MemoryNetwork,
-        listeners: list[Listener],
-        listener: Listener,
+        listeners: list[MemoryListener],
+        listener: MemoryListener,
     ) -> None:
         self.listener = listener
         self._among = among

@@ -7,7 +7,7 @@ import zenoh
 
 from bus.bus import Closeable, Conversation, Subscription
 from bus.errors import BusUnavailable, TimedOut
-from bus.exchange import Replies, Reply, refusal, reply_of
+from bus.exchange import RawReply, Replies, refusal, reply_of
 from bus.memory_network import MemoryNetwork
 
 
@@ -19,7 +19,7 @@ class MemoryConversation(Conversation):
         among: dict[Closeable, None],
         network: MemoryNetwork,
         key: str,
-        on_reply: Callable[[Reply], None],
+        on_reply: Callable[[RawReply], None],
         on_end: Callable[[], None],
     ) -> None:
         self._among = among
@@ -31,14 +31,14 @@ class MemoryConversation(Conversation):
 
     def reply(self, value: dict[str, Any]) -> None:
         """Send one JSON object."""
-        self.send(Reply(False, self._key, reply_of(value)))
+        self.send(RawReply(False, self._key, reply_of(value)))
 
     def refuse(self, why: str) -> None:
         """Say no, and end it."""
-        self.send(Reply(True, self._key, refusal(why)))
+        self.send(RawReply(True, self._key, refusal(why)))
         self.close()
 
-    def send(self, reply: Reply) -> None:
+    def send(self, reply: RawReply) -> None:
         """Send a reply of either kind."""
         with self._lock:
             if self not in self._among:
@@ -91,7 +91,7 @@ class MemoryAsking(Subscription):
                 del self._among[self]
                 self._network.asking.remove(self)
 
-    def _heard(self, reply: Reply) -> None:
+    def _heard(self, reply: RawReply) -> None:
         self._network.queue(lambda: self._replies.hear(reply) if self in self._among else None)
 
     def _ended(self) -> None:

@@ -13,7 +13,7 @@ from bus.exchange import key_expression
 
 
 @dataclass(eq=False)
-class Listener:
+class MemoryListener:
     """A subscriber, a queryable, a token or a watcher of tokens: a key (expression) and what to call."""
 
     key: zenoh.KeyExpr
@@ -45,23 +45,23 @@ class MemoryNetwork:
 
     def __init__(self) -> None:
         self.lock = RLock()
-        self.subscribers: list[Listener] = []
-        self.queryables: list[Listener] = []
-        self.tokens: list[Listener] = []
-        self.watchers: list[Listener] = []
+        self.subscribers: list[MemoryListener] = []
+        self.queryables: list[MemoryListener] = []
+        self.tokens: list[MemoryListener] = []
+        self.watchers: list[MemoryListener] = []
         self.now = 0.0  # s since the network was made; moved by `let_pass` alone
         self.asking: list[Impatient] = []
-        self._routes: dict[str, list[Listener]] = {}
+        self._routes: dict[str, list[MemoryListener]] = {}
         self._due: deque[Callable[[], None]] = deque()
         self._is_delivering = False
 
-    def add(self, listeners: list[Listener], listener: Listener) -> None:
+    def add(self, listeners: list[MemoryListener], listener: MemoryListener) -> None:
         """Enter a listener into one of the lists."""
         with self.lock:
             listeners.append(listener)
             self._routes.clear()
 
-    def remove(self, listeners: list[Listener], listener: Listener) -> None:
+    def remove(self, listeners: list[MemoryListener], listener: MemoryListener) -> None:
         """Take a listener out; one that has gone already does no harm."""
         with self.lock:
             if listener.is_open:
@@ -102,7 +102,7 @@ class MemoryNetwork:
             for watcher in [watcher for watcher in self.watchers if watcher.matches(token)]:
                 self.tell(watcher, token, is_alive)
 
-    def tell(self, watcher: Listener, token: zenoh.KeyExpr, is_alive: bool) -> None:
+    def tell(self, watcher: MemoryListener, token: zenoh.KeyExpr, is_alive: bool) -> None:
         """Tell one watcher of one token."""
         with self.lock:
             self._do(lambda: watcher.hear(str(token), is_alive))
@@ -123,7 +123,7 @@ class MemoryNetwork:
         for subscriber in self._route(sample.key):
             subscriber.hear(sample)
 
-    def _route(self, plain_key: str) -> list[Listener]:
+    def _route(self, plain_key: str) -> list[MemoryListener]:
         """The subscribers to a key, found once."""
         route = self._routes.get(plain_key)
         if route is None:

@@ -19,7 +19,7 @@ MOST_TRIES = 3  # to get an answer; a program that was killed or frozen has left
 
 
 @dataclass(frozen=True, slots=True)
-class Process:
+class BusProgram:
     """A program on the bus.
 
     process: its number. host: the name of its machine. identity: no other program has it. since: s since 1970.
@@ -52,7 +52,7 @@ class Process:
         return f"process {self.process} on {where}"
 
 
-def check_name_free(bus: Bus, name: str, key_expr: str, own: Process | None = None) -> None:
+def check_name_free(bus: Bus, name: str, key_expr: str, own: BusProgram | None = None) -> None:
     """See that nobody else has a name.
 
     A program that was killed leaves the bus at once and answers nothing, so its successor finds the name free. One that
@@ -74,7 +74,7 @@ def check_name_free(bus: Bus, name: str, key_expr: str, own: Process | None = No
             if own is not None:
                 return  # it is no proof of another one: this program answers here as well
             continue
-        for holder in map(Process.of, found):
+        for holder in map(BusProgram.of, found):
             if holder is None:
                 raise NameTaken(f"{name} is on this bus already, in a program that does not tell which it is")
             is_later = own is not None and (own.since, own.identity) < (holder.since, holder.identity)

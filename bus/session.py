@@ -22,8 +22,8 @@ from bus.declared import Declared, LatestListening, Listening, Undeclarable
 from bus.errors import BusError, BusUnavailable, TimedOut
 from bus.exchange import (
     Answerer,
+    RawReply,
     Replies,
-    Reply,
     Talker,
     answered,
     encode_any,
@@ -341,7 +341,7 @@ class ZenohBus(Bus):
                 key, payload, encoding=encoding, congestion_control=congestion, attachment=attachment or None
             )
 
-    def _ask(self, key: zenoh.KeyExpr, payload: bytes, timeout: float) -> list[Reply]:
+    def _ask(self, key: zenoh.KeyExpr, payload: bytes, timeout: float) -> list[RawReply]:
         """One round: every reply, in the order of arrival.
 
         Consolidation would keep only the last of several replies on one key.

@@ -2,17 +2,17 @@
 
 from cameras.errors import CameraError, CameraLost, CameraNotUsable
 from cameras.jpeg import picture_size
-from cameras.reader import CameraReader, Picture
+from cameras.reader import CameraFrame, CameraReader
 from cameras.shrink import shrunk
-from cameras.source import Source, check_source, open_source
+from cameras.source import CameraSource, check_source, open_source
 
 __all__ = [
     "CameraError",
+    "CameraFrame",
     "CameraLost",
     "CameraNotUsable",
     "CameraReader",
-    "Picture",
-    "Source",
+    "CameraSource",
     "check_source",
     "open_source",
     "picture_size",

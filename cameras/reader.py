@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from cameras.errors import CameraLost
 from cameras.jpeg import picture_size
-from cameras.source import Source, open_source
+from cameras.source import CameraSource, open_source
 
 RETRY = 1.0
 """Seconds between two tries to open a camera."""
@@ -27,7 +27,7 @@ LEAVING = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class CameraFrame:
     """What a camera saw.
 
     jpeg: a JPEG file. width, height: pixels. stamp_ns: when it had come, ns since 1970.
@@ -45,10 +45,10 @@ class CameraReader:
     def __init__(
         self,
         where: str,
-        on_picture: Callable[[Picture], None],
+        on_picture: Callable[[CameraFrame], None],
         on_lost: Callable[[str], None],
         on_damaged: Callable[[], None] = lambda: None,
-        open_camera: Callable[[str], Source] = open_source,
+        open_camera: Callable[[str], CameraSource] = open_source,
         is_wanted: Callable[[], bool] = lambda: True,
         on_rest: Callable[[], None] = lambda: None,
     ) -> None:
@@ -70,7 +70,7 @@ class CameraReader:
         self._open_camera = open_camera
         self._is_wanted = is_wanted
         self._on_rest = on_rest
-        self._source: Source | None = None
+        self._source: CameraSource | None = None
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
 
@@ -105,7 +105,7 @@ class CameraReader:
         while not (self._is_closed.is_set() or self._is_wanted() or time.monotonic() >= until):
             self._is_closed.wait(ATTENTION)
 
-    def _look(self, source: Source) -> None:
+    def _look(self, source: CameraSource) -> None:
         """Hand on pictures as long as they are wanted, one at least.
 
         Raises:
@@ -119,7 +119,7 @@ class CameraReader:
             if size is None:
                 self._on_damaged()
             else:
-                self._on_picture(Picture(jpeg, *size, stamp_ns))
+                self._on_picture(CameraFrame(jpeg, *size, stamp_ns))
             if self._is_wanted():
                 until = time.monotonic() + LINGER
             elif time.monotonic() >= until:

@@ -23,7 +23,7 @@ QUALITY = 85
 """Of what a device's pictures are packed with."""
 
 
-class Source(Protocol):
+class CameraSource(Protocol):
     """An open camera."""
 
     def read(self) -> bytes:
@@ -64,7 +64,7 @@ def check_source(where: str) -> None:
         raise CameraNotUsable(needs(f"the camera {where}", "vision"))
 
 
-def open_source(where: str) -> Source:
+def open_source(where: str) -> CameraSource:
     """Open a camera.
 
     Args:

@@ -19,8 +19,8 @@ from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver, ElementThread
 from gateway.cables.cable_thread import CableThread
 from gateway.driver import Driver
-from gateway.errors import CameraNotUsable, GatewayError, NoSuchPort, PortBusy
-from gateway.gateway import Gateway, Options, tell, tell_problem
+from gateway.errors import CameraNotOpened, GatewayError, NoSuchPort, PortBusy
+from gateway.gateway import Gateway, GatewayOptions, tell, tell_problem
 from gateway.line import RADIO_BAUD
 from gateway.link_diagnosis import LinkDiagnosis, LinkReports
 from gateway.local_ports import holders
@@ -58,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         settings = Settings() if arguments.config is None else load_settings(arguments.config)
         settings = replace(settings, radio=settings.radio or arguments.radio)
-        options = Options(
+        options = GatewayOptions(
             port=arguments.port,
             name=arguments.name,
             bus=arguments.bus,
@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         cameras = [] if arguments.camera is None else [_camera(arguments.camera)]
         with _signals(_end):
             _serve(options, settings, arguments.baud, ports, cameras)
-    except _Ended:
+    except _EndedEarly:
         return EXIT_OK
     except ConfigError as error:
         return _fail(error, EXIT_USAGE)
@@ -86,7 +86,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _serve(
-    options: Options,
+    options: GatewayOptions,
     settings: Settings,
     baud: int | None,
     ports: Mapping[str, str],
@@ -110,12 +110,12 @@ def _serve(
         bridge.run(gateway)
 
 
-class _Ended(BaseException):
+class _EndedEarly(BaseException):
     """A signal asked for the end before there was anything to stop; nobody on the way may take it for an error."""
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
-    raise _Ended
+    raise _EndedEarly
 
 
 @contextmanager
@@ -149,11 +149,11 @@ def _camera(where: str) -> ElementThread:
     try:
         cameras.check_source(where)
     except cameras.CameraNotUsable as error:
-        raise CameraNotUsable(str(error)) from error
+        raise CameraNotOpened(str(error)) from error
     return CameraThread(where)
 
 
-def _open_first(options: Options) -> Port:
+def _open_first(options: GatewayOptions) -> Port:
     """Open the port; wait for it only if asked to."""
     is_told = False
     diagnosis, reports = LinkDiagnosis(), LinkReports()

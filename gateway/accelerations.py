@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from math import inf
 from typing import NamedTuple
 
-from gateway.settings import Limits
+from gateway.settings import DriveLimits
 from p2os import Command, Configuration, RobotModel, encode_command
 
 
-class _Row(NamedTuple):
+class _Acceleration(NamedTuple):
     """One acceleration, m/s² or rad/s², by the name that it has in each place; `sign` is that on the wire."""
 
     name: str
@@ -19,14 +19,16 @@ class _Row(NamedTuple):
 
 
 ROWS = (
-    _Row("acceleration", "acceleration_m_s2", "acceleration", Command.SETA, 1.0),
-    _Row("deceleration", "deceleration_m_s2", "deceleration", Command.SETA, -1.0),
-    _Row("angular_acceleration", "angular_acceleration_rad_s2", "rotational_acceleration", Command.SETRA, 1.0),
-    _Row("angular_deceleration", "angular_deceleration_rad_s2", "rotational_deceleration", Command.SETRA, -1.0),
+    _Acceleration("acceleration", "acceleration_m_s2", "acceleration", Command.SETA, 1.0),
+    _Acceleration("deceleration", "deceleration_m_s2", "deceleration", Command.SETA, -1.0),
+    _Acceleration("angular_acceleration", "angular_acceleration_rad_s2", "rotational_acceleration", Command.SETRA, 1.0),
+    _Acceleration(
+        "angular_deceleration", "angular_deceleration_rad_s2", "rotational_deceleration", Command.SETRA, -1.0
+    ),
 )
 
 
-def told(limits: Limits) -> Iterator[tuple[str, bytes]]:
+def told(limits: DriveLimits) -> Iterator[tuple[str, bytes]]:
     """What the robot has to be told, each with its name: what the user left out stays as it is."""
     for row in ROWS:
         wanted: float | None = getattr(limits, row.setting)
@@ -34,7 +36,7 @@ def told(limits: Limits) -> Iterator[tuple[str, bytes]]:
             yield row.name, encode_command(row.command, row.sign * wanted)
 
 
-def known(limits: Limits, model: RobotModel, configuration: Configuration | None) -> dict[str, float]:
+def known(limits: DriveLimits, model: RobotModel, configuration: Configuration | None) -> dict[str, float]:
     """Those that can be counted on.
 
     Whatever the robot was told may have been lost on the way: what it says itself holds. Of one that says nothing no

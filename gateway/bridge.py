@@ -75,7 +75,7 @@ class Backoff:
         self._next = self._first
 
 
-class Listener(Protocol):
+class BridgeListener(Protocol):
     """Who is told what happens, on the bridge's thread."""
 
     def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
@@ -164,7 +164,7 @@ class Bridge(Generic[D]):
                 self._lock.release()
         self.wake()
 
-    def run(self, listener: Listener) -> None:
+    def run(self, listener: BridgeListener) -> None:
         """Work until `stop`."""
         while not self._is_stopped:
             has_bytes = self._wait(listener.deadline)

@@ -9,12 +9,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from bus import keys
-from cameras.reader import CameraReader, Picture
-from cameras.source import PATIENCE, Source, open_source
+from cameras.reader import CameraFrame, CameraReader
+from cameras.source import PATIENCE, CameraSource, open_source
 from gateway.events import PictureTaken
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.faces.cable_face import CableFace
+    from gateway.faces.cable_face import CableAdapter
     from gateway.robot_on_bus import RobotOnBus
 
 
@@ -83,10 +83,10 @@ class CameraThread:
     name = "camera"
     bridge = None
 
-    def __init__(self, where: str, open_camera: Callable[[str], Source] = open_source) -> None:
+    def __init__(self, where: str, open_camera: Callable[[str], CameraSource] = open_source) -> None:
         """Make ready; `start` lets the thread run. where: as `open_source` takes it."""
         self.driver = CameraState()
-        self._joined: tuple[RobotOnBus, CableFace[Any]] | None = None
+        self._joined: tuple[RobotOnBus, CableAdapter[Any]] | None = None
         self._reader = CameraReader(
             where, self._take, self.driver.lose, self._count_damage, open_camera, self._is_wanted, self.driver.rest
         )
@@ -95,7 +95,7 @@ class CameraThread:
         """Let the thread run."""
         self._reader.start()
 
-    def join(self, robot: "RobotOnBus", face: "CableFace[Any]") -> None:
+    def join(self, robot: "RobotOnBus", face: "CableAdapter[Any]") -> None:
         """From now on bring the pictures to the bus."""
         self._joined = robot, face
 
@@ -115,7 +115,7 @@ class CameraThread:
     def _count_damage(self) -> None:
         self.driver.damaged["picture"] += 1
 
-    def _take(self, picture: Picture) -> None:
+    def _take(self, picture: CameraFrame) -> None:
         self.driver.take((picture.width, picture.height))
         joined = self._joined
         if joined is not None:

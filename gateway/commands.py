@@ -15,7 +15,7 @@ from bus.validation import check_line, quoted
 from configs.suggestion import not_taken
 from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
-from gateway.elements.sonar import Sonar
+from gateway.elements.sonar import SonarElement
 from gateway.errors import CommandRefused
 from geometry import wrap_angle
 
@@ -84,7 +84,7 @@ def _heading(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]
 
 
 def _sonar(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.element(Sonar, now).switch(arguments["on"])
+    driver.element(SonarElement, now).switch(arguments["on"])
 
 
 def _output(driver: Driver, arguments: Arguments, now: float) -> None:

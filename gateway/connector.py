@@ -28,7 +28,7 @@ from math import inf
 
 from gateway.dialler import Dialler
 from gateway.events import SweepFailed
-from gateway.line import CABLE, Line
+from gateway.line import CABLE, LineKind
 from gateway.outbox import Outbox
 from p2os import PARTIAL_TIMEOUT, Command, HostHandshake, Identity, encode_command
 
@@ -55,7 +55,7 @@ SIMULATOR_WINDOW = 1.0
 """Seconds for each answer to a SYNC after such a silence; these simulators answer between two steps of their world."""
 
 
-class _Phase(Enum):
+class _ConnectPhase(Enum):
     PAUSED = auto()
     DIALLING = auto()
     HUSHED = auto()  # the first STOP and CLOSE are out, and now nothing is said
@@ -76,7 +76,7 @@ class Connector:
         rates: Sequence[int],
         outbox: Outbox,
         rng: random.Random,
-        line: Line = CABLE,
+        line: LineKind = CABLE,
         probe_rates: Sequence[int] = (),
     ) -> None:
         """Prepare to look for a robot.
@@ -102,7 +102,7 @@ class Connector:
         self._known: int | None = None
         self._plan: list[int] = []
         self._handshake = HostHandshake()
-        self._phase = _Phase.PAUSED
+        self._phase = _ConnectPhase.PAUSED
         self._window = line.first_window
         self._talks = False
         self._rounds_left = 0
@@ -139,9 +139,9 @@ class Connector:
     def hear(self, data: bytes, now: float) -> None:
         """Take bytes of any kind, to tell a silent line from a stranger's and to hear a modem."""
         self._bytes_heard += len(data)
-        if data and self._phase is _Phase.LISTENING:
+        if data and self._phase is _ConnectPhase.LISTENING:
             self._start_round(now)  # it talks without being asked, so it may be an open robot
-        if self._dialler is not None and self._phase is _Phase.DIALLING:
+        if self._dialler is not None and self._phase is _ConnectPhase.DIALLING:
             self._dialler.hear(data)
             if self._dialler.has_answered:
                 self._start_round(now)
@@ -157,7 +157,7 @@ class Connector:
             self._rounds_left = ROUNDS_FOR_A_TALKER
         if payload == ECHO and self._rates == (AS_IT_IS,):
             self.hangs_up_on_close = True  # it may be slow to close the connection, and this one is given up before
-        if self._phase is not _Phase.SYNCING:
+        if self._phase is not _ConnectPhase.SYNCING:
             return None
         before = self._handshake.request()
         identity = self._handshake.receive(payload)
@@ -180,25 +180,25 @@ class Connector:
         if now < self.deadline:
             return None
         match self._phase:
-            case _Phase.PAUSED:
+            case _ConnectPhase.PAUSED:
                 self.begin(now)
-            case _Phase.DIALLING:
+            case _ConnectPhase.DIALLING:
                 assert self._dialler is not None  # only then this phase is entered
                 self._dialler.give_up()
                 self._start_round(now)
-            case _Phase.HUSHED:
+            case _ConnectPhase.HUSHED:
                 self._start_sync(now)
-            case _Phase.LISTENING:
+            case _ConnectPhase.LISTENING:
                 self._start_bare_sync(now)
-            case _Phase.SYNCING if self._is_bare:
+            case _ConnectPhase.SYNCING if self._is_bare:
                 self.hangs_up_on_close = False
                 return self._pause(now)
-            case _Phase.SYNCING if self._rounds_left > 0:
+            case _ConnectPhase.SYNCING if self._rounds_left > 0:
                 self._rounds_left -= 1
                 self._start_round(now)
-            case _Phase.SYNCING if self._plan:
+            case _ConnectPhase.SYNCING if self._plan:
                 self._next_rate(now)
-            case _Phase.SYNCING:
+            case _ConnectPhase.SYNCING:
                 return self._pause(now)
         return None
 
@@ -214,11 +214,11 @@ class Connector:
     @property
     def is_searching(self) -> bool:
         """An attempt is under way."""
-        return self._phase is not _Phase.PAUSED
+        return self._phase is not _ConnectPhase.PAUSED
 
     def lose_line(self) -> None:
         """The port was lost before the robot was open; find out whether the peer closes connections on CLOSE."""
-        if self._phase is _Phase.SYNCING and self._is_bare:
+        if self._phase is _ConnectPhase.SYNCING and self._is_bare:
             self.hangs_up_on_close = False
         elif self._rates == (AS_IT_IS,) and self._has_sent_close:
             self.hangs_up_on_close = True
@@ -226,7 +226,7 @@ class Connector:
     def rest(self, now: float) -> None:
         """A robot answered that is not wanted: look again, after a while."""
         self._outbox.clear()
-        self._phase = _Phase.PAUSED
+        self._phase = _ConnectPhase.PAUSED
         self.deadline = now + REST
 
     def _next_rate(self, now: float) -> None:
@@ -243,27 +243,27 @@ class Connector:
         dialler.begin()
         self._outbox.clear()
         self._outbox.put("dial", dialler.frame)
-        self._phase = _Phase.DIALLING
+        self._phase = _ConnectPhase.DIALLING
         self.deadline = now + self._outbox.time_to_send(dialler.frame) + dialler.patience
 
     @property
     def _has_sent_close(self) -> bool:
-        if self._phase is _Phase.HUSHED:
+        if self._phase is _ConnectPhase.HUSHED:
             return not self._outbox.is_waiting("close")
-        return self._phase is _Phase.SYNCING
+        return self._phase is _ConnectPhase.SYNCING
 
     def _listen(self, now: float) -> None:
         self._outbox.clear()
         self._talks = False
         self._rounds_left = 0
-        self._phase = _Phase.LISTENING
+        self._phase = _ConnectPhase.LISTENING
         self.deadline = now + LISTENING
 
     def _start_bare_sync(self, now: float) -> None:
         self._is_bare = True
         self._handshake = HostHandshake()
         self._outbox.put("sync", self._handshake.request())
-        self._phase = _Phase.SYNCING
+        self._phase = _ConnectPhase.SYNCING
         self.deadline = now + SIMULATOR_WINDOW
 
     def _start_round(self, now: float) -> None:
@@ -272,7 +272,7 @@ class Connector:
         self._outbox.clear()
         self._outbox.put("stop", STOP)
         self._outbox.put("close", CLOSE)
-        self._phase = _Phase.HUSHED
+        self._phase = _ConnectPhase.HUSHED
         self.deadline = now + self._outbox.time_to_send(STOP, CLOSE) + PARTIAL_TIMEOUT + self._line.settling
 
     def _start_sync(self, now: float) -> None:
@@ -280,13 +280,13 @@ class Connector:
         self._outbox.put("stop", STOP)
         self._outbox.put("close", CLOSE)
         self._outbox.put("sync", sync)
-        self._phase = _Phase.SYNCING
+        self._phase = _ConnectPhase.SYNCING
         self.deadline = now + self._outbox.time_to_send(STOP, CLOSE, sync) + self._window
 
     def _pause(self, now: float) -> SweepFailed:
         line = self._line
         self._window = min(2.0 * self._window, line.last_window)
-        self._phase = _Phase.PAUSED
+        self._phase = _ConnectPhase.PAUSED
         self._must_dial = True
         self.deadline = now + self._rng.uniform(0.0, self._backoff)
         self._backoff = min(2.0 * self._backoff, line.last_backoff)

@@ -9,12 +9,12 @@ from typing import Any
 from bus import keys
 from bus.keys import Topic
 from bus.messages import encode_json
-from bus.name_holder import Process
+from bus.name_holder import BusProgram
 from bus.validation import printable
 from gateway.driver import Driver
 from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableFace
-from gateway.faces.face import Face
+from gateway.faces.cable_face import CableAdapter
+from gateway.faces.face import BusAdapter
 from gateway.settings import Settings
 from gateway.telemetry import SONAR_CONE
 from p2os import Configuration, RobotModel
@@ -63,8 +63,8 @@ def describe(
     name: str,
     driver: Driver,
     settings: Settings,
-    cable_faces: Sequence[CableFace[Any]] = (),
-    process: Process | None = None,
+    cable_faces: Sequence[CableAdapter[Any]] = (),
+    process: BusProgram | None = None,
 ) -> dict[str, Any]:
     """Describe one robot.
 
@@ -101,8 +101,8 @@ def present(
     driver: Driver,
     model: RobotModel,
     settings: Settings,
-    faces: Sequence[Face],
-    cable_faces: Sequence[CableFace[Any]],
+    faces: Sequence[BusAdapter],
+    cable_faces: Sequence[CableAdapter[Any]],
 ) -> Iterator[str]:
     """The names of the elements that the robot is known to have; one that has two faces comes twice.
 
@@ -156,7 +156,7 @@ def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) 
     return elements
 
 
-def _cabled(name: str, faces: Sequence[CableFace[Any]]) -> list[dict[str, Any]]:
+def _cabled(name: str, faces: Sequence[CableAdapter[Any]]) -> list[dict[str, Any]]:
     """Elements on cables of their own, as long as they answer."""
     return [
         {**_element(name, face.name, face.streams, tuple(row.topic for row in face.commands)), **face.describe()}

@@ -28,7 +28,7 @@ from gateway.events import (
     RobotRejected,
     SipReceived,
 )
-from gateway.helm import Helm
+from gateway.helm import RobotCommands
 from gateway.journey import is_at_rest
 from gateway.link_diagnosis import LinkDiagnosis, LinkProblem
 from gateway.plausibility import Plausibility
@@ -57,8 +57,8 @@ ModelFinder = Callable[[Identity], RobotModel]
 """Says which model a robot is; raises UnknownModel."""
 
 
-class Driver(Helm):
-    """One robot: what it can be told is in `Helm`.
+class Driver(RobotCommands):
+    """One robot: what it can be told is in `RobotCommands`.
 
     identity, model, configuration: of the robot, once known; they stay after it is lost. damaged: bytes that were no
     frame, counted by reason. implausible: SIPs not believed, likewise. lost: how often the link was lost, by reason.

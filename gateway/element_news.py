@@ -10,7 +10,7 @@ PATIENCE = 10.0
 """Seconds in which an element must have answered for the first time; a laser finds its rate within that."""
 
 
-class News(NamedTuple):
+class ElementChange(NamedTuple):
     """One change. element: its name. has_been: it answered before. reasons: why it does not answer, a sentence each."""
 
     element: str
@@ -31,7 +31,7 @@ class ElementNews:
         self._told: dict[str, bool] = {}
         self._since = inf
 
-    def since(self, now: float) -> Iterator[News]:
+    def since(self, now: float) -> Iterator[ElementChange]:
         """What has changed until now, steady time, s; patience begins with the first call."""
         self._since = min(self._since, now)
         for element in self._elements:
@@ -39,4 +39,4 @@ class ElementNews:
             if answers == told or (told is None and not answers and now - self._since < PATIENCE):
                 continue
             self._told[element.name] = answers
-            yield News(element.name, answers, told is not None, () if answers else element.driver.faults())
+            yield ElementChange(element.name, answers, told is not None, () if answers else element.driver.faults())

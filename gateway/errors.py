@@ -27,7 +27,7 @@ class GatewayError(Exception):
     exit_code: ClassVar[int] = 1
 
 
-class NameNotValid(GatewayError):
+class RobotNameNotValid(GatewayError):
     """The name cannot be part of a key on the bus."""
 
     exit_code = 2
@@ -101,7 +101,7 @@ class PortLost(GatewayError, ConnectionError):
     """The port was open and is gone."""
 
 
-class CameraNotUsable(GatewayError):
+class CameraNotOpened(GatewayError):
     """The camera is written wrong, or something is missing to open it."""
 
     exit_code = 2

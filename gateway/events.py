@@ -11,14 +11,14 @@ from p2os import (
     Configuration,
     Encoders,
     Identity,
-    InputsOutputs,
+    IoReport,
     JoystickReport,
     RobotModel,
     StandardSip,
 )
 
 if TYPE_CHECKING:  # numpy takes longer to load than the robot to answer
-    from p2os.accessories.lms import Configuration as LaserConfiguration
+    from p2os.accessories.lms import LmsConfiguration as LaserConfiguration
     from p2os.accessories.lms import Scan, Variant
 
 
@@ -62,7 +62,7 @@ class EncodersReceived(NamedTuple):
 class InputsOutputsReceived(NamedTuple):
     """User inputs and outputs."""
 
-    ports: InputsOutputs
+    ports: IoReport
 
 
 class GripperSeen(NamedTuple):
@@ -224,7 +224,7 @@ class SweepReceived(NamedTuple):
     period: float
 
 
-class End(StrEnum):
+class MotionEnd(StrEnum):
     """How a long motion ended.
 
     Only stall bits in the SIPs make it STALLED. A robot that rests elsewhere than at the goal has gone too far
@@ -254,7 +254,7 @@ class MotionEnded(NamedTuple):
 
     motion_id: str
     kind: str
-    end: End
+    end: MotionEnd
     done: float
     goal: float
     unit: str
@@ -264,9 +264,9 @@ class MotionEnded(NamedTuple):
         """How it ended, with what was covered of what was asked for."""
         covered = f"{self.done:.2f} of {self.goal:.2f} {self.unit}"
         match self.end:
-            case End.OVERSHOOT | End.UNDERSHOOT:
+            case MotionEnd.OVERSHOOT | MotionEnd.UNDERSHOOT:
                 return f"{self.end.value} by {abs(self.goal - self.done):.2f} {self.unit}: {covered}"
-            case End.REACHED | End.NOT_STARTED:
+            case MotionEnd.REACHED | MotionEnd.NOT_STARTED:
                 return f"{self.end.value}: {covered}"
         return f"{self.end.value} after {covered}"
 

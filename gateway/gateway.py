@@ -13,7 +13,7 @@ from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
 from gateway.element_news import ElementNews
-from gateway.errors import NameInUse, NameNotValid
+from gateway.errors import NameInUse, RobotNameNotValid
 from gateway.events import Event, HandshakeCompleted, LinkLost
 from gateway.link_diagnosis import LinkProblem, LinkReports
 from gateway.search import Search, bus_name
@@ -21,7 +21,7 @@ from gateway.settings import Settings
 
 if TYPE_CHECKING:
     from bus import Bus
-    from bus.name_holder import Process
+    from bus.name_holder import BusProgram
     from gateway.robot_on_bus import RobotOnBus
 
 BUS_PERIOD = 1.0
@@ -31,7 +31,7 @@ SECOND_LOOK = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class GatewayOptions:
     """What the command line says beyond the settings.
 
     name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
@@ -48,7 +48,7 @@ class Options:
     is_json: bool = False
 
 
-def tell(options: Options, sentence: str, facts: dict[str, Any]) -> None:
+def tell(options: GatewayOptions, sentence: str, facts: dict[str, Any]) -> None:
     """Say what happens, as a sentence or as JSON."""
     if options.is_json:
         print(json.dumps({**facts, "port": options.port}), flush=True)
@@ -56,7 +56,7 @@ def tell(options: Options, sentence: str, facts: dict[str, Any]) -> None:
         print(sentence, flush=True)
 
 
-def tell_problem(options: Options, problem: LinkProblem | None) -> None:
+def tell_problem(options: GatewayOptions, problem: LinkProblem | None) -> None:
     """Print why there is no robot, if that is to be printed: on standard error, or as JSON on standard output."""
     if problem is None:
         return
@@ -76,7 +76,7 @@ class Gateway:
 
     def __init__(
         self,
-        options: Options,
+        options: GatewayOptions,
         settings: Settings,
         driver: Driver,
         bridge: Bridge[Driver],
@@ -161,13 +161,13 @@ class Gateway:
             import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
             from bus import BusUnavailable, KeyNotValid, ZenohBus
             from bus.keys import robot_name
-            from bus.name_holder import Process
+            from bus.name_holder import BusProgram
 
             gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
             try:
                 robot_name(self._options.name or "robot")
             except KeyNotValid as error:
-                raise NameNotValid(str(error)) from error
+                raise RobotNameNotValid(str(error)) from error
             while self._bus is None and not self._is_closed.is_set():
                 try:
                     self._bus = ZenohBus.open(self._options.bus)
@@ -176,7 +176,7 @@ class Gateway:
                     self._is_closed.wait(BUS_PERIOD)
             self._is_known.wait()
             if self._bus is not None and not self._is_closed.is_set():
-                own = Process.here()
+                own = BusProgram.here()
                 self._await_name(self._bus)
                 if not self._is_closed.is_set():
                     self._joined = self._join_robot(self._bus, own)
@@ -203,7 +203,7 @@ class Gateway:
                 self._complain(f"{error.holder}; waiting until it has ended")
                 self._is_closed.wait(BUS_PERIOD)
 
-    def _check_name(self, bus: "Bus", own: "Process | None" = None) -> None:
+    def _check_name(self, bus: "Bus", own: "BusProgram | None" = None) -> None:
         """See that no other gateway has the robot's name. own: this one, once it has taken the name too.
 
         Raises:
@@ -218,7 +218,7 @@ class Gateway:
         except NameTaken as error:
             raise NameInUse(str(error)) from error
 
-    def _join_robot(self, bus: "Bus", process: "Process") -> "RobotOnBus":
+    def _join_robot(self, bus: "Bus", process: "BusProgram") -> "RobotOnBus":
         """Bring the robot to the bus, and the elements on cables of their own with it."""
         from bus import NotAllowed
         from gateway.faces.all_faces import CABLE_FACES
@@ -235,7 +235,7 @@ class Gateway:
                 self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces, process=process
             )
         except NotAllowed as error:
-            raise NameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
+            raise RobotNameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
         for cable, face in zip(self._cables, faces, strict=True):
             cable.join(robot, face)
         return robot

@@ -7,12 +7,12 @@ from bus.keys import frame
 from bus.messages import DiagnosticArray, DiagnosticStatus, KeyValue, RobotState, header
 from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
-from gateway.faces.cable_face import CableFace
+from gateway.faces.cable_face import CableAdapter
 from p2os import StandardSip
 
 
 def faults(
-    driver: Driver, sip: StandardSip | None, refusal: str | None, cable_faces: Sequence[CableFace[Any]] = ()
+    driver: Driver, sip: StandardSip | None, refusal: str | None, cable_faces: Sequence[CableAdapter[Any]] = ()
 ) -> list[str]:
     """What is wrong, a sentence each.
 
@@ -66,7 +66,7 @@ def diagnostics(
     found: Sequence[str],
     refused: Mapping[str, int],
     stamp: int,
-    cable_faces: Sequence[CableFace[Any]] = (),
+    cable_faces: Sequence[CableAdapter[Any]] = (),
     unpublished: Mapping[str, int] | None = None,
 ) -> DiagnosticArray:
     """Counters since the gateway's start.

@@ -11,12 +11,12 @@ from typing import TypeVar
 
 from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
-from gateway.elements.joystick import Joystick
+from gateway.elements.joystick import JoystickElement
 from gateway.errors import CommandRefused
-from gateway.events import End, Event
-from gateway.journey import Journey, Move, Turn
-from gateway.motion import Motion
-from gateway.odometry import Odometry
+from gateway.events import Event, MotionEnd
+from gateway.journey import MotionInProgress, Move, Turn
+from gateway.motion import MotionTracker
+from gateway.odometry import OdometryTracker
 from gateway.outbox import Outbox
 from gateway.settings import Settings
 from geometry import wrap_angle
@@ -29,7 +29,7 @@ LONGEST_TURN = 100.0
 E = TypeVar("E", bound=Element)
 
 
-class Helm(ABC):
+class RobotCommands(ABC):
     """Takes commands for one robot.
 
     is_connected: SIPs come. odometry: the pose.
@@ -39,12 +39,12 @@ class Helm(ABC):
         self._settings = settings
         self._outbox = Outbox()
         self._events: list[Event] = []
-        self._motion = Motion(self._outbox, self._events.append, settings.enable_motors)
+        self._motion = MotionTracker(self._outbox, self._events.append, settings.enable_motors)
         self._elements = {
             kind: kind(self._outbox, self._events.append, settings) for kind in ELEMENTS
         }  # asked for by their class
         self._motion_ids = itertools.count(1)
-        self.odometry = Odometry(settings.calibration, settings.odometry_errors)
+        self.odometry = OdometryTracker(settings.calibration, settings.odometry_errors)
         self.is_connected = False
 
     @abstractmethod
@@ -155,12 +155,12 @@ class Helm(ABC):
         self.halt_base(now)
         self._halt_elements(now)
 
-    def halt_base(self, now: float, end: End = End.STOPPED) -> None:
+    def halt_base(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
         """Stop the wheels, whoever drives them, as `halt` does; end: what is reported of a motion under way."""
         self._wake(now)
         if self._motion.is_asked_to_move:
             self._motion.halt(now, end)
-        self._elements[Joystick].halt(now)
+        self._elements[JoystickElement].halt(now)
 
     def halt_element(self, kind: type[Element], now: float) -> None:
         """Stop one element where it is."""
@@ -229,7 +229,7 @@ class Helm(ABC):
         for element in self._elements.values():
             element.halt(now)
 
-    def _travel(self, journey: Journey, now: float) -> str:
+    def _travel(self, journey: MotionInProgress, now: float) -> str:
         self._motion.travel(journey, now)
         return journey.motion_id
 
@@ -244,5 +244,5 @@ class Helm(ABC):
 
 
 def _words(kind: type[Element]) -> str:
-    """What people call an element: `PowerOutputs` is "power outputs"."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()
+    """What people call an element: `PowerOutputs` is "power outputs", and `ArmElement` is "arm"."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__.removesuffix("Element")).lower()

@@ -4,8 +4,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from math import cos, degrees, inf, radians, sin
 
-from gateway.events import End
-from gateway.odometry import Odometry
+from gateway.events import MotionEnd
+from gateway.odometry import OdometryTracker
 from p2os import Command, StandardSip, encode_command
 
 AT_REST = 0.01
@@ -25,7 +25,7 @@ def is_at_rest(sip: StandardSip) -> bool:
     return max(abs(sip.left_velocity), abs(sip.right_velocity)) < AT_REST
 
 
-class Journey(ABC):
+class MotionInProgress(ABC):
     """A move or a turn on its way.
 
     motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, as unit says, signed. done: how
@@ -35,7 +35,7 @@ class Journey(ABC):
     tolerance: float
     unit: str
 
-    def __init__(self, motion_id: str, kind: str, goal: float, odometry: Odometry, now: float) -> None:
+    def __init__(self, motion_id: str, kind: str, goal: float, odometry: OdometryTracker, now: float) -> None:
         self.motion_id = motion_id
         self.kind = kind
         self.goal = goal
@@ -60,7 +60,7 @@ class Journey(ABC):
         """When to give up, s."""
         return self._started + TIME_TO_SPARE + abs(self.goal) / SLOWEST
 
-    def update(self, sip: StandardSip, now: float) -> End | None:
+    def update(self, sip: StandardSip, now: float) -> MotionEnd | None:
         """Take a SIP that the odometry has already taken; say when and how the motion is over."""
         self.done = self._progress()
         if not is_at_rest(sip):
@@ -73,35 +73,39 @@ class Journey(ABC):
         self._rest = resting = now - self._resting_since
         started = now - self._started >= TIME_TO_START or abs(self.done) > self.tolerance
         if started and resting >= REST_TO_ARRIVE and abs(self.goal - self.done) <= self.tolerance:
-            return End.REACHED
+            return MotionEnd.REACHED
         if now - self._unstalled_at >= STALL_TO_GIVE_UP:
-            return End.STALLED
+            return MotionEnd.STALLED
         if resting >= REST_TO_GIVE_UP:
             return self._why_it_rests(sip)
         if now >= self.times_out_at:
-            return End.TIMEOUT
+            return MotionEnd.TIMEOUT
         return None
 
-    def _why_it_rests(self, sip: StandardSip) -> End:
+    def _why_it_rests(self, sip: StandardSip) -> MotionEnd:
         """How the motion ended of a robot that rests elsewhere than at the goal."""
         if self._stalled_at >= self._resting_since - REST_TO_GIVE_UP:
-            return End.STALLED
+            return MotionEnd.STALLED
         if sip.stop_button or sip.e_stalled:
-            return End.STOPPED_BY_ROBOT
+            return MotionEnd.STOPPED_BY_ROBOT
         if not self._has_rolled and abs(self.done) <= self.tolerance:
-            return End.NOT_STARTED
+            return MotionEnd.NOT_STARTED
         if not sip.motors_enabled:
-            return End.STOPPED_BY_ROBOT
-        return End.OVERSHOOT if abs(self.done) > abs(self.goal) and self.done * self.goal >= 0 else End.UNDERSHOOT
+            return MotionEnd.STOPPED_BY_ROBOT
+        return (
+            MotionEnd.OVERSHOOT
+            if abs(self.done) > abs(self.goal) and self.done * self.goal >= 0
+            else MotionEnd.UNDERSHOOT
+        )
 
 
-class Move(Journey):
+class Move(MotionInProgress):
     """Along the heading at the start."""
 
     tolerance = 0.03
     unit = "m"
 
-    def __init__(self, motion_id: str, distance: float, command: float, odometry: Odometry, now: float) -> None:
+    def __init__(self, motion_id: str, distance: float, command: float, odometry: OdometryTracker, now: float) -> None:
         super().__init__(motion_id, "move", distance, odometry, now)
         self._start = odometry.pose
         self._frames = [encode_command(Command.RVEL, 0.0), encode_command(Command.MOVE, command)]
@@ -116,7 +120,7 @@ class Move(Journey):
         return (pose.x - start.x) * cos(start.heading) + (pose.y - start.y) * sin(start.heading)
 
 
-class Turn(Journey):
+class Turn(MotionInProgress):
     """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is told in steps.
 
     Headings on the wire are whole degrees; the steps of one turn add up to the whole degree nearest to its angle. Steps
@@ -131,7 +135,9 @@ class Turn(Journey):
     AHEAD = 45
     """Degrees; a step is added when less than AHEAD is left, and STEP + AHEAD stays below half a turn."""
 
-    def __init__(self, motion_id: str, kind: str, angle: float, command: float, odometry: Odometry, now: float) -> None:
+    def __init__(
+        self, motion_id: str, kind: str, angle: float, command: float, odometry: OdometryTracker, now: float
+    ) -> None:
         super().__init__(motion_id, kind, angle, odometry, now)
         self._start = odometry.turned
         self._scale = command / angle if angle else 1.0

@@ -9,7 +9,7 @@ RADIO_BAUD = 9600
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class LineKind:
     """A kind of line; times in s.
 
     first_window, last_window: for the answer to a SYNC, at first and after some silent sweeps. step_window: for each
@@ -38,7 +38,7 @@ class Line:
 
 
 # A robot answers within 50 ms, and 12 bytes take 12.5 ms at 9600 bit/s.
-CABLE = Line(
+CABLE = LineKind(
     first_window=0.08,
     last_window=0.25,
     step_window=0.25,
@@ -50,7 +50,7 @@ CABLE = Line(
 # Modems add their own delay both ways, which nothing public states: a quarter of a second is assumed at most. SIPs of a
 # robot with many sonar discs take 70 % of 9600 bit/s; a quarter of the line is left to commands, should the two ends
 # have to take turns. A request of three frames takes half a second on that quarter, and its answer waits for SIPs.
-RADIO = Line(
+RADIO = LineKind(
     first_window=0.4,
     last_window=0.8,
     step_window=0.6,

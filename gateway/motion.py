@@ -12,8 +12,8 @@ from math import inf, isfinite
 
 from gateway.connector import STOP
 from gateway.errors import CommandRefused
-from gateway.events import End, MotionEnded
-from gateway.journey import Journey, is_at_rest
+from gateway.events import MotionEnd, MotionEnded
+from gateway.journey import MotionInProgress, is_at_rest
 from gateway.obedience import Obedience
 from gateway.outbox import Outbox
 from p2os import Command, StandardSip, encode_command
@@ -43,7 +43,7 @@ class _Mode(Enum):
     TRAVELLING = auto()
 
 
-class Motion:
+class MotionTracker:
     """Commands in, frames into the outbox; SIPs in, ends of long motions out.
 
     is_estopped: latched. is_rolling: the wheels turned at the last SIP. wants_motors: the motors are to be on.
@@ -56,7 +56,7 @@ class Motion:
         self._is_open = False
         self._mode = _Mode.UNASKED
         self._speeds: dict[Command, tuple[bytes, float]] = {}  # last frame of each kind, and when it was queued
-        self._journey: Journey | None = None
+        self._journey: MotionInProgress | None = None
         self._obedience = Obedience()
         self._asked = STANDSTILL
         self._cmd_vel_at = -inf
@@ -100,7 +100,7 @@ class Motion:
 
     def lose_link(self) -> None:
         """The robot is out of touch: nothing is in force any more."""
-        self._finish(End.LOST)
+        self._finish(MotionEnd.LOST)
         self._is_open = False
         self._mode = _Mode.UNASKED
         self._enabled_at = -inf
@@ -119,7 +119,7 @@ class Motion:
         if self._holds and not is_first:
             raise CommandRefused(f"a stop holds the robot until cmd_vel has been silent for {CMD_VEL_SILENCE} s")
         self._holds = False
-        self._finish(End.REPLACED)
+        self._finish(MotionEnd.REPLACED)
         if self._mode is not _Mode.DRIVING:
             self._speeds.clear()
             self._mode = _Mode.DRIVING
@@ -127,14 +127,14 @@ class Motion:
         self._set_speed(Command.VEL, self._asked[0], now)
         self._set_speed(Command.RVEL, self._asked[1], now)
 
-    def travel(self, journey: Journey, now: float) -> None:
+    def travel(self, journey: MotionInProgress, now: float) -> None:
         """Begin a long motion in place of whatever is in force.
 
         Raises:
             CommandRefused: Held by an e-stop, or the motors are off.
         """
         self._check_free(now)
-        self._finish(End.REPLACED)
+        self._finish(MotionEnd.REPLACED)
         self._outbox.drop(Command.VEL, Command.RVEL)
         self._mode = _Mode.TRAVELLING
         self._journey = journey
@@ -146,7 +146,7 @@ class Motion:
         self._cmd_vel_at = now
         self.halt(now)
 
-    def halt(self, now: float, end: End = End.STOPPED) -> None:
+    def halt(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
         """Stop; the next velocity drives again."""
         self._finish(end)
         if not self._is_open:
@@ -249,7 +249,7 @@ class Motion:
             for index, frame in enumerate(self._journey.frames()):
                 self._outbox.put(("journey", index), frame)
 
-    def _finish(self, end: End) -> None:
+    def _finish(self, end: MotionEnd) -> None:
         journey, self._journey = self._journey, None
         if journey is not None:
             self._report(MotionEnded(journey.motion_id, journey.kind, end, journey.done, journey.goal, journey.unit))
@@ -263,7 +263,7 @@ class Motion:
         elif went_off and now - self._enabled_at > TIME_TO_ENABLE:
             # The robot did it by itself (STOP button, e-stall, low battery): it takes a person to switch them on again.
             self.wants_motors = False
-            self.halt(now, End.STOPPED_BY_ROBOT)
+            self.halt(now, MotionEnd.STOPPED_BY_ROBOT)
 
 
 def _clip(value: float, limit: float) -> float:

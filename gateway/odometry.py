@@ -14,7 +14,7 @@ from geometry import Pose2D, wrap_angle
 from p2os import OdometryUnwrapper, RobotModel, StandardSip
 
 
-class Odometry:
+class OdometryTracker:
     """Dead reckoning from SIPs.
 
     pose: in `odom`. turned: rad since the start, not wrapped. linear, angular: velocity, m/s and rad/s.

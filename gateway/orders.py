@@ -18,9 +18,9 @@ from gateway.bindings import Binding, MotionBindings
 from gateway.commands import BASE, COMMANDS, DETACH, HEARTBEAT, TOKEN, Arguments, CommandRow, check_arguments
 from gateway.driver import Driver
 from gateway.errors import CommandRefused
-from gateway.events import End
+from gateway.events import MotionEnd
 from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableFace
+from gateway.faces.cable_face import CableAdapter
 from gateway.lease import DEFAULT_SECONDS, ROBOT, Lease, Leases
 from gateway.motion import CMD_VEL_SILENCE
 
@@ -59,7 +59,7 @@ class Commander(Protocol):
         ...
 
 
-class Orders(Subscription):
+class CommandServer(Subscription):
     """One robot's subscribers and queryables.
 
     refused: commands not obeyed, counted by the key's suffix. lease_has_changed: since someone last set it to false.
@@ -73,7 +73,7 @@ class Orders(Subscription):
         commander: Commander,
         new_token: Callable[[], str],
         wall_clock: Callable[[], int],
-        cable_faces: Sequence[CableFace[Any]] = (),
+        cable_faces: Sequence[CableAdapter[Any]] = (),
     ) -> None:
         self._cable_faces = cable_faces
         self._commander = commander
@@ -196,7 +196,7 @@ class Orders(Subscription):
                 driver.halt(now)
             self._halt(what, driver, now)
 
-    def _halt(self, what: str, driver: Driver, now: float, end: End = End.STOPPED) -> None:
+    def _halt(self, what: str, driver: Driver, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
         """Stop one element, whichever cable it hangs on; what hangs on others if it is the robot."""
         if what == BASE:
             driver.halt_base(now, end)
@@ -218,7 +218,7 @@ class Orders(Subscription):
             now,
             (f"the {binding.element} was stopped: its commander, heartbeat {binding.key}, was silent for {SILENCE} s"),
         )
-        self._halt(binding.element, driver, now, End.COMMANDER_LOST)
+        self._halt(binding.element, driver, now, MotionEnd.COMMANDER_LOST)
 
     def _goes_on(self, binding: Binding, driver: Driver, now: float) -> bool:
         if binding.motion_id is not None:

@@ -21,7 +21,7 @@ PATIENCE = 0.6
 """Seconds to wait for a SIP at the new rate: a few cycles."""
 
 
-class _Phase(Enum):
+class _RaisePhase(Enum):
     IDLE = auto()
     TOLD = auto()
     LISTENING = auto()
@@ -39,7 +39,7 @@ class RateRaiser:
         self._connector = connector
         self._wanted = wanted
         self._before = connector.baud
-        self._phase = _Phase.IDLE
+        self._phase = _RaisePhase.IDLE
         self.deadline = inf
 
     def begin(self, now: float) -> None:
@@ -48,26 +48,26 @@ class RateRaiser:
             return
         frame = encode_command(Command.HOSTBAUD, CODES[self._wanted])
         self._before = self._connector.baud
-        self._phase = _Phase.TOLD
+        self._phase = _RaisePhase.TOLD
         self.deadline = self._outbox.put_alone(Command.HOSTBAUD, frame, SETTLING, now)
 
     def see(self) -> None:
         """A SIP has come."""
-        if self._phase is _Phase.LISTENING:
-            self._phase = _Phase.IDLE
+        if self._phase is _RaisePhase.LISTENING:
+            self._phase = _RaisePhase.IDLE
             self.deadline = inf
 
     def lose_link(self) -> None:
         """The robot is lost, perhaps by this; do not try again."""
-        if self._phase is not _Phase.IDLE:
+        if self._phase is not _RaisePhase.IDLE:
             self._give_up()
 
     def watch(self, now: float) -> None:
         """Change over when the robot has heard it, and back when nothing is heard."""
         if now < self.deadline:
             return
-        if self._phase is _Phase.TOLD and self._wanted is not None:
-            self._phase = _Phase.LISTENING
+        if self._phase is _RaisePhase.TOLD and self._wanted is not None:
+            self._phase = _RaisePhase.LISTENING
             self.deadline = now + PATIENCE
             self._change(self._wanted)
         else:
@@ -80,5 +80,5 @@ class RateRaiser:
 
     def _give_up(self) -> None:
         self._wanted = None
-        self._phase = _Phase.IDLE
+        self._phase = _RaisePhase.IDLE
         self.deadline = inf

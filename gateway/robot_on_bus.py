@@ -12,16 +12,16 @@ from typing import Any
 
 from bus import Bus, BusUnavailable, Subscription, keys
 from bus.keys import Topic
-from bus.name_holder import Process
+from bus.name_holder import BusProgram
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
 from gateway.events import Event
 from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableFace
-from gateway.orders import Commander, Orders
+from gateway.faces.cable_face import CableAdapter
+from gateway.orders import Commander, CommandServer
 from gateway.settings import Settings
-from gateway.streams import Streams
+from gateway.streams import RobotPublishers
 
 STAMPS_APART = 1000
 """ns between the stamps of two packets that were read at once: readers take equal stamps for a repetition."""
@@ -41,11 +41,11 @@ class RobotOnBus(Subscription):
         commander: Commander,
         settings: Settings,
         *,
-        cable_faces: Sequence[CableFace[Any]] = (),
+        cable_faces: Sequence[CableAdapter[Any]] = (),
         new_token: Callable[[], str] = lambda: secrets.token_hex(16),
         wall_clock: Callable[[], int] = time.time_ns,
         steady_clock: Callable[[], float] = time.monotonic,
-        process: Process | None = None,
+        process: BusProgram | None = None,
     ) -> None:
         """Declare everything.
 
@@ -70,8 +70,8 @@ class RobotOnBus(Subscription):
         self._driver = driver
         self._settings = settings
         self._cable_faces = cable_faces
-        self._orders = Orders(name, bus, commander, new_token, wall_clock, cable_faces)
-        self._streams = Streams(name, bus, driver, model, cable_faces)
+        self._orders = CommandServer(name, bus, commander, new_token, wall_clock, cable_faces)
+        self._streams = RobotPublishers(name, bus, driver, model, cable_faces)
         self._elements = ElementTokens(name, bus)
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
         faces = [kind(name, model) for kind in FACES]
@@ -127,7 +127,7 @@ class RobotOnBus(Subscription):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns)
 
-    def element_happened(self, face: CableFace[Any], events: Sequence[Event], stamp_ns: int) -> None:
+    def element_happened(self, face: CableAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
 
         Args:

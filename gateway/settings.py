@@ -7,7 +7,7 @@ from math import pi
 from pathlib import Path
 
 from configs import ConfigError, build, read
-from gateway.line import CABLE, RADIO, Line
+from gateway.line import CABLE, RADIO, LineKind
 from p2os import BAUD_CODES
 
 
@@ -44,7 +44,7 @@ class OdometryErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class DriveLimits:
     """How fast the robot moves, and how hard it speeds up and brakes.
 
     linear_m_s, angular_rad_s: no command exceeds them; below those of the model and of the robot's own configuration.
@@ -155,7 +155,7 @@ class Settings:
     unbound_motion_s: float = 5.0
     calibration: Calibration = field(default_factory=Calibration)
     odometry_errors: OdometryErrors = field(default_factory=OdometryErrors)
-    limits: Limits = field(default_factory=Limits)
+    limits: DriveLimits = field(default_factory=DriveLimits)
     fitted: Fitted = field(default_factory=Fitted)
     camera: CameraSettings = field(default_factory=CameraSettings)
     laser: LaserSettings = field(default_factory=LaserSettings)
@@ -168,7 +168,7 @@ class Settings:
             raise ValueError(f"raise_baud_to must be one of {', '.join(map(str, rates))}, not {self.raise_baud_to}")
 
     @property
-    def line(self) -> Line:
+    def line(self) -> LineKind:
         """The kind of line that leads to the robot."""
         return RADIO if self.radio else CABLE
 

@@ -22,7 +22,7 @@ from gateway.events import (
     SipReceived,
 )
 from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableFace
+from gateway.faces.cable_face import CableAdapter
 from gateway.health import diagnostics, faults, robot_state
 from gateway.telemetry import Telemetry
 from p2os import RobotModel, StandardSip
@@ -46,7 +46,7 @@ STREAMS = (
 )
 
 
-class Streams(Subscription):
+class RobotPublishers(Subscription):
     """One robot's publishers.
 
     An error in making or writing a message costs this message only: it is counted, and logged at its first occurrence.
@@ -56,7 +56,7 @@ class Streams(Subscription):
     """
 
     def __init__(
-        self, name: str, bus: Bus, driver: Driver, model: RobotModel, cable_faces: Sequence[CableFace[Any]] = ()
+        self, name: str, bus: Bus, driver: Driver, model: RobotModel, cable_faces: Sequence[CableAdapter[Any]] = ()
     ) -> None:
         self._name = name
         self._bus = bus
@@ -105,7 +105,7 @@ class Streams(Subscription):
                 self._has_io_packets = False
                 telemetry.forget_ticks()
 
-    def publish_element(self, face: CableFace[Any], event: Event, stamp: int) -> None:
+    def publish_element(self, face: CableAdapter[Any], event: Event, stamp: int) -> None:
         """Publish what follows from an event of an element on a cable of its own; from any thread. stamp: as above."""
         with self.guarded(face.name):
             for topic, message in face.messages(event, stamp):

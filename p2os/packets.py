@@ -107,7 +107,7 @@ class Encoders(NamedTuple):
 ENCODERS = (Field("left", "i", meaning="ticks"), Field("right", "i", meaning="ticks"))
 
 
-class InputsOutputs(NamedTuple):
+class IoReport(NamedTuple):
     """IOpac: digital ports as bytes, analog inputs in V.
 
     On ARCOS the input bytes are user inputs, front bumpers, rear bumpers and infrared sensors (active low).
@@ -136,7 +136,7 @@ Packet = (
     StandardSip
     | Configuration
     | Encoders
-    | InputsOutputs
+    | IoReport
     | GyroReport
     | JoystickReport
     | GripperReport
@@ -159,7 +159,7 @@ Packet = (
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class PacketLayout:
     """How one packet is laid out.
 
     packet: its class, whose fields are those of the table. name: for people. grows: firmware has lengthened it, so one
@@ -172,23 +172,23 @@ class Layout:
     grows: bool = False
 
 
-LAYOUTS: Mapping[int, Layout] = {
-    PacketType.INFRARED: Layout(InfraredScan, "IRRF packet", INFRARED),
-    PacketType.CONFIGURATION: Layout(Configuration, "CONFIGpac", CONFIGURATION, grows=True),
-    PacketType.LASER: Layout(SimulatedLaser, "simulated laser packet", SIMULATED_LASER),
-    PacketType.LASER_EXTENDED: Layout(ExtendedLaser, "extended laser packet", EXTENDED_LASER),
-    PacketType.SIMULATOR_DEVICE: Layout(SimulatorDevice, "simulator device packet", SIMULATOR_DEVICE),
-    PacketType.MAP_CHANGED: Layout(MapChanged, "map packet", MAP_CHANGED),
-    PacketType.ENCODERS: Layout(Encoders, "ENCODERpac", ENCODERS),
-    PacketType.GYRO: Layout(GyroReport, "GYROpac", GYRO),
-    PacketType.ARM: Layout(ArmReport, "ARMpac", ARM),
-    PacketType.ARM_INFO: Layout(ArmInformation, "ARMINFOpac", ARM_INFORMATION),
-    PacketType.COMPASS: Layout(CompassReport, "TCM2pac", COMPASS),
-    PacketType.PLAYLIST: Layout(PlaylistEntry, "PLAYLISTpac", PLAYLIST),
-    PacketType.GRIPPER: Layout(GripperReport, "GRIPPERpac", GRIPPER),
-    PacketType.INPUTS_OUTPUTS: Layout(InputsOutputs, "IOpac", INPUTS_OUTPUTS, grows=True),
-    PacketType.JOYSTICK: Layout(JoystickReport, "JOYSTICKpac", JOYSTICK),
-    PacketType.BATTERY: Layout(BatteryReport, "battery packet", BATTERY),
+LAYOUTS: Mapping[int, PacketLayout] = {
+    PacketType.INFRARED: PacketLayout(InfraredScan, "IRRF packet", INFRARED),
+    PacketType.CONFIGURATION: PacketLayout(Configuration, "CONFIGpac", CONFIGURATION, grows=True),
+    PacketType.LASER: PacketLayout(SimulatedLaser, "simulated laser packet", SIMULATED_LASER),
+    PacketType.LASER_EXTENDED: PacketLayout(ExtendedLaser, "extended laser packet", EXTENDED_LASER),
+    PacketType.SIMULATOR_DEVICE: PacketLayout(SimulatorDevice, "simulator device packet", SIMULATOR_DEVICE),
+    PacketType.MAP_CHANGED: PacketLayout(MapChanged, "map packet", MAP_CHANGED),
+    PacketType.ENCODERS: PacketLayout(Encoders, "ENCODERpac", ENCODERS),
+    PacketType.GYRO: PacketLayout(GyroReport, "GYROpac", GYRO),
+    PacketType.ARM: PacketLayout(ArmReport, "ARMpac", ARM),
+    PacketType.ARM_INFO: PacketLayout(ArmInformation, "ARMINFOpac", ARM_INFORMATION),
+    PacketType.COMPASS: PacketLayout(CompassReport, "TCM2pac", COMPASS),
+    PacketType.PLAYLIST: PacketLayout(PlaylistEntry, "PLAYLISTpac", PLAYLIST),
+    PacketType.GRIPPER: PacketLayout(GripperReport, "GRIPPERpac", GRIPPER),
+    PacketType.INPUTS_OUTPUTS: PacketLayout(IoReport, "IOpac", INPUTS_OUTPUTS, grows=True),
+    PacketType.JOYSTICK: PacketLayout(JoystickReport, "JOYSTICKpac", JOYSTICK),
+    PacketType.BATTERY: PacketLayout(BatteryReport, "battery packet", BATTERY),
 }
 """The packets that are no more than their table, by type."""
 

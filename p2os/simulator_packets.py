@@ -39,7 +39,7 @@ SIMULATED_LASER = (
 )
 
 
-class LaserReading(NamedTuple):
+class SimulatedLaserReading(NamedTuple):
     """Range in m, and how strongly the target reflects; the last two bytes mean nothing."""
 
     range: float
@@ -53,7 +53,7 @@ class ExtendedLaser(NamedTuple):
 
     total: int
     first: int
-    readings: tuple[LaserReading, ...]
+    readings: tuple[SimulatedLaserReading, ...]
 
 
 EXTENDED_LASER = (
@@ -68,7 +68,7 @@ EXTENDED_LASER = (
             Field("spare1", "B"),
             Field("spare2", "B"),
         ),
-        record=LaserReading,
+        record=SimulatedLaserReading,
     ),
 )
 

@@ -22,14 +22,14 @@ STREAMING = 3
 """SIPs that show that a connection is open whose OPEN nobody saw; a late one or two may follow a CLOSE."""
 
 
-class Source(StrEnum):
+class FrameSource(StrEnum):
     """Who sent it."""
 
     HOST = "host"
     ROBOT = "robot"
 
 
-class Entry(NamedTuple):
+class WireLogEntry(NamedTuple):
     """One frame, or a run of bytes that was none.
 
     time: s, when its last byte was taken. name: of the command or packet type, or of what is wrong.
@@ -39,7 +39,7 @@ class Entry(NamedTuple):
     """
 
     time: float
-    source: Source
+    source: FrameSource
     name: str
     fields: Mapping[str, Any]
     units: Mapping[str, str]
@@ -61,11 +61,11 @@ class WireLog:
             find_model: From subtype to model, None where there is none; without it the first model stays.
         """
         self._find_model = find_model
-        self._decoders = {source: FrameDecoder() for source in Source}
+        self._decoders = {source: FrameDecoder() for source in FrameSource}
         self._talk = Talk()
         self._use(model)
 
-    def receive(self, source: Source, data: bytes, now: float) -> list[Entry]:
+    def receive(self, source: FrameSource, data: bytes, now: float) -> list[WireLogEntry]:
         """Take bytes of one end; none lets time pass, so that half a frame is given up.
 
         Args:
@@ -80,38 +80,38 @@ class WireLog:
         self.model = model
         self._codec = SipCodec(model)
 
-    def _entry(self, source: Source, found: Frame | Damaged, now: float) -> Entry:
+    def _entry(self, source: FrameSource, found: Frame | Damaged, now: float) -> WireLogEntry:
         if isinstance(found, Damaged):
-            return Entry(now, source, "damaged", {}, {}, found.reason.value, found.raw)
-        if source is Source.HOST:
+            return WireLogEntry(now, source, "damaged", {}, {}, found.reason.value, found.raw)
+        if source is FrameSource.HOST:
             return self._command(found.payload, now)
         return self._packet(found.payload, now)
 
-    def _command(self, payload: bytes, now: float) -> Entry:
+    def _command(self, payload: bytes, now: float) -> WireLogEntry:
         received = decode_command(payload)
         if received.command is None:
-            return Entry(now, Source.HOST, f"command {received.number}", {}, {}, "unknown command", payload)
+            return WireLogEntry(now, FrameSource.HOST, f"command {received.number}", {}, {}, "unknown command", payload)
         spec = COMMANDS[received.number]
         if spec.argument is Argument.TWO_BYTES:
             high, low = received.value  # type: ignore[misc] # the table says that there are two
-            return Entry(now, Source.HOST, spec.name, {"high": high, "low": low}, {}, "", payload)
+            return WireLogEntry(now, FrameSource.HOST, spec.name, {"high": high, "low": low}, {}, "", payload)
         name = self._talk.name(payload) or spec.name
         fields: dict[str, Any] = {} if received.value is None else {"value": received.value}
-        return Entry(now, Source.HOST, name, fields, _units(value=spec.quantity), "", payload)
+        return WireLogEntry(now, FrameSource.HOST, name, fields, _units(value=spec.quantity), "", payload)
 
-    def _packet(self, payload: bytes, now: float) -> Entry:
+    def _packet(self, payload: bytes, now: float) -> WireLogEntry:
         packet_type = payload[0]
         self._talk.hear(payload)
         name = _packet_name(packet_type)
         if packet_type in (PacketType.SYNC0, PacketType.SYNC1, PacketType.SYNC2):
-            return Entry(now, Source.ROBOT, name, self._answer(payload), {}, "", payload)
+            return WireLogEntry(now, FrameSource.ROBOT, name, self._answer(payload), {}, "", payload)
         try:
             packet = decode_packet(payload, self.model, self._codec)
         except DecodeError as error:
-            return Entry(now, Source.ROBOT, name, {}, {}, str(error), payload)
+            return WireLogEntry(now, FrameSource.ROBOT, name, {}, {}, str(error), payload)
         fields = {key: value for key, value in packet._asdict().items() if value is not None}
         problem = "" if packet_type in TABLES or packet_type in set(PacketType) else "unknown packet type"
-        return Entry(now, Source.ROBOT, name, fields, _PACKET_UNITS.get(packet_type, {}), problem, payload)
+        return WireLogEntry(now, FrameSource.ROBOT, name, fields, _PACKET_UNITS.get(packet_type, {}), problem, payload)
 
     def _answer(self, payload: bytes) -> Mapping[str, str]:
         """What a SYNC answer tells; a SYNC2 answer tells the model."""
@@ -163,7 +163,7 @@ class Talk:
             self._is_open = self._sips >= STREAMING
 
 
-def as_json(entry: Entry) -> dict[str, Any]:
+def as_json(entry: WireLogEntry) -> dict[str, Any]:
     """An entry as plain values; bytes are hex, infinity and NaN are the strings "inf", "-inf" and "nan"."""
     shown: dict[str, Any] = {"t": round(entry.time, 6), "from": entry.source.value, "name": entry.name}
     if entry.fields:
@@ -173,9 +173,9 @@ def as_json(entry: Entry) -> dict[str, Any]:
     return shown | {"hex": entry.raw.hex()}
 
 
-def as_text(entry: Entry) -> str:
+def as_text(entry: WireLogEntry) -> str:
     """An entry as one line for people; bytes in hex."""
-    arrow = "->" if entry.source is Source.HOST else "<-"
+    arrow = "->" if entry.source is FrameSource.HOST else "<-"
     head = f"{entry.time:10.4f} {arrow} {entry.name}"
     if entry.name == "damaged":
         words = f" {entry.raw.decode('ascii')!r}" if _is_text(entry.raw) else ""

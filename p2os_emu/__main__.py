@@ -28,13 +28,13 @@ from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import HUNG_UP, Poller
 from p2os_emu.lists import listing
-from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, Options, parse
+from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, EmulatorOptions, parse
 from p2os_emu.ports import Ports
 from p2os_emu.private_folder import CONTROL, private_folder
-from p2os_emu.requests import Desk
+from p2os_emu.requests import ControlRequestHandler
 from p2os_emu.runner import Runner
 from p2os_emu.tapes import Recording, check, serve
-from p2os_emu.team import Team, TeamError
+from p2os_emu.team import EmulatedTeam, TeamError
 
 if TYPE_CHECKING:
     from p2os_emu.camera.cameras import Cameras
@@ -74,7 +74,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return EXIT_OK
 
 
-def _emulate(options: Options) -> None:
+def _emulate(options: EmulatorOptions) -> None:
     profile = configs.load(LinkProfile, "links", options.link)
     flash = configs.read(options.flash) if options.flash else {}
     with ExitStack() as stack:
@@ -91,7 +91,7 @@ def _emulate(options: Options) -> None:
         )
         stack.callback(emulator.close)
         ports = Ports(poller, pty=options.pty, tcp=_first_tcp_port(options), robots=len(options.robots))
-        team = Team(
+        team = EmulatedTeam(
             emulator,
             ports,
             options.link,
@@ -114,7 +114,7 @@ def _emulate(options: Options) -> None:
         for path in options.fault_files:
             schedule_file(faults, path, emulator.time)
         runner = Runner(emulator, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
-        desk = Desk(team, faults, runner)
+        desk = ControlRequestHandler(team, faults, runner)
         control = ControlSocket(_control_path(options, stack), poller, desk.answer)
         stack.callback(control.close)
         runner.between_steps += [control.serve, cameras.tend]
@@ -140,7 +140,7 @@ def _emulate(options: Options) -> None:
             runner.run(options.duration)
 
 
-def _check(path: Path, options: Options) -> int:
+def _check(path: Path, options: EmulatorOptions) -> int:
     with contextlib.closing(_make_world(options)) as world:
         return EXIT_OK if check(path, options, world) else EXIT_PARTS
 
@@ -158,7 +158,7 @@ def _clean_output() -> Iterator[None]:
             os.dup2(own.fileno(), 1)
 
 
-def _make_world(options: Options) -> "World":
+def _make_world(options: EmulatorOptions) -> "World":
     # The engine takes longer to load than all the rest: what needs none of it should not wait for it.
     try:
         from p2os_emu.world import World, WorldError, load_world
@@ -176,7 +176,7 @@ def _make_world(options: Options) -> "World":
         raise PhysicsError(str(error)) from error
 
 
-def _open_cameras(emulator: Emulator, world: "World", team: Team) -> "Cameras":
+def _open_cameras(emulator: Emulator, world: "World", team: EmulatedTeam) -> "Cameras":
     # Here and not at the top: it knows the world, and loads the engine with it.
     from p2os_emu.camera.cameras import Cameras
 
@@ -186,12 +186,12 @@ def _open_cameras(emulator: Emulator, world: "World", team: Team) -> "Cameras":
     return cameras
 
 
-def _first_tcp_port(options: Options) -> int | None:
+def _first_tcp_port(options: EmulatorOptions) -> int | None:
     """Of the robots there are from the start; a factory's port comes before theirs."""
     return options.tcp + 1 if options.tcp and options.factory else options.tcp
 
 
-def _open_factory(options: Options, poller: Poller, team: Team, stack: ExitStack) -> Factory | None:
+def _open_factory(options: EmulatorOptions, poller: Poller, team: EmulatedTeam, stack: ExitStack) -> Factory | None:
     if options.factory is None:
         return None
     team.check_model(options.factory)
@@ -208,13 +208,13 @@ def _end_with_stdin(poller: Poller, runner: Runner) -> None:
         raise PortError("--until-stdin-closes: standard input is a file; give it a pipe that stays open") from error
 
 
-def _control_path(options: Options, stack: ExitStack) -> Path:
+def _control_path(options: EmulatorOptions, stack: ExitStack) -> Path:
     if options.control is not None:
         return options.control
     return stack.enter_context(private_folder()) / CONTROL
 
 
-def _announce(options: Options, robots: list[dict[str, Any]], factory: Factory | None, control: Path) -> None:
+def _announce(options: EmulatorOptions, robots: list[dict[str, Any]], factory: Factory | None, control: Path) -> None:
     if options.json:
         ready = {"robots": robots, "control": str(control)}
         if factory is not None:
@@ -245,7 +245,7 @@ def _report_load(runner: Runner) -> None:
         print(f"p2os-emu: {sentence}", file=sys.stderr, flush=True)
 
 
-def _report(options: Options, runner: Runner) -> None:
+def _report(options: EmulatorOptions, runner: Runner) -> None:
     if runner.late_dropped and not options.quiet:
         print(
             f"p2os-emu: the machine was too busy: {runner.late_dropped} steps ({runner.lost:.1f} s) were more than a "
@@ -265,14 +265,14 @@ def _ended_by_signals() -> Iterator[None]:
     before = {number: signal.signal(number, _leave) for number in _ENDINGS}
     try:
         yield
-    except _Ended:
+    except _EndSignal:
         return
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-class _Ended(BaseException):
+class _EndSignal(BaseException):
     """A signal asked for the end; not an error, and nobody on the way may take it for one."""
 
 
@@ -280,7 +280,7 @@ def _leave(number: int, frame: FrameType | None) -> NoReturn:
     # A second signal must not interrupt the tidying up.
     for each in _ENDINGS:
         signal.signal(each, signal.SIG_IGN)
-    raise _Ended
+    raise _EndSignal
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ class BodyState(NamedTuple):
     near_ledge: bool = False
 
 
-class GripperState(NamedTuple):
+class GripperMechanismState(NamedTuple):
     """A gripper's machine at the end of a physics step.
 
     opening: of the paddles, 0 closed to 1 open. lift: 0 down to 1 up. opening_speed, lift_speed: 1/s.
@@ -64,11 +64,11 @@ class GripperState(NamedTuple):
     holds: bool = False
 
 
-class Gripper(Protocol):
+class GripperMechanism(Protocol):
     """Paddles on a lift, as the microcontroller can reach them."""
 
     @property
-    def state(self) -> GripperState:
+    def state(self) -> GripperMechanismState:
         """The gripper after the last physics step."""
         ...
 
@@ -77,7 +77,7 @@ class Gripper(Protocol):
         ...
 
 
-class Arm(Protocol):
+class ArmMechanism(Protocol):
     """Joints one behind the other, each a servo of its own; the last may be a gripper's."""
 
     @property
@@ -100,7 +100,7 @@ class Arm(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Beams:
+class ScanBeams:
     """Beams of a planar scanner: m and rad in `base_link`, height in m above the floor.
 
     first: bearing of the first beam. step: to the next one, negative where they go clockwise. reach: how far to look.
@@ -147,12 +147,12 @@ class Body(Protocol):
         ...
 
     @property
-    def gripper(self) -> Gripper | None:
+    def gripper(self) -> GripperMechanism | None:
         """The gripper, where one is fitted."""
         ...
 
     @property
-    def arm(self) -> Arm | None:
+    def arm(self) -> ArmMechanism | None:
         """The arm, where one is fitted."""
         ...
 
@@ -174,6 +174,6 @@ class Body(Protocol):
         """
         ...
 
-    def scan(self, beams: Beams) -> Echoes:
+    def scan(self, beams: ScanBeams) -> Echoes:
         """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""
         ...

@@ -26,7 +26,7 @@ from p2os import (
 )
 from p2os.handshake import read_identity
 from p2os.sip import SIP_TYPES
-from p2os.wire_log import Source, Talk
+from p2os.wire_log import FrameSource, Talk
 
 VERSION = 1
 
@@ -35,11 +35,11 @@ class CassetteError(ValueError):
     """A file is no cassette, or holds nothing that can be used; the message says where and why."""
 
 
-class Moment(NamedTuple):
+class RecordedBytes(NamedTuple):
     """Bytes of one end, as they were read or written in one go. time: s since the start."""
 
     time: float
-    source: Source
+    source: FrameSource
     data: bytes
 
 
@@ -47,18 +47,18 @@ class Moment(NamedTuple):
 class Cassette:
     """A recording. name, model: of the robot, empty where the file does not say."""
 
-    moments: tuple[Moment, ...]
+    moments: tuple[RecordedBytes, ...]
     name: str = ""
     model: str = ""
 
-    def of(self, source: Source) -> list[Moment]:
+    def of(self, source: FrameSource) -> list[RecordedBytes]:
         """What one end sent."""
         return [moment for moment in self.moments if moment.source is source]
 
     @property
     def identity(self) -> Identity | None:
         """What the robot answered to SYNC2; None if it is not on the cassette."""
-        for _, payload in _frames(self.of(Source.ROBOT)):
+        for _, payload in _frames(self.of(FrameSource.ROBOT)):
             if payload[0] == Command.SYNC2 and (identity := read_identity(payload)) is not None:
                 return identity
         return None
@@ -94,12 +94,12 @@ def read(path: Path) -> Cassette:
     return Cassette(tuple(moments), str(header.get("name", "")), str(header.get("model", "")))
 
 
-def _moment(entry: Any) -> Moment:
+def _moment(entry: Any) -> RecordedBytes:
     """Read one line's object; raises what a wrong one makes go wrong."""
     time = float(entry["t"])
     if not math.isfinite(time):
         raise ValueError(f"{time} is no time")
-    return Moment(time, Source(entry["from"]), bytes.fromhex(entry["hex"]))
+    return RecordedBytes(time, FrameSource(entry["from"]), bytes.fromhex(entry["hex"]))
 
 
 class Recorder:
@@ -150,7 +150,7 @@ class Recorder:
 
 
 @dataclass(slots=True)
-class Exchange:
+class RecordedExchange:
     """A frame of the host's, and what the robot said between it and the host's next.
 
     name: what the host meant, see `Talk`. answers: (s after the frame, payload), without the SIPs.
@@ -164,18 +164,18 @@ class Exchange:
     sips: list[tuple[float, bytes]] = field(default_factory=list)
 
 
-def exchanges(cassette: Cassette) -> list[Exchange]:
+def exchanges(cassette: Cassette) -> list[RecordedExchange]:
     """Take a recording apart; the first exchange has no command and holds what the robot said before any."""
-    talk, decoders = Talk(), {source: FrameDecoder() for source in Source}
-    current = session = Exchange(0.0, "", b"")
+    talk, decoders = Talk(), {source: FrameDecoder() for source in FrameSource}
+    current = session = RecordedExchange(0.0, "", b"")
     found = [current]
     for time, source, data in cassette.moments:
         for event in decoders[source].receive(data, time):
             if not isinstance(event, Frame):
                 continue
             payload = event.payload
-            if source is Source.HOST:
-                current = Exchange(time, talk.name(payload) or f"command {payload[0]}", payload)
+            if source is FrameSource.HOST:
+                current = RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
                 session = current if current.name == "OPEN" else session
                 found.append(current)
                 continue
@@ -199,8 +199,8 @@ class Player:
 
     def __init__(self, cassette: Cassette) -> None:
         start, *recorded = exchanges(cassette)
-        self._same: dict[tuple[str, bytes], deque[Exchange]] = {}
-        self._similar: dict[str, deque[Exchange]] = {}
+        self._same: dict[tuple[str, bytes], deque[RecordedExchange]] = {}
+        self._similar: dict[str, deque[RecordedExchange]] = {}
         for each in recorded:
             self._same.setdefault((each.name, each.command), deque()).append(each)
             self._similar.setdefault(each.name, deque()).append(each)
@@ -243,7 +243,7 @@ class Player:
             self._begin(recorded.popleft() if len(recorded) > 1 else recorded[0])
 
     def _name(self, payload: bytes) -> str:
-        """As `Exchange.name`; empty for a SYNC out of turn, which no robot answers."""
+        """As `RecordedExchange.name`; empty for a SYNC out of turn, which no robot answers."""
         number, was_open = payload[0], self._connection.state is ConnectionState.OPEN
         if self._connection.receive(payload) is not None:
             return f"SYNC{number}"
@@ -252,13 +252,13 @@ class Player:
         is_open = self._connection.state is ConnectionState.OPEN
         return ("PULSE", "OPEN", "CLOSE")[number] if is_open or was_open else ""
 
-    def _begin(self, exchange: Exchange) -> None:
+    def _begin(self, exchange: RecordedExchange) -> None:
         self._answers += [(self._now + delay, answer) for delay, answer in exchange.answers]
         if exchange.sips:
             self._stream = deque((self._now + delay, sip) for delay, sip in exchange.sips)
 
 
-def _frames(moments: Iterable[Moment]) -> Iterator[tuple[float, bytes]]:
+def _frames(moments: Iterable[RecordedBytes]) -> Iterator[tuple[float, bytes]]:
     """The sound frames of one end: when, and the payload."""
     decoder = FrameDecoder()
     for time, _, data in moments:

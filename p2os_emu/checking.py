@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 from p2os import RobotModel
 from p2os.fields import POSITION_UNITS
-from p2os.wire_log import Entry, Source, WireLog, plain
-from p2os_emu.cassette import Cassette, Moment
+from p2os.wire_log import FrameSource, WireLog, WireLogEntry, plain
+from p2os_emu.cassette import Cassette, RecordedBytes
 from p2os_emu.emulator import Emulator
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.surroundings import Surroundings
+from p2os_emu.surroundings import EmulatedSurroundings
 
 LEAD = 0.5
 """s that the emulated robot has been on when the first recorded byte comes."""
@@ -84,12 +84,12 @@ class Parting(NamedTuple):
 def replay(
     cassette: Cassette,
     model: RobotModel,
-    world: Surroundings,
+    world: EmulatedSurroundings,
     fit: Fit = BARE,
     seed: int = 0,
     *,
     as_simulator: bool = False,
-) -> list[Moment]:
+) -> list[RecordedBytes]:
     """Let an emulated robot hear the recorded host.
 
     Args:
@@ -107,18 +107,18 @@ def replay(
     link = MemoryLink()
     emulator.add(name, model, link, fit=fit, cables={part: MemoryLink() for part in fit.cables})
     start = cassette.moments[0].time - LEAD - emulator.time
-    host = cassette.of(Source.HOST)
-    said: list[Moment] = []
+    host = cassette.of(FrameSource.HOST)
+    said: list[RecordedBytes] = []
     while start + emulator.time < cassette.moments[-1].time:
         while host and host[0].time <= start + emulator.time:
             link.client_write(host.pop(0).data)
         emulator.step()
-        said += [Moment(start + emulator.time, Source.ROBOT, data) for data in link.client_read_pieces()]
+        said += [RecordedBytes(start + emulator.time, FrameSource.ROBOT, data) for data in link.client_read_pieces()]
     emulator.close()
     return said
 
 
-def compare(recorded: Iterable[Moment], emulated: Iterable[Moment], model: RobotModel) -> list[Parting]:
+def compare(recorded: Iterable[RecordedBytes], emulated: Iterable[RecordedBytes], model: RobotModel) -> list[Parting]:
     """Say where two robots part that heard the same.
 
     Args:
@@ -139,17 +139,17 @@ def compare(recorded: Iterable[Moment], emulated: Iterable[Moment], model: Robot
     return partings
 
 
-def _by_kind(moments: Iterable[Moment], model: RobotModel) -> dict[str, list[Entry]]:
+def _by_kind(moments: Iterable[RecordedBytes], model: RobotModel) -> dict[str, list[WireLogEntry]]:
     log = WireLog(model)
-    kinds: dict[str, list[Entry]] = {}
+    kinds: dict[str, list[WireLogEntry]] = {}
     for time, source, data in moments:
-        if source is Source.ROBOT:
+        if source is FrameSource.ROBOT:
             for entry in log.receive(source, data, time):
                 kinds.setdefault(_kind(entry), []).append(entry)
     return kinds
 
 
-def _kind(entry: Entry) -> str:
+def _kind(entry: WireLogEntry) -> str:
     if entry.problem:
         return f"{entry.name} ({entry.problem})"
     return SIP if entry.name.startswith("SIP") else entry.name
@@ -158,7 +158,9 @@ def _kind(entry: Entry) -> str:
 class _Comparison:
     """The packets of one kind."""
 
-    def __init__(self, kind: str, recorded: Sequence[Entry], emulated: Sequence[Entry], model: RobotModel) -> None:
+    def __init__(
+        self, kind: str, recorded: Sequence[WireLogEntry], emulated: Sequence[WireLogEntry], model: RobotModel
+    ) -> None:
         self._kind = kind
         self._recorded = recorded
         self._emulated = emulated
@@ -177,7 +179,7 @@ class _Comparison:
                 found += self._differing(name, self._reader(name), self._measure(name))
         return found
 
-    def _counterparts(self) -> Iterator[Sequence[Entry]]:
+    def _counterparts(self) -> Iterator[Sequence[WireLogEntry]]:
         """For each recorded packet the emulated ones it may be like: the same in order, or those of the same cycle."""
         if len(self._recorded) == len(self._emulated) and self._kind != SIP:
             yield from ([entry] for entry in self._emulated)
@@ -204,7 +206,7 @@ class _Comparison:
             yield Parting(SIP, "sonar numbers", recorded, emulated, 1, 1, self._recorded[0].time)
 
     def _differing(
-        self, aspect: str, value: Callable[[Entry], Any], agree: Callable[[Any, Any], bool]
+        self, aspect: str, value: Callable[[WireLogEntry], Any], agree: Callable[[Any, Any], bool]
     ) -> Iterator[Parting]:
         differing = [
             (value(entry), value(near[len(near) // 2]), entry.time)
@@ -215,7 +217,7 @@ class _Comparison:
             recorded, emulated, time = differing[0]
             yield Parting(self._kind, aspect, recorded, emulated, len(differing), len(self._pairs), time)
 
-    def _reader(self, name: str) -> Callable[[Entry], Any]:
+    def _reader(self, name: str) -> Callable[[WireLogEntry], Any]:
         """Reads a field; those of odometry from each robot's own start."""
         if self._kind != SIP or name not in ODOMETRY:
             return lambda entry: entry.fields.get(name)
@@ -240,11 +242,11 @@ def _agree(a: Any, b: Any, tolerance: float, span: float) -> bool:
     return bool(a == b)
 
 
-def _size(entry: Entry) -> int:
+def _size(entry: WireLogEntry) -> int:
     return len(entry.raw) - READING_BYTES * len(entry.fields.get("sonar", ()))
 
 
-def _discs(sips: Sequence[Entry]) -> tuple[int, ...]:
+def _discs(sips: Sequence[WireLogEntry]) -> tuple[int, ...]:
     """The sonar discs that ever reported."""
     return tuple(sorted({number for sip in sips for number, _ in sip.fields["sonar"]}))
 
@@ -257,6 +259,6 @@ def _equal(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def _period(entries: Sequence[Entry]) -> float:
+def _period(entries: Sequence[WireLogEntry]) -> float:
     """The usual time between two, s."""
     return median(after.time - before.time for before, after in pairwise(entries))

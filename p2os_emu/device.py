@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from p2os_emu.links.line import Line
+from p2os_emu.links.line import EmulatedLine
 
 
 class Device(Protocol):
@@ -33,7 +33,7 @@ class Cable:
     is_powered: without power the device hears and says nothing.
     """
 
-    def __init__(self, make: Callable[[], Device], line: Line) -> None:
+    def __init__(self, make: Callable[[], Device], line: EmulatedLine) -> None:
         """Connect a device.
 
         Args:

@@ -11,12 +11,12 @@ from p2os import Command, RobotModel, encode_command
 from p2os_emu.device import Cable
 from p2os_emu.faulty_body import FaultyBody
 from p2os_emu.fit import BARE, Fit
-from p2os_emu.fitting import Bench, cabled, plug_in
-from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.fitting import FittingContext, cabled, plug_in
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
 from p2os_emu.microcontroller.simulator import SERIAL, Simulator
-from p2os_emu.surroundings import Surroundings, Touches, Truth
+from p2os_emu.surroundings import EmulatedSurroundings, TouchCounter, TrueMotion
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
 FARTHEST = 1e5  # m from the origin for places that robots are put at; larger numbers are typing errors
@@ -38,7 +38,7 @@ class EmulatedRobot:
     model: RobotModel
     microcontroller: Microcontroller
     body: FaultyBody
-    line: Line
+    line: EmulatedLine
     start: Pose2D
     fit: Fit = BARE
     cables: dict[str, Cable] = field(default_factory=dict)
@@ -124,7 +124,7 @@ class Emulator:
 
     def __init__(
         self,
-        world: Surroundings,
+        world: EmulatedSurroundings,
         profile: LinkProfile,
         *,
         seed: int = 0,
@@ -188,7 +188,7 @@ class Emulator:
         controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
         body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
         profile = profile or self._profile
-        line = Line(link, profile, self._chance(name, "line"))
+        line = EmulatedLine(link, profile, self._chance(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
             controller.simulate(Simulator(model, Hand(self, robot), body))
@@ -212,9 +212,9 @@ class Emulator:
     def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link], profile: LinkProfile) -> None:
         for part in robot.fit.parts:
             chance = Random(self._chance(robot.name, part))
-            bench = Bench(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
+            bench = FittingContext(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
             if part in robot.fit.cables:
-                line = Line(cables[part], profile.of_accessories, self._chance(robot.name, f"{part} line"))
+                line = EmulatedLine(cables[part], profile.of_accessories, self._chance(robot.name, f"{part} line"))
                 robot.cables[part] = Cable(partial(cabled, part, bench), line)
             else:
                 plug_in(part, bench)
@@ -225,7 +225,7 @@ class Emulator:
         robot.close()
         self._world.remove_robot(name)
 
-    def truth(self, name: str) -> Truth:
+    def truth(self, name: str) -> TrueMotion:
         """How a robot really moves."""
         return self._world.truth(name)
 
@@ -237,7 +237,7 @@ class Emulator:
         """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
         return self._world.held(name)
 
-    def touches(self, name: str) -> Touches:
+    def touches(self, name: str) -> TouchCounter:
         """What a robot has bumped into since the start."""
         return self._world.touches(name)
 

@@ -7,7 +7,7 @@ from configs import ConfigError
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.tcp import VisitorLink, address, listen
-from p2os_emu.team import Team, TeamError
+from p2os_emu.team import EmulatedTeam, TeamError
 
 
 class Factory:
@@ -16,7 +16,7 @@ class Factory:
     port: what clients open, for people and programs. model: of the robots.
     """
 
-    def __init__(self, poller: Poller, team: Team, model: str, port: int) -> None:
+    def __init__(self, poller: Poller, team: EmulatedTeam, model: str, port: int) -> None:
         """Listen.
 
         Args:

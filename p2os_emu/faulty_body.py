@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
-from p2os_emu.body import Arm, Beams, Body, BodyState, Echoes, Gripper
+from p2os_emu.body import ArmMechanism, Body, BodyState, Echoes, GripperMechanism, ScanBeams
 
 WHOLE = (1.0, 1.0)
 """Grip of wheels that do not slip, left and right."""
@@ -96,12 +96,12 @@ class FaultyBody:
         return state
 
     @property
-    def gripper(self) -> Gripper | None:
+    def gripper(self) -> GripperMechanism | None:
         """As `Body.gripper`."""
         return self._body.gripper
 
     @property
-    def arm(self) -> Arm | None:
+    def arm(self) -> ArmMechanism | None:
         """As `Body.arm`."""
         return self._body.arm
 
@@ -127,7 +127,7 @@ class FaultyBody:
             return ranges
         return [self.sonar.heard(disc, heard, self._chance) for disc, heard in zip(discs, ranges, strict=True)]
 
-    def scan(self, beams: Beams) -> Echoes:
+    def scan(self, beams: ScanBeams) -> Echoes:
         """As `Body.scan`."""
         return self._body.scan(beams)
 

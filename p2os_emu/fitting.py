@@ -26,7 +26,7 @@ HEAD_PORT = 1
 """The AUX port of a camera head, as every client has it."""
 
 
-class Bench(NamedTuple):
+class FittingContext(NamedTuple):
     """Everything that a device may be connected to.
 
     chance: of this device alone, seeded.
@@ -39,13 +39,13 @@ class Bench(NamedTuple):
     chance: Random
 
 
-def _powercube(bench: Bench) -> Device:
+def _powercube(bench: FittingContext) -> Device:
     if bench.body.arm is None:
         raise FitError("this world has no joints, and so no arm; take one with physics")
     return PowerCubeArm(load(ArmModel, "accessories", "powercube-arm"), bench.body.arm)
 
 
-def _laser(bench: Bench) -> Device:
+def _laser(bench: FittingContext) -> Device:
     def has_power() -> bool:
         return not mount.power_controlled or bench.microcontroller.outputs.power[LASER_POWER]
 
@@ -53,29 +53,29 @@ def _laser(bench: Bench) -> Device:
     return Lms200(load(ScannerModel, "accessories", "lms200"), mount, bench.body, has_power)
 
 
-CABLED: Mapping[tuple[str, str], Callable[[Bench], Device]] = {
+CABLED: Mapping[tuple[str, str], Callable[[FittingContext], Device]] = {
     ("laser", "lms200"): _laser,
     ("arm", "powercube"): _powercube,
 }
 """Part and variant to what makes the device on its own cable."""
 
 
-def _wire_gripper(bench: Bench) -> None:
+def _wire_gripper(bench: FittingContext) -> None:
     gripper = gripper_of(bench.fit)
     if gripper is not None:
         bench.microcontroller.fit_gripper(gripper)
 
 
-def _fit_gyro(bench: Bench, inside: bool) -> None:
+def _fit_gyro(bench: FittingContext, inside: bool) -> None:
     spec = load(AnalogGyroSpec, "accessories", "analog-gyro")
     bench.microcontroller.fit_gyro(AnalogGyro(spec, bench.chance), inside)
 
 
-def _head_model(bench: Bench) -> HeadModel:
+def _head_model(bench: FittingContext) -> HeadModel:
     return load(HeadModel, "accessories", bench.fit.parts["ptz"])
 
 
-PLUGGED: Mapping[tuple[str, str], Callable[[Bench], None]] = {
+PLUGGED: Mapping[tuple[str, str], Callable[[FittingContext], None]] = {
     ("gyro", "analog"): lambda bench: _fit_gyro(bench, inside=False),
     ("gyro", "controller"): lambda bench: _fit_gyro(bench, inside=True),
     ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
@@ -96,12 +96,12 @@ def plugged_head(controller: Microcontroller) -> Vcc4 | EviD30 | None:
     return device if isinstance(device, Vcc4 | EviD30) else None
 
 
-def cabled(part: str, bench: Bench) -> Device:
+def cabled(part: str, bench: FittingContext) -> Device:
     """Make the device of a part that has a cable of its own."""
     return CABLED[part, bench.fit.parts[part]](bench)
 
 
-def plug_in(part: str, bench: Bench) -> None:
+def plug_in(part: str, bench: FittingContext) -> None:
     """Connect a part to the microcontroller, if it is one that hangs on it."""
     plug = PLUGGED.get((part, bench.fit.parts[part]))
     if plug is not None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from geometry import Pose2D, Twist2D, integrate
 from p2os import RobotModel
-from p2os_emu.body import Arm, Beams, BodyState, Echoes, Gripper
+from p2os_emu.body import ArmMechanism, BodyState, Echoes, GripperMechanism, ScanBeams
 from p2os_emu.emulator import STEP
 from p2os_emu.fit import BARE, Fit
 
@@ -37,8 +37,8 @@ class FlatBody:
     pose: in the world. left, right: wheel rims, m/s.
     """
 
-    gripper: Gripper | None = None
-    arm: Arm | None = None
+    gripper: GripperMechanism | None = None
+    arm: ArmMechanism | None = None
 
     def __init__(self, track: float, pose: Pose2D) -> None:
         self.pose = pose
@@ -68,7 +68,7 @@ class FlatBody:
         """Hear nothing."""
         return [inf] * len(discs)
 
-    def scan(self, beams: Beams) -> Echoes:
+    def scan(self, beams: ScanBeams) -> Echoes:
         """See nothing."""
         return Echoes.nothing(beams.count)
 

@@ -48,7 +48,7 @@ exit codes:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class EmulatorOptions:
     """What was asked for on the command line.
 
     places: where robots of a team begin. link: the line of every robot that `links` does not name.
@@ -85,7 +85,7 @@ class Options:
     listing: str | None
 
 
-def parse(argv: Sequence[str] | None = None) -> Options:
+def parse(argv: Sequence[str] | None = None) -> EmulatorOptions:
     """Read the command line; ends the program with exit code 2 and a message where it is wrong.
 
     Raises:
@@ -108,7 +108,7 @@ def parse(argv: Sequence[str] | None = None) -> Options:
     if (count := len(given.robot) + len(given.tcp_robot)) > MOST_ROBOTS:
         raise configs.ConfigError(f"{count} robots are too many; use at most {MOST_ROBOTS}")
     links = {name: profile for name, _, profile in (text.rpartition("=") for text in given.link)}
-    return Options(
+    return EmulatorOptions(
         robots=(*given.robot, *given.tcp_robot),
         places=places,
         factory=given.factory,

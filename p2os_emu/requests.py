@@ -18,7 +18,7 @@ from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
 from p2os_emu.pacing import FASTEST, SLOWEST
 from p2os_emu.runner import Runner
-from p2os_emu.team import Team, TeamError
+from p2os_emu.team import EmulatedTeam, TeamError
 from p2os_emu.truth_rows import robot_row, surroundings_rows
 
 Fields = Mapping[str, Any]
@@ -28,12 +28,12 @@ _MOST_STEPS = 72_000  # ten minutes of emulated time
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    meet: "Callable[[Desk, Fields], Mapping[str, Any]]"
+    meet: "Callable[[ControlRequestHandler, Fields], Mapping[str, Any]]"
     keys: Mapping[str, type]
     needed: tuple[str, ...] = ()
 
 
-class Desk:
+class ControlRequestHandler:
     """Meets the requests of the control socket.
 
     Args:
@@ -42,7 +42,7 @@ class Desk:
         runner: The loop.
     """
 
-    def __init__(self, team: Team, faults: FaultBoard, runner: Runner) -> None:
+    def __init__(self, team: EmulatedTeam, faults: FaultBoard, runner: Runner) -> None:
         self.team = team
         self.faults = faults
         self.runner = runner
@@ -110,7 +110,7 @@ def _shown(value: Any) -> str:
     return text if len(text) <= _LONGEST_QUOTE else text[: _LONGEST_QUOTE - 1] + "…"
 
 
-def _truth(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _truth(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     rows = {robot.name: robot_row(desk.emulator, robot) for robot in desk.robots(fields)}
     answer = {"robots": rows, **surroundings_rows(desk.emulator), "time": desk.emulator.time, **_pace(desk)}
     if len(rows) == 1:  # meant or alone: spares the asker a level
@@ -118,7 +118,7 @@ def _truth(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return answer
 
 
-def _pose(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _pose(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     robot = desk.robot(fields)
     here = desk.emulator.truth(robot.name).pose
     there = Pose2D(fields.get("x", here.x), fields.get("y", here.y), fields.get("heading", here.heading))
@@ -131,7 +131,7 @@ def _pose(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return {"robot": robot.name, "x": pose.x, "y": pose.y, "heading": pose.heading}
 
 
-def _door(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _door(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     try:
         desk.emulator.set_door(fields["name"], fields["open"])
     except ValueError as error:
@@ -139,7 +139,7 @@ def _door(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return {"door": fields["name"], "open": fields["open"]}
 
 
-def _fault(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _fault(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     try:
         fault = desk.faults.schedule(parse_fault(fields["fault"]), desk.emulator.time)
     except FaultError as error:
@@ -147,7 +147,7 @@ def _fault(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return _fault_row(fault)
 
 
-def _clear(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _clear(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     numbers = [fields["number"]] if "number" in fields else [fault.number for fault in desk.faults.faults]
     try:
         for number in numbers:
@@ -157,12 +157,12 @@ def _clear(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return {"cleared": numbers}
 
 
-def _faults(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _faults(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     known = {name: _fault_explained(desk, kind) for name, kind in FAULTS.items()}
     return {"faults": [_fault_row(fault) for fault in desk.faults.faults], "known": known}
 
 
-def _fault_explained(desk: Desk, kind: FaultKind) -> dict[str, Any]:
+def _fault_explained(desk: ControlRequestHandler, kind: FaultKind) -> dict[str, Any]:
     return {
         "meaning": kind.meaning,
         "ending": kind.ending,
@@ -182,7 +182,7 @@ def _fault_row(fault: Fault) -> dict[str, Any]:
     }
 
 
-def _step(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _step(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     count = fields.get("n", 1)
     if not desk.runner.is_paused:
         raise RequestError('the emulator runs by the clock; {"do": "pause"} first')
@@ -192,12 +192,12 @@ def _step(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return {"time": desk.emulator.time}
 
 
-def _pause(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _pause(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     desk.runner.pause(fields.get("on", True))
     return {"time": desk.emulator.time, **_pace(desk)}
 
 
-def _speed(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _speed(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     factor = fields.get("factor", desk.runner.speed)
     if factor <= 0:
         raise RequestError(f'"factor" must be above zero, not {factor}; {{"do": "pause"}} stops time')
@@ -208,7 +208,7 @@ def _speed(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return _pace(desk)
 
 
-def _pace(desk: Desk) -> dict[str, Any]:
+def _pace(desk: ControlRequestHandler) -> dict[str, Any]:
     return {
         "speed": desk.runner.speed,
         "paused": desk.runner.is_paused,
@@ -218,7 +218,7 @@ def _pace(desk: Desk) -> dict[str, Any]:
     }
 
 
-def _joystick(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _joystick(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     robot = desk.robot(fields)
     panel = robot.microcontroller.panel
     if panel.joystick is None:
@@ -230,14 +230,14 @@ def _joystick(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return {"robot": robot.name, **panel.joystick._asdict()}
 
 
-def _reset(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _reset(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     names = [robot.name for robot in desk.robots(fields)]
     for name in names:
         desk.emulator.restart(name)
     return {"reset": names}
 
 
-def _add(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _add(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     place = fields.keys() & {"x", "y", "heading"}
     if place and not place >= {"x", "y"}:
         raise RequestError('a place needs "x" and "y"; leave both out and the world finds one')
@@ -250,13 +250,13 @@ def _add(desk: Desk, fields: Fields) -> Mapping[str, Any]:
     return {"robot": desk.team.entry(robot)}
 
 
-def _remove(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _remove(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     robot = desk.robot(fields)
     desk.emulator.remove(robot.name)
     return {"removed": robot.name}
 
 
-def _quit(desk: Desk, fields: Fields) -> Mapping[str, Any]:
+def _quit(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     desk.runner.leave()
     return {"time": desk.emulator.time}
 

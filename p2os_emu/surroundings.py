@@ -9,7 +9,7 @@ from p2os_emu.body import Body
 from p2os_emu.fit import BARE, Fit
 
 
-class Truth(Protocol):
+class TrueMotion(Protocol):
     """How a robot really moves, which its odometry only estimates."""
 
     @property
@@ -28,7 +28,7 @@ class Truth(Protocol):
         ...
 
 
-class Touches(Protocol):
+class TouchCounter(Protocol):
     """What a robot has bumped into."""
 
     @property
@@ -42,7 +42,7 @@ class Touches(Protocol):
         ...
 
 
-class Surroundings(Protocol):
+class EmulatedSurroundings(Protocol):
     """The part of a world that the emulator needs."""
 
     @property
@@ -62,7 +62,7 @@ class Surroundings(Protocol):
         """Take a robot away."""
         ...
 
-    def truth(self, name: str) -> Truth:
+    def truth(self, name: str) -> TrueMotion:
         """How a robot really moves."""
         ...
 
@@ -78,7 +78,7 @@ class Surroundings(Protocol):
         """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
         ...
 
-    def touches(self, name: str) -> Touches:
+    def touches(self, name: str) -> TouchCounter:
         """What a robot has bumped into."""
         ...
 

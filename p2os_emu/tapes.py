@@ -14,12 +14,12 @@ from p2os_emu.cassette import Cassette, CassetteError, Player, Recorder, read
 from p2os_emu.checking import Parting, compare, replay
 from p2os_emu.emulator import STEP, EmulatedRobot
 from p2os_emu.fit import FitError, read_fit
-from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.poller import Poller
-from p2os_emu.options import Options
+from p2os_emu.options import EmulatorOptions
 from p2os_emu.ports import Ports
 from p2os_emu.runner import Runner
-from p2os_emu.surroundings import Surroundings
+from p2os_emu.surroundings import EmulatedSurroundings
 
 
 class Recording:
@@ -68,7 +68,7 @@ class ServedRobot:
     time: s since the start.
     """
 
-    def __init__(self, player: Player, line: Line) -> None:
+    def __init__(self, player: Player, line: EmulatedLine) -> None:
         self.time = 0.0
         self._player = player
         self._line = line
@@ -83,7 +83,7 @@ class ServedRobot:
         self._line.send(said, self.time, self._player.baud)
 
 
-def serve(path: Path, options: Options) -> None:
+def serve(path: Path, options: EmulatorOptions) -> None:
     """Let clients meet the robot on a cassette, until the duration is over or a signal ends the program.
 
     Raises:
@@ -96,13 +96,13 @@ def serve(path: Path, options: Options) -> None:
         link = stack.enter_context(
             contextlib.closing(Ports(poller, pty=options.pty, tcp=options.tcp).open(cassette.name))
         )
-        robot = ServedRobot(Player(cassette), Line(link, profile, options.seed))
+        robot = ServedRobot(Player(cassette), EmulatedLine(link, profile, options.seed))
         runner = Runner(robot, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
         _announce(cassette, link.port, path, options)
         runner.run(options.duration)
 
 
-def check(path: Path, options: Options, world: Surroundings) -> bool:
+def check(path: Path, options: EmulatorOptions, world: EmulatedSurroundings) -> bool:
     """Play a cassette's client to the emulator, and print where the two robots part.
 
     Returns:
@@ -124,7 +124,7 @@ def check(path: Path, options: Options, world: Surroundings) -> bool:
     return not partings
 
 
-def _model(cassette: Cassette, path: Path, options: Options) -> str:
+def _model(cassette: Cassette, path: Path, options: EmulatorOptions) -> str:
     if options.robots:
         return options.robots[0]
     name = cassette.identity.subtype if cassette.identity else cassette.model
@@ -133,7 +133,7 @@ def _model(cassette: Cassette, path: Path, options: Options) -> str:
     return name
 
 
-def _sum_up(partings: list[Parting], cassette: Cassette, model: RobotModel, options: Options) -> None:
+def _sum_up(partings: list[Parting], cassette: Cassette, model: RobotModel, options: EmulatorOptions) -> None:
     kinds = sorted({parting.kind for parting in partings})
     if options.json:
         print(json.dumps({"same": not partings, "model": model.name, "partings": len(partings), "kinds": kinds}))
@@ -144,7 +144,7 @@ def _sum_up(partings: list[Parting], cassette: Cassette, model: RobotModel, opti
         print(f"{seconds:.1f} s of a {model.name}: recording and emulator {verdict}")
 
 
-def _announce(cassette: Cassette, port: str, path: Path, options: Options) -> None:
+def _announce(cassette: Cassette, port: str, path: Path, options: EmulatorOptions) -> None:
     identity = cassette.identity
     name = identity.name if identity else cassette.name
     model = identity.subtype if identity else cassette.model

@@ -26,7 +26,7 @@ class TeamError(ValueError):
     """A robot cannot be had as asked; the message says why and what to do."""
 
 
-class Team:
+class EmulatedTeam:
     """Makes robots.
 
     Args:

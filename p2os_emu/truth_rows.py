@@ -3,7 +3,7 @@
 from typing import Any
 
 from p2os_emu.accessories.lms200 import Lms200
-from p2os_emu.body import Arm
+from p2os_emu.body import ArmMechanism
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fitting import plugged_head
 from p2os_emu.gripper_model import gripper_of
@@ -70,7 +70,7 @@ def _gripper(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any] | None:
 
 def _arm(robot: EmulatedRobot) -> dict[str, Any] | None:
     """Return the joints from the robot outwards, rad and rad/s, and the opening between the fingers, m and m/s."""
-    arm: Arm | None = robot.body.arm
+    arm: ArmMechanism | None = robot.body.arm
     if arm is None:
         return None
     *joints, opening = arm.positions

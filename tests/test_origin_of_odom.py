@@ -6,7 +6,7 @@ import pytest
 
 import apps.indoor_navigation.data as data
 from acromovi.navigation import command
-from agents.face.movers import Base
+from agents.face.movers import BaseClient
 from bus import keys
 from gateway import odometry
 
@@ -17,7 +17,7 @@ TEXTS = {
     **{page: (ROOT / page).read_text(encoding="utf-8") for page in PAGES},
     "keys": keys.ODOM.meaning,
     "navigate --help": command.EPILOG,
-    **{str(each.__name__): str(each.__doc__) for each in (Base, data, odometry)},
+    **{str(each.__name__): str(each.__doc__) for each in (BaseClient, data, odometry)},
 }
 
 

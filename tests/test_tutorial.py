@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from agents.face.element import Element
+from agents.face.element import ElementClient
 from agents.face.picture import Picture
 from agents.face.robot import ELEMENTS
 from tests.live_team import LIMIT, ROOT, own_bus
@@ -34,7 +34,7 @@ def test_the_tutorial_can_be_followed(reader: Reader) -> None:
 def test_the_table_lists_all_that_a_part_tells_and_does(part: str) -> None:
     kind = ELEMENTS[part]
     told = [each.name for each in fields(kind.reading)] + _public(kind.reading)
-    done = [name for cls in kind.__mro__ if cls not in Element.__mro__ for name in _public(cls)]
+    done = [name for cls in kind.__mro__ if cls not in ElementClient.__mro__ for name in _public(cls)]
     (row,) = re.findall(rf"^\| `{part}` \|.*", TUTORIAL, re.MULTILINE)
     _, _, has, does, _ = row.split("|")
     assert set(re.findall(r"`(\w+)`", has)) == set(told) - {"of", "stamp", "result"}

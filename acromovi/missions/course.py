@@ -12,7 +12,7 @@ from apps.indoor_navigation.data import GoalPoint, LogMessage
 from apps.indoor_navigation.wiring import Wiring, load_wiring
 from bus import BusError, Sample, keys
 from bus.messages import decode, decode_json, heading
-from gateway.settings import Limits
+from gateway.settings import DriveLimits
 from geometry import Point, Pose2D
 from p2os_emu.emulator import STEP
 from p2os_emu.world import WorldSpec
@@ -20,7 +20,7 @@ from p2os_emu.world import WorldSpec
 T = TypeVar("T")
 
 # Brisker than what the robots leave the factory with, and well below what their controllers allow.
-BRISK = Limits(acceleration_m_s2=0.8, deceleration_m_s2=0.8)
+BRISK = DriveLimits(acceleration_m_s2=0.8, deceleration_m_s2=0.8)
 
 ROBOT = "happy"
 PERIOD = 6  # steps between two samples: 20 Hz

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class MissionVerdict:
     """One mission in figures.
 
     reached: it says that it is there, and truly is. why_not: in words. touched: what it bumped into.
@@ -51,7 +51,7 @@ class Verdict:
     angular_jerk: float
 
 
-def judge(task: Task, played: Played) -> Verdict:
+def judge(task: Task, played: Played) -> MissionVerdict:
     """Judge what happened."""
     track = played.track
     off = _apart(track.true[-1], task.goal)
@@ -59,7 +59,7 @@ def judge(task: Task, played: Played) -> Verdict:
     driven = max(length(track.true), 1e-3)
     shortest = task.way.length
     why_not = _why_not(task, played, off, odometry_off)
-    return Verdict(
+    return MissionVerdict(
         not why_not,
         why_not,
         played.touched,

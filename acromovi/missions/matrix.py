@@ -9,7 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 
 from acromovi.missions.course import Course, Played
-from acromovi.missions.judge import CRUISING, Verdict, judge
+from acromovi.missions.judge import CRUISING, MissionVerdict, judge
 from acromovi.missions.tasks import ROBOTS, Job, Task, prepare
 from apps.indoor_navigation.component import Component
 from geometry import Pose2D
@@ -30,7 +30,7 @@ class Result:
 
     job: Job
     task: Task | None = None
-    verdict: Verdict | None = None
+    verdict: MissionVerdict | None = None
     path: tuple[Pose2D, ...] = ()
     believed: tuple[Pose2D, ...] = ()
     told: tuple[str, ...] = ()

@@ -3,13 +3,13 @@
 import statistics
 from collections.abc import Callable, Iterable, Sequence
 
-from acromovi.missions.judge import Verdict
+from acromovi.missions.judge import MissionVerdict
 from acromovi.missions.matrix import Result
 from acromovi.missions.tasks import Case, Condition
 
 STILL = (Condition.STATIC, Condition.ERROR)
 
-Measure = Callable[[Verdict], float]
+Measure = Callable[[MissionVerdict], float]
 
 MEASURES: dict[str, Measure] = {
     "path / shortest": lambda verdict: verdict.over_shortest,

@@ -4,8 +4,8 @@ import asyncio
 import json
 from collections.abc import Callable, Sequence
 
-from acromovi.team.plan import Program
-from acromovi.team.supervisor import Entry, Start, State, Supervisor
+from acromovi.team.plan import PlannedProcess
+from acromovi.team.supervisor import ProcessRow, ProcessState, Start, Supervisor
 from agents.platform.errors import NameNotValid
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.platform.talk import hand_over
@@ -25,7 +25,9 @@ class NotUp(Exception):
 class NavigationAtWork(Closeable):
     """Keeps the processes going: starts those again that die or are frozen, and no others."""
 
-    def __init__(self, programs: Sequence[Program], start: Start, bus: Bus, complain: Callable[[str], None]) -> None:
+    def __init__(
+        self, programs: Sequence[PlannedProcess], start: Start, bus: Bus, complain: Callable[[str], None]
+    ) -> None:
         """Make ready; in a running event loop.
 
         Args:
@@ -73,7 +75,7 @@ class NavigationAtWork(Closeable):
 
     # What the processes do, as the supervisor tells it.
 
-    def heard(self, program: Program, line: str) -> None:
+    def heard(self, program: PlannedProcess, line: str) -> None:
         """A line of standard output; the first says that it serves."""
         try:
             said = json.loads(line)
@@ -84,12 +86,12 @@ class NavigationAtWork(Closeable):
             if len(self._serving) == len(self._programs):
                 self._all_serve.set()
 
-    def complained(self, program: Program, line: str) -> None:
+    def complained(self, program: PlannedProcess, line: str) -> None:
         """A line of standard error; not what this program itself has printed."""
         if line.strip() and not line.startswith(WARNING):
             self._complain(f"{program.name}: {_plain(line)}")
 
-    def ended(self, entry: Entry) -> None:
+    def ended(self, entry: ProcessRow) -> None:
         """A process has ended unasked."""
         self._serving.discard(entry.program.container)
         if not self._all_serve.is_set() and entry.ends >= MOST_ENDS:
@@ -119,14 +121,14 @@ class NavigationAtWork(Closeable):
         else:
             self._missing[container] = asyncio.ensure_future(self._look_after(entry))
 
-    async def _look_after(self, entry: Entry) -> None:
+    async def _look_after(self, entry: ProcessRow) -> None:
         """Start a process again that is frozen; one that goes on has only lost the bus, and comes back by itself."""
         missed = entry.child
         assert missed is not None  # it has been heard of
         while True:
             turns = missed.turns
             await asyncio.sleep(FROZEN_AFTER)
-            if entry.child is not missed or entry.state is not State.RUNNING:
+            if entry.child is not missed or entry.state is not ProcessState.RUNNING:
                 return
             if missed.turns == turns:
                 break
@@ -135,7 +137,7 @@ class NavigationAtWork(Closeable):
         self._missing.pop(entry.program.container, None)
         await self.supervisor.restart(entry)
 
-    def _note_cut_off(self, entry: Entry) -> None:
+    def _note_cut_off(self, entry: ProcessRow) -> None:
         if not self._cut_off:  # the others follow
             self._complain(f"{entry.program.name} goes on, but is not heard of on the bus; see whether its router runs")
         self._cut_off.add(entry.program.container)
@@ -153,5 +155,5 @@ def _plain(sentence: str) -> str:
     return rest if colon and name.startswith("acromovi navigate") else sentence
 
 
-def _as_end(entry: Entry) -> str:
+def _as_end(entry: ProcessRow) -> str:
     return entry.why if entry.why.startswith("ended ") else f"ended ({_plain(entry.why)})"

@@ -16,7 +16,7 @@ BETWEEN = 14.0  # px between two things in a row
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class GraphEdge:
     """From one box to another. label: its width, px."""
 
     start: Hashable
@@ -35,7 +35,7 @@ class _Thing:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class GraphLayout:
     """Where everything is, px to the right of the left edge; rows are counted from the top, labels' rows included.
 
     boxes: the middle of each; widths: as they were given. ways: of each line, row and x of the places that it passes:
@@ -48,7 +48,7 @@ class Layout:
     width: float
 
 
-def lay_out(rows: Sequence[Mapping[Hashable, float]], lines: Sequence[Line]) -> Layout:
+def lay_out(rows: Sequence[Mapping[Hashable, float]], lines: Sequence[GraphEdge]) -> GraphLayout:
     """Find places.
 
     Args:
@@ -72,7 +72,7 @@ def lay_out(rows: Sequence[Mapping[Hashable, float]], lines: Sequence[Line]) -> 
     for thing in (thing for row in things for thing in row):
         thing.x -= left
     places = {name: thing.x for name, thing in boxes.items()}
-    return Layout(places, {name: thing.width for name, thing in boxes.items()}, _through(ways), right - left)
+    return GraphLayout(places, {name: thing.width for name, thing in boxes.items()}, _through(ways), right - left)
 
 
 def ranks(names: Iterable[Hashable], before: Iterable[tuple[Hashable, Hashable]]) -> dict[Hashable, int]:

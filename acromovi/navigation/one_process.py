@@ -12,9 +12,9 @@ from acromovi.options import add_bus
 from configs.loader import ConfigError
 
 if TYPE_CHECKING:
-    from acromovi.container import End
+    from acromovi.container import EndRequest
     from agents.platform import Container
-    from apps.indoor_navigation.wiring import Part
+    from apps.indoor_navigation.wiring import ComponentSpec
 
 PROGRAM = "acromovi navigate process"
 EPILOG = """\
@@ -56,7 +56,9 @@ def run(arguments: argparse.Namespace) -> int:
     return end.code
 
 
-async def live(container: "Container", robot: str, parts: "Sequence[Part]", as_json: bool, end: "End") -> None:
+async def live(
+    container: "Container", robot: str, parts: "Sequence[ComponentSpec]", as_json: bool, end: "EndRequest"
+) -> None:
     """Let components live until the end; if one of them cannot, that is now."""
     from acromovi.container import leave_if_second
 

@@ -10,12 +10,12 @@ from acromovi.command import argument
 from configs.loader import ConfigError
 
 if TYPE_CHECKING:
-    from apps.indoor_navigation.wiring import Part
+    from apps.indoor_navigation.wiring import ComponentSpec
 
 ONE = "navigation"  # the process when there is only one
 GROUPINGS = ("file", "each", "one")
 
-Processes = Mapping[str, Sequence["Part"]]
+Processes = Mapping[str, Sequence["ComponentSpec"]]
 """By the name of a process, what runs in it."""
 
 
@@ -49,7 +49,7 @@ def processes(arguments: argparse.Namespace) -> Processes:
     from apps.indoor_navigation.wiring import WIRING, load_wiring
 
     parts = load_wiring(arguments.wiring or WIRING, nested(arguments.changes)).parts
-    grouped: dict[str, list[Part]] = {}
+    grouped: dict[str, list[ComponentSpec]] = {}
     for part in parts:
         name = {"file": part.process, "each": part.local, "one": ONE}[arguments.processes]
         grouped.setdefault(name, []).append(part)

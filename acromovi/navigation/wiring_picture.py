@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from itertools import cycle, pairwise
 from typing import Any, Self
 
-from acromovi.navigation.layers import Layout, Line, lay_out, ranks
+from acromovi.navigation.layers import GraphEdge, GraphLayout, lay_out, ranks
 from acromovi.svg import STYLE, document, head, width_of, written
 
 LAYERS = ("deliberative", "monitor", "reactive", "hardware")
@@ -84,7 +84,7 @@ def svg(robot: str, components: Iterable[Seen]) -> str:
     rows = _rows(seen, drawn)
     layout = lay_out(
         [{name: _box_width(seen[name], drawn) for name in names} for _, names in rows],
-        [Line(start, end, width_of(what) + 6) for (start, end, _), what in drawn.items()],
+        [GraphEdge(start, end, width_of(what) + 6) for (start, end, _), what in drawn.items()],
     )
     shades = dict(zip(sorted({each.container for each in seen.values()}), cycle(SHADES), strict=False))
     bottom = _y(2 * len(rows) - 2) + BOX + BAND if rows else TOP
@@ -154,7 +154,7 @@ def _arrow(wire: Wire, what: str, way: Sequence[tuple[int, float]]) -> Iterator[
 
 
 def _boxes(
-    seen: Mapping[str, Seen], rows: Sequence[tuple[str, Sequence[str]]], layout: Layout, shades: Mapping[str, str]
+    seen: Mapping[str, Seen], rows: Sequence[tuple[str, Sequence[str]]], layout: GraphLayout, shades: Mapping[str, str]
 ) -> Iterator[str]:
     for number, (_, names) in enumerate(rows):
         y = _y(2 * number)

@@ -3,13 +3,13 @@
 import math
 from pathlib import Path
 
-from acromovi.scenes.stage import Scene, Stage
+from acromovi.scenes.stage import Scene, SceneStage
 from bus import keys
 
 PICTURE = Path("picture.jpg")
 
 
-def _head(stage: Stage) -> None:
+def _head(stage: SceneStage) -> None:
     stage.wait_for_element("ptz")
     stage.say(f"out of reach: {stage.is_refused(keys.LOOK, pan=3.0)}")
     stage.tell(keys.LOOK, pan=0.5, tilt=0.2, zoom=2.0)
@@ -19,7 +19,7 @@ def _head(stage: Stage) -> None:
     stage.say(f"pan {math.degrees(head.pan):+.1f} deg, tilt {math.degrees(head.tilt):+.1f} deg, zoom {head.zoom:.1f}")
 
 
-def _camera(stage: Stage) -> None:
+def _camera(stage: SceneStage) -> None:
     first = stage.see(keys.CAMERA, what="a picture", within=20.0)
     PICTURE.write_bytes(bytes(first.data))
     stage.say(f"{len(first.data)} bytes of {first.format} from {stage.robots.robots[0]['camera_url']}, in {PICTURE}")

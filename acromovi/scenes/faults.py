@@ -3,18 +3,18 @@
 import math
 from typing import Any
 
-from acromovi.scenes.stage import Scene, Stage
+from acromovi.scenes.stage import Scene, SceneStage
 from bus import keys
 
 
-def _stalled(stage: Stage) -> None:
+def _stalled(stage: SceneStage) -> None:
     stage.ask("fault", fault="wheel-stalled:side=left@0+8")
     stage.tell(keys.MOVE, distance=1.0)
     state = stage.see(keys.STATE, lambda state: any("stalled" in fault for fault in state.faults), "a stalled wheel")
     stage.say("; ".join(state.faults))
 
 
-def _dead_disc(stage: Stage) -> None:
+def _dead_disc(stage: SceneStage) -> None:
     disc = f"{stage.robot}/sonar_3"
 
     def hears(message: Any) -> bool:
@@ -32,7 +32,7 @@ def _dead_disc(stage: Stage) -> None:
     stage.say("disc 3 is back")
 
 
-def _stop_button(stage: Stage) -> None:
+def _stop_button(stage: SceneStage) -> None:
     stage.tell(keys.MOVE, distance=1.0)
     stage.ask("fault", fault="stop-pressed@0.5+3")
     state = stage.see(keys.STATE, lambda state: state.estop, "the pressed button")
@@ -43,7 +43,7 @@ def _stop_button(stage: Stage) -> None:
     stage.say("the button is out and the motors are on again")
 
 
-def _gyro(stage: Stage) -> None:
+def _gyro(stage: SceneStage) -> None:
     stage.see(keys.IMU, what="turn rates")
     stage.ask("fault", fault="gyro-failed@0+4")
     state = stage.see(keys.STATE, lambda state: any("gyro" in fault for fault in state.faults), "a failed gyro")

@@ -3,13 +3,13 @@
 import math
 from typing import Any
 
-from acromovi.scenes.stage import Scene, SceneFailed, Stage
+from acromovi.scenes.stage import Scene, SceneFailed, SceneStage
 from bus import keys
 
 BOX = "red box"
 
 
-def _gripper(stage: Stage) -> None:
+def _gripper(stage: SceneStage) -> None:
     stage.wait_for_element("gripper")
     stage.tell(keys.GRIP, do="open")
     stage.tell(keys.GRIP, do="down")
@@ -36,12 +36,12 @@ def _gripper(stage: Stage) -> None:
     stage.say(f"it put the {BOX} down {moved:.2f} m from where it took it")
 
 
-def _box(stage: Stage) -> tuple[float, float, float]:
+def _box(stage: SceneStage) -> tuple[float, float, float]:
     x, y, z, *_ = stage.ask("truth")["objects"][BOX]
     return x, y, z
 
 
-def _arm(stage: Stage) -> None:
+def _arm(stage: SceneStage) -> None:
     stage.wait_for_element("arm")
     stage.tell(keys.REACH, do="power", on=True)
     stage.see(keys.ARM, lambda arm: arm.powered, "an arm with power", 15.0)
@@ -54,7 +54,7 @@ def _arm(stage: Stage) -> None:
     stage.tell(keys.REACH, do="park")
 
 
-def _see_joints(stage: Stage, wanted: dict[str, float]) -> None:
+def _see_joints(stage: SceneStage, wanted: dict[str, float]) -> None:
     names = {f"{stage.robot}/{joint}": angle for joint, angle in wanted.items()}
 
     def is_there(joints: Any) -> bool:
@@ -65,25 +65,25 @@ def _see_joints(stage: Stage, wanted: dict[str, float]) -> None:
     stage.say(", ".join(f"{name} {angle:+.3f}" for name, angle in zip(joints.name, joints.position, strict=True)))
 
 
-def _sound(stage: Stage) -> None:
+def _sound(stage: SceneStage) -> None:
     stage.tell(keys.SOUND, notes=[[60, 0.1], [64, 0.1], [67, 0.2]])
     stage.wait(lambda: len(stage.truth()["notes"]) >= 3, "three notes on the buzzer")
     stage.say(f"the buzzer played {stage.truth()['notes']}")
 
 
-def _servo(stage: Stage) -> None:
+def _servo(stage: SceneStage) -> None:
     stage.tell(keys.SERVO, port=1, pulse=0.0015)
     stage.wait(lambda: bool(stage.truth()["servos"]), "a pulse on a servo port")
     stage.say(f"servo pulses: {stage.truth()['servos']}")
 
 
-def _outputs(stage: Stage) -> None:
+def _outputs(stage: SceneStage) -> None:
     stage.tell(keys.OUTPUT, mask=5, value=4)
     ports = stage.see(keys.IO, lambda ports: bool(ports.digital_out[2]), "an output that is on")
     stage.say(f"outputs {[int(pin) for pin in ports.digital_out]}, inputs {[int(pin) for pin in ports.digital_in]}")
 
 
-def _charger(stage: Stage) -> None:
+def _charger(stage: SceneStage) -> None:
     stage.wait_for_element("charger")
     stage.ask("fault", fault="charger-plugged@0+20")
     stage.tell(keys.CHARGE, on=True)

@@ -3,13 +3,13 @@
 import time
 from typing import Any
 
-from acromovi.scenes.stage import Scene, SceneFailed, Stage
+from acromovi.scenes.stage import Scene, SceneFailed, SceneStage
 from bus import keys
 
 COUNTED_S = 3.0
 
 
-def _rate(stage: Stage) -> None:
+def _rate(stage: SceneStage) -> None:
     count = 0
     began = time.monotonic()
 
@@ -24,7 +24,7 @@ def _rate(stage: Stage) -> None:
     stage.say(f"{count / seconds:.1f} poses a second; cable: {cable.message}")
 
 
-def _cut(stage: Stage) -> None:
+def _cut(stage: SceneStage) -> None:
     stage.ask("fault", fault="line-cut@0+3")
     state = stage.see(keys.STATE, lambda state: state.connection != "connected", "a state without connection")
     stage.say(f"{state.connection}: {'; '.join(state.faults)}")
@@ -34,7 +34,7 @@ def _cut(stage: Stage) -> None:
     stage.say("the cable is back, and so is the robot")
 
 
-def _noise(stage: Stage) -> None:
+def _noise(stage: SceneStage) -> None:
     stage.ask("fault", fault="line-noisy@0+5")
 
     def is_damaged(message: Any) -> bool:

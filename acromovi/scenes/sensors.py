@@ -2,14 +2,14 @@
 
 import math
 
-from acromovi.scenes.stage import Scene, SceneFailed, Stage
+from acromovi.scenes.stage import Scene, SceneFailed, SceneStage
 from bus import keys, messages
 
 FAR_LEDGE, NEAR_LEDGE = 1 << 7, 1 << 8
 """Of the FLAGS word in `<robot>/state`."""
 
 
-def _laser(stage: Stage) -> None:
+def _laser(stage: SceneStage) -> None:
     scan = stage.see(keys.SCAN, what="a scan")
     finite = [(distance, index) for index, distance in enumerate(scan.ranges) if math.isfinite(distance)]
     distance, index = min(finite)
@@ -20,7 +20,7 @@ def _laser(stage: Stage) -> None:
     )
 
 
-def _bumpers(stage: Stage) -> None:
+def _bumpers(stage: SceneStage) -> None:
     stage.say("the robot drives against the wall ahead")
     stage.ask("pose", x=14.2, y=6.1, heading=0.0)
     stage.drive(0.3, 0.0, 1.0)
@@ -36,7 +36,7 @@ def _bumpers(stage: Stage) -> None:
     stage.say(f"front segments pressed: {segments}; wheels stalled: {bumpers.stall_left}, {bumpers.stall_right}")
 
 
-def _gyro(stage: Stage) -> None:
+def _gyro(stage: SceneStage) -> None:
     stage.tell(keys.TURN, angle=3.0)
     stage.say("the robot turns by 3 rad")
     turning = stage.see(keys.IMU, lambda imu: imu.angular_velocity.z > 0.3, "a turn that the gyro feels")
@@ -44,7 +44,7 @@ def _gyro(stage: Stage) -> None:
     stage.say(f"the gyro says {turning.angular_velocity.z:+.3f} rad/s (the truth: {truth:+.3f})")
 
 
-def _controller_gyro(stage: Stage) -> None:
+def _controller_gyro(stage: SceneStage) -> None:
     stage.tell(keys.TURN, angle=3.0)
     stage.see(
         keys.ODOM, lambda odometry: abs(messages.heading(odometry.pose.pose.orientation) - 3.0) < 0.03, "the turn"
@@ -56,7 +56,7 @@ def _controller_gyro(stage: Stage) -> None:
     )
 
 
-def _infrared(stage: Stage) -> None:
+def _infrared(stage: SceneStage) -> None:
     stage.ask("pose", x=14.2, y=6.1, heading=0.0)
     for _ in range(20):
         stage.drive(0.2, 0.0, 0.3)
@@ -67,7 +67,7 @@ def _infrared(stage: Stage) -> None:
     raise SceneFailed("the infrared sensors did not see the wall")
 
 
-def _ledge(stage: Stage) -> None:
+def _ledge(stage: SceneStage) -> None:
     stage.ask("pose", x=4.0, y=3.3, heading=0.0)
     for _ in range(20):
         stage.drive(0.2, 0.0, 0.3)
@@ -78,7 +78,7 @@ def _ledge(stage: Stage) -> None:
     raise SceneFailed("the ledge sensors did not see the stairs")
 
 
-def _compass(stage: Stage) -> None:
+def _compass(stage: SceneStage) -> None:
     compass = stage.see(keys.COMPASS, what="a compass reading")
     field = compass.magnetic_field
     strength = math.sqrt(field.x**2 + field.y**2 + field.z**2)
@@ -88,7 +88,7 @@ def _compass(stage: Stage) -> None:
     )
 
 
-def _joystick(stage: Stage) -> None:
+def _joystick(stage: SceneStage) -> None:
     stage.ask("joystick", x=-0.5, y=0.8, button1=True)
     joystick = stage.see(keys.JOYSTICK, lambda joy: any(joy.buttons), "a pressed button")
     axes, buttons = [round(float(axis), 2) for axis in joystick.axes], [int(button) for button in joystick.buttons]

@@ -36,12 +36,12 @@ class Scene:
     name: str
     shows: str
     emulator: tuple[str, ...]
-    play: "Callable[[Stage], None]"
+    play: "Callable[[SceneStage], None]"
     gateway: tuple[str, ...] = ()
     has_gateway: bool = True
 
 
-class Stage:
+class SceneStage:
     """Where a scene plays.
 
     robot: its name. robots: the emulator. folder: of the scene's own, removed with it.
@@ -166,7 +166,7 @@ class Stage:
 
 
 @contextmanager
-def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[Stage]:
+def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[SceneStage]:
     """Start emulator and gateway of a scene, and wait until the robot is on the bus.
 
     Args:
@@ -179,7 +179,7 @@ def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[
         arguments = [word.replace("{name}", robot).replace("{folder}", folder) for word in scene.emulator]
         robots = stack.enter_context(emulator("--quiet", *arguments))
         say(f"$ p2os-emu {' '.join(arguments)}")
-        stage = Stage(robot, robots, stack.enter_context(ZenohBus.open()), Path(folder), say)
+        stage = SceneStage(robot, robots, stack.enter_context(ZenohBus.open()), Path(folder), say)
         stack.callback(stage.close)
         if scene.has_gateway:
             facts = {key: value or "" for key, value in robots.robots[0].items()}

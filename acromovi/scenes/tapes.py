@@ -7,11 +7,11 @@ from collections import Counter
 
 import configs
 from acromovi.children import emulator, gateway
-from acromovi.scenes.stage import Scene, SceneFailed, Stage
+from acromovi.scenes.stage import Scene, SceneFailed, SceneStage
 from bus import ZenohBus, keys
 from gateway.serial_port import Port, open_port
 from p2os import Command, ExtendedLaser, Frame, FrameDecoder, RobotModel, UnknownPacket, decode_packet, encode_command
-from p2os.wire_log import Entry, as_text
+from p2os.wire_log import WireLogEntry, as_text
 
 CASSETTE = "drive.jsonl"
 SHOWN = 12
@@ -27,37 +27,37 @@ LASER_REQUEST = (
 """From -90 to 90 degrees, a degree a beam, with reflectance; and once the truth."""
 
 
-def _wire(stage: Stage) -> None:
+def _wire(stage: SceneStage) -> None:
     entries = _recorded(stage)
     for entry in entries[:SHOWN]:
         stage.say(as_text(entry))
     stage.say(f"... and {len(entries) - SHOWN} more frames; acromovi wire FILE shows them all")
 
 
-def _recorded(stage: Stage) -> list[Entry]:
+def _recorded(stage: SceneStage) -> list[WireLogEntry]:
     """A short drive, read back from its cassette."""
     from acromovi.wire import replay
 
     stage.tell(keys.MOVE, distance=0.2)
     stage.wait(lambda: stage.truth()["x"] != 0.0 and abs(stage.truth()["linear"]) > 0.05, "a moving robot")
-    entries: list[Entry] = []
+    entries: list[WireLogEntry] = []
     replay(stage.folder / CASSETTE, None, lambda found: entries.extend(found))
     if len(entries) <= SHOWN:
         raise SceneFailed(f"only {len(entries)} frames were recorded")
     return entries
 
 
-def _cassette(stage: Stage) -> None:
+def _cassette(stage: SceneStage) -> None:
     _recorded(stage)
     name = f"{stage.robot}-tape"[-19:]
     with emulator("--quiet", "--serve", str(stage.folder / CASSETTE)) as tape:
         stage.say(f"$ p2os-emu --serve {CASSETTE}")
         with ZenohBus.open() as bus, gateway(tape.port, "--quiet", "--name", name):
-            Stage(name, tape, bus, stage.folder, stage.say).see(keys.ODOM, what="odometry from the cassette")
+            SceneStage(name, tape, bus, stage.folder, stage.say).see(keys.ODOM, what="odometry from the cassette")
     stage.say("a gateway on the cassette's port publishes what the recorded robot said")
 
 
-def _check(stage: Stage) -> None:
+def _check(stage: SceneStage) -> None:
     _recorded(stage)
     command = [sys.executable, "-m", "p2os_emu", "--check", str(stage.folder / CASSETTE)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
@@ -67,7 +67,7 @@ def _check(stage: Stage) -> None:
     stage.say(done.stdout.strip())
 
 
-def _mobilesim(stage: Stage) -> None:
+def _mobilesim(stage: SceneStage) -> None:
     """The client's side in a few lines, as old programs have it: 36, 37, 38 and 35 ask for a laser."""
     port = open_port(stage.robots.port)
     try:

@@ -8,7 +8,7 @@ from acromovi.sniffer.overheard import ALL_THAT_IS_SAID, Heard, read
 from bus.bus import Bus, Closeable
 
 
-class Ear(Closeable):
+class Listener(Closeable):
     """Hears what the agents of all containers say, from when it is made until it is closed.
 
     Containers pass it on only while somebody listens; it takes them some milliseconds to notice.

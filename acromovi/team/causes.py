@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from acromovi.team.plan import SERVICES, Stage
-from acromovi.team.readiness import Progress
-from acromovi.team.supervisor import Entry, State
+from acromovi.team.plan import SERVICES, ProcessKind
+from acromovi.team.readiness import RobotReadiness
+from acromovi.team.supervisor import ProcessRow, ProcessState
 from configs.team_file import TeamRobot
 
 
-def awaited(progress: Progress) -> str:
+def awaited(progress: RobotReadiness) -> str:
     """Return which of its parts a robot waits for that does not serve; empty where it is as good as ready."""
     if not progress.is_in_touch:
         return "gateway"
@@ -20,7 +20,7 @@ def awaited(progress: Progress) -> str:
     return "" if progress.agents else "agents"
 
 
-def cause(robot: TeamRobot, progress: Progress, table: Sequence[Entry], reports: Mapping[str, str]) -> str:
+def cause(robot: TeamRobot, progress: RobotReadiness, table: Sequence[ProcessRow], reports: Mapping[str, str]) -> str:
     """Return why a robot does not serve, as far as it can be known.
 
     Args:
@@ -29,10 +29,10 @@ def cause(robot: TeamRobot, progress: Progress, table: Sequence[Entry], reports:
         table: The team's processes.
         reports: What each process has reported last, by the name of its program.
     """
-    gateway = _of(table, Stage.GATEWAY, robot.name)
+    gateway = _of(table, ProcessKind.GATEWAY, robot.name)
     if robot.is_emulated:
-        emulator = _of(table, Stage.EMULATOR, "")
-        if emulator is None or emulator.state is not State.RUNNING or gateway is None:
+        emulator = _of(table, ProcessKind.EMULATOR, "")
+        if emulator is None or emulator.state is not ProcessState.RUNNING or gateway is None:
             return _process("the emulator", emulator, reports, "has not reported its ports")
     elif "://" not in robot.port and not Path(robot.port).exists():
         return f"there is no port {robot.port}; plug the robot in, or correct its port in the team's file"
@@ -40,13 +40,13 @@ def cause(robot: TeamRobot, progress: Progress, table: Sequence[Entry], reports:
         waits = "has lost the robot" if progress.is_lost else "has not connected to the robot"
         return _process("its gateway", gateway, reports, waits)
     if not progress.container_serves:
-        return _process("its container", _of(table, Stage.AGENTS, robot.name), reports, "does not answer")
+        return _process("its container", _of(table, ProcessKind.AGENTS, robot.name), reports, "does not answer")
     if missing := sorted(progress.parts - progress.agents):
         return f"its {' and its '.join(missing)} did not answer; correct fit in the team's file, or check the cable"
     return "its container has started no agent" if not progress.agents else "its agents still come and go"
 
 
-def cause_of_services(table: Sequence[Entry], reports: Mapping[str, str]) -> str:
+def cause_of_services(table: Sequence[ProcessRow], reports: Mapping[str, str]) -> str:
     """Return why the container of the team's own agents does not serve."""
     entry = next((entry for entry in table if entry.program.container == SERVICES), None)
     return _process("their container", entry, reports, "does not answer")
@@ -58,12 +58,12 @@ def plain(sentence: str) -> str:
     return rest if colon and name in ("p2os-emu", "p2os-gateway", "acromovi container") else sentence
 
 
-def _process(what: str, entry: Entry | None, reports: Mapping[str, str], waits: str) -> str:
+def _process(what: str, entry: ProcessRow | None, reports: Mapping[str, str], waits: str) -> str:
     """Return what is wrong with a process; waits: what to say of one that runs."""
     if entry is None:
         return f"{what} has not been started yet"
     report = reports.get(entry.program.name, "")
-    if entry.state is State.RUNNING and not entry.ends:
+    if entry.state is ProcessState.RUNNING and not entry.ends:
         pid = "" if entry.child is None else f" (process {entry.child.pid})"
         return f"{what}{pid} {waits}{': ' if report else ''}{report}"
     if not entry.why:
@@ -73,9 +73,9 @@ def _process(what: str, entry: Entry | None, reports: Mapping[str, str], waits: 
     return f"{what} {why.replace('ended', f'ended{times}', 1)}"
 
 
-def _of(table: Sequence[Entry], stage: Stage, robot: str) -> Entry | None:
+def _of(table: Sequence[ProcessRow], stage: ProcessKind, robot: str) -> ProcessRow | None:
     """Return the robot's process of a stage; of its containers the one that is called as the robot is."""
     wanted = [entry for entry in table if entry.program.stage is stage and entry.program.robot == robot]
-    if stage is Stage.AGENTS:
+    if stage is ProcessKind.AGENTS:
         wanted = [entry for entry in wanted if entry.program.container == robot]
     return next(iter(wanted), None)

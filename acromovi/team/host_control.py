@@ -3,7 +3,7 @@
 import difflib
 from typing import Any, Protocol
 
-from acromovi.team.supervisor import Entry, Supervisor
+from acromovi.team.supervisor import ProcessRow, Supervisor
 from bus import Bus, KeyNotValid, Refused, Subscription
 from bus.bus import Closeable
 
@@ -23,7 +23,7 @@ def alive_key(team: str) -> str:
 class Hands(Protocol):
     """Who does what is asked for, soon, in the supervisor's event loop; called on the bus's thread."""
 
-    def restart(self, entry: Entry) -> None:
+    def restart(self, entry: ProcessRow) -> None:
         """Have a process started again."""
         ...
 
@@ -31,7 +31,7 @@ class Hands(Protocol):
         """Have an empty container, in addition to those of the team."""
         ...
 
-    def retire(self, entry: Entry) -> None:
+    def retire(self, entry: ProcessRow) -> None:
         """Have such a container ended for good."""
         ...
 
@@ -98,13 +98,13 @@ class HostControl(Closeable):
         except KeyNotValid as err:
             raise Refused(str(err)) from err
 
-    def _extra(self, name: str) -> Entry:
+    def _extra(self, name: str) -> ProcessRow:
         entry = self._container(name)
         if not entry.program.is_extra:
             raise Refused(f"{entry.program.name} is one of {self._team} itself, and ends with it")
         return entry
 
-    def _container(self, name: str) -> Entry:
+    def _container(self, name: str) -> ProcessRow:
         entry = self._supervisor.container(name)
         if entry is not None:
             return entry

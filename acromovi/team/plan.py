@@ -25,7 +25,7 @@ EMULATED = "emulated = true\n"
 """Settings of the gateways of emulated robots."""
 
 
-class Stage(IntEnum):
+class ProcessKind(IntEnum):
     """What kind of process it is, in the order in which they end."""
 
     AGENTS = 0  # containers, and what runs on top of them
@@ -34,7 +34,7 @@ class Stage(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class PlannedProcess:
     """One process of a team.
 
     name: for people. robot: whose it is; empty where it is everybody's. container: the one that it runs, if any.
@@ -42,7 +42,7 @@ class Program:
     """
 
     name: str
-    stage: Stage
+    stage: ProcessKind
     command: tuple[str, ...]
     robot: str = ""
     container: str = ""
@@ -50,7 +50,7 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Team:
+class TeamPlan:
     """A team as its file says.
 
     name: of the file, and of the platform of the team's own agents. source: what finds the file again.
@@ -89,7 +89,7 @@ class Choices:
         return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
 
 
-def load_team(name: str, only: Sequence[str] = ()) -> Team:
+def load_team(name: str, only: Sequence[str] = ()) -> TeamPlan:
     """Read a team's file, and see that it makes sense.
 
     Args:
@@ -115,20 +115,22 @@ def load_team(name: str, only: Sequence[str] = ()) -> Team:
         if wanted not in names:
             raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
     chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
-    return Team(path.stem, str(path), replace(file, robots=chosen))
+    return TeamPlan(path.stem, str(path), replace(file, robots=chosen))
 
 
-def emulator(team: Team, folder: Path, choices: Choices) -> Program:
+def emulator(team: TeamPlan, folder: Path, choices: Choices) -> PlannedProcess:
     """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
     words = ["--team", team.source, "--json", "--quiet", "--until-stdin-closes"]
     words += ["--pty", str(folder / "port"), "--control", str(folder / "control")]
     words += ["--only", ",".join(robot.name for robot in team.emulated)]
     if choices.seed is not None:
         words += ["--seed", str(choices.seed)]
-    return Program("the emulator", Stage.EMULATOR, _python("p2os_emu", *words))
+    return PlannedProcess("the emulator", ProcessKind.EMULATOR, _python("p2os_emu", *words))
 
 
-def gateway(team: Team, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: Choices) -> Program:
+def gateway(
+    team: TeamPlan, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: Choices
+) -> PlannedProcess:
     """A robot's gateway.
 
     Args:
@@ -148,39 +150,45 @@ def gateway(team: Team, robot: TeamRobot, ports: Mapping[str, Any], folder: Path
         words.append("--radio")
     if robot.is_emulated:
         words += ["--config", str(settings_file(folder))]
-    return Program(f"the gateway of {robot.name}", Stage.GATEWAY, _python("gateway", *words), robot.name)
+    return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, _python("gateway", *words), robot.name)
 
 
-def container(robot: str, choices: Choices) -> Program:
+def container(robot: str, choices: Choices) -> PlannedProcess:
     """The container of a robot's agents."""
     words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
-    return Program(f"the container of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=robot)
+    return PlannedProcess(
+        f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
+    )
 
 
-def navigation(robot: str, choices: Choices) -> list[Program]:
+def navigation(robot: str, choices: Choices) -> list[PlannedProcess]:
     """The processes of a robot's indoor navigation, as its wiring has them."""
     bus = choices.bus_of(robots_key(robot))
     return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
 
 
-def navigation_process(robot: str, process: str, options: Sequence[str], bus: str) -> Program:
+def navigation_process(robot: str, process: str, options: Sequence[str], bus: str) -> PlannedProcess:
     """One of these processes. options: of the wiring, for a command line."""
     words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
     name = f"{robot}-{process}"
-    return Program(f"{process} of {robot}", Stage.AGENTS, _python("acromovi", *words), robot, container=name)
+    return PlannedProcess(
+        f"{process} of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=name
+    )
 
 
-def services(team: Team, choices: Choices) -> Program:
+def services(team: TeamPlan, choices: Choices) -> PlannedProcess:
     """The container of the team's own agents."""
     words = ["container", "--services", team.name, "--bus", choices.bus_of(teams_key(team.name)), "--json"]
     words += _folders(choices)
     for service, properties in team.file.services.items():
         for key, value in properties.items():
             words += ["--property", f"{service}.{key}={json.dumps(value)}"]
-    return Program("the container of services", Stage.AGENTS, _python("acromovi", *words), container=SERVICES)
+    return PlannedProcess(
+        "the container of services", ProcessKind.AGENTS, _python("acromovi", *words), container=SERVICES
+    )
 
 
-def extra(name: str, team: Team, choices: Choices) -> Program:
+def extra(name: str, team: TeamPlan, choices: Choices) -> PlannedProcess:
     """An empty container, for an application.
 
     Raises:
@@ -188,7 +196,7 @@ def extra(name: str, team: Team, choices: Choices) -> Program:
     """
     words = ["container", robot_name(name), "--bus", choices.bus_of(teams_key(team.name)), "--json"]
     command = _python("acromovi", *words, *_folders(choices))
-    return Program(f"the container {name}", Stage.AGENTS, command, container=name, is_extra=True)
+    return PlannedProcess(f"the container {name}", ProcessKind.AGENTS, command, container=name, is_extra=True)
 
 
 def settings_file(folder: Path) -> Path:

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from acromovi.team.keeper import DEADLINES, Kept
-from acromovi.team.plan import Program, Stage
+from acromovi.team.plan import PlannedProcess, ProcessKind
 from acromovi.team.supervisor import Hear
 
 LONGEST_LINE = 1 << 20  # bytes
@@ -19,7 +19,7 @@ SWITCHES = re.compile(r"voluntary_ctxt_switches:\s+(\d+)")  # both kinds, of one
 KEEPER_TIME = DEADLINES[-1] + 0.3  # s
 
 
-class Process:
+class TeamProcess:
     """One process and what it says."""
 
     def __init__(
@@ -88,12 +88,12 @@ class Processes:
         )
         return cls(keeper)
 
-    async def start(self, program: Program, heard: Hear, complained: Hear) -> Process:
+    async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> TeamProcess:
         """Start a program; it is out of reach of the terminal's Ctrl-C, since all end in order."""
         process = await asyncio.create_subprocess_exec(
             *program.command,
             # The emulator ends with its standard input; nothing is ever written there.
-            stdin=PIPE if program.stage is Stage.EMULATOR else DEVNULL,
+            stdin=PIPE if program.stage is ProcessKind.EMULATOR else DEVNULL,
             stdout=PIPE,
             stderr=PIPE,
             limit=LONGEST_LINE,
@@ -104,7 +104,9 @@ class Processes:
         assert process.stderr is not None
         self._keeper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
         reading = [_read(process.stdout, heard), _read(process.stderr, complained)]
-        return Process(process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid))
+        return TeamProcess(
+            process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid)
+        )
 
     async def end(self) -> None:
         """Have the keeper end all of them in order, and wait for that."""
@@ -118,7 +120,7 @@ class Processes:
         await self._keeper.wait()
 
 
-def _kept(stage: Stage, pid: int) -> Kept | None:
+def _kept(stage: ProcessKind, pid: int) -> Kept | None:
     try:
         return Kept(stage.value, pid)
     except ProcessLookupError:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from acromovi.team.causes import awaited
-from acromovi.team.readiness import Progress, Readiness
+from acromovi.team.readiness import Readiness, RobotReadiness
 
 SOONEST = 2.0  # s after another line
 LATEST = 10.0  # s after which the same line is printed again
@@ -56,7 +56,7 @@ class ProgressLines:
         wanted.pop("", None)
         return ", ".join(f"{what} ({', '.join(names)})" for what, names in wanted.items())
 
-    def _ready(self, robot: str, progress: Progress, now: float) -> str:
+    def _ready(self, robot: str, progress: RobotReadiness, now: float) -> str:
         without = f", without {', '.join(progress.missing())}" if progress.missing() else ""
         count = f"{len(self.told)} of {self._robots}"
         return f"{robot} serves after {now - self._begun:.1f} s, {count}: {', '.join(sorted(progress.agents))}{without}"

@@ -4,7 +4,7 @@ import os
 from collections import deque
 from collections.abc import Callable
 
-from acromovi.team.plan import Program
+from acromovi.team.plan import PlannedProcess
 
 AT_ONCE = (os.cpu_count() or 1) + 1
 """How many start at the same time. All at once would keep gateways that drive already from running for half a second,
@@ -14,21 +14,21 @@ and a gateway that was kept so long must stop its robot."""
 class StartQueue:
     """Begins programs, a few at a time."""
 
-    def __init__(self, begin: Callable[[Program], object], at_once: int = AT_ONCE) -> None:
+    def __init__(self, begin: Callable[[PlannedProcess], object], at_once: int = AT_ONCE) -> None:
         self._begin = begin
         self._at_once = at_once
-        self._waiting: deque[Program] = deque()
+        self._waiting: deque[PlannedProcess] = deque()
         self._starting: set[str] = set()
         self._added: set[str] = set()
 
-    def add(self, program: Program) -> None:
+    def add(self, program: PlannedProcess) -> None:
         """Begin a program as soon as there is room; one that was added before is left alone."""
         if program.name not in self._added:
             self._added.add(program.name)
             self._waiting.append(program)
             self._go_on()
 
-    def has_started(self, program: Program) -> None:
+    def has_started(self, program: PlannedProcess) -> None:
         """It is at work now, or waits for something itself, or has ended."""
         self._starting.discard(program.name)
         self._go_on()

@@ -16,7 +16,7 @@ SHOWN = ("gripper", "laser", "ptz", "arm", "camera", "gyro", "compass")
 
 
 @dataclass(slots=True)
-class Progress:
+class RobotReadiness:
     """How far one robot has come; times in s of one steady clock.
 
     parts: that it must show. agents: those there are, by their local names. connected_at: the latest time.
@@ -60,10 +60,10 @@ class Readiness:
     """What is known of a team's robots while they come up."""
 
     def __init__(self, robots: Iterable[TeamRobot]) -> None:
-        self._progress = {robot.name: Progress(fitted(robot)) for robot in robots}
+        self._progress = {robot.name: RobotReadiness(fitted(robot)) for robot in robots}
         self._services_serve = False
 
-    def __getitem__(self, robot: str) -> Progress:
+    def __getitem__(self, robot: str) -> RobotReadiness:
         """One robot's progress."""
         return self._progress[robot]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol
 
-from acromovi.team.plan import Program
+from acromovi.team.plan import PlannedProcess
 
 DELAYS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Seconds before a process that has ended again and again is started again; the last one repeats."""
@@ -42,11 +42,11 @@ class Child(Protocol):
 
 
 Hear = Callable[[str], None]
-Start = Callable[[Program, Hear, Hear], Awaitable[Child]]
+Start = Callable[[PlannedProcess, Hear, Hear], Awaitable[Child]]
 """Starts a program; each line of its standard output goes to the first listener, of standard error to the second."""
 
 
-class State(StrEnum):
+class ProcessState(StrEnum):
     """How a process is doing."""
 
     STARTING = "starting"
@@ -56,7 +56,7 @@ class State(StrEnum):
 
 
 @dataclass(slots=True)
-class Entry:
+class ProcessRow:
     """One row of the table.
 
     ends: how often it has ended unasked, one after the other. restarts: how often it was started again, in all.
@@ -64,8 +64,8 @@ class Entry:
     is_wanted: whether it is to be started again when it ends.
     """
 
-    program: Program
-    state: State = State.STARTING
+    program: PlannedProcess
+    state: ProcessState = ProcessState.STARTING
     child: Child | None = None
     ends: int = 0
     restarts: int = 0
@@ -80,7 +80,7 @@ class Entry:
             "robot": self.program.robot or None,
             "container": self.program.container or None,
             "state": str(self.state),
-            "pid": self.child.pid if self.child is not None and self.state is State.RUNNING else None,
+            "pid": self.child.pid if self.child is not None and self.state is ProcessState.RUNNING else None,
             "restarts": self.restarts,
             "why": self.why or None,
         }
@@ -89,15 +89,15 @@ class Entry:
 class Watcher(Protocol):
     """Who is told what the processes do."""
 
-    def heard(self, program: Program, line: str) -> None:
+    def heard(self, program: PlannedProcess, line: str) -> None:
         """A line of standard output."""
         ...
 
-    def complained(self, program: Program, line: str) -> None:
+    def complained(self, program: PlannedProcess, line: str) -> None:
         """A line of standard error."""
         ...
 
-    def ended(self, entry: Entry) -> None:
+    def ended(self, entry: ProcessRow) -> None:
         """One has ended unasked, and will be started again."""
         ...
 
@@ -108,39 +108,39 @@ class Supervisor:
     def __init__(self, start: Start, watcher: Watcher) -> None:
         self._start = start
         self._watcher = watcher
-        self._entries: dict[str, Entry] = {}
-        self._tasks: dict[asyncio.Task[None], Entry] = {}
+        self._entries: dict[str, ProcessRow] = {}
+        self._tasks: dict[asyncio.Task[None], ProcessRow] = {}
         self._ending = asyncio.Event()
 
     @property
-    def table(self) -> list[Entry]:
+    def table(self) -> list[ProcessRow]:
         """All of them, in the order in which they were begun."""
         return list(self._entries.values())
 
-    def begin(self, program: Program) -> Entry:
+    def begin(self, program: PlannedProcess) -> ProcessRow:
         """Start a program, and keep it going until `end`."""
-        entry = self._entries[program.name] = Entry(program)
+        entry = self._entries[program.name] = ProcessRow(program)
         task = asyncio.ensure_future(self._keep(entry))
         self._tasks[task] = entry
         task.add_done_callback(self._tasks.pop)
         return entry
 
-    def container(self, name: str) -> Entry | None:
+    def container(self, name: str) -> ProcessRow | None:
         """The process of a container; None when none is called so."""
         return next((entry for entry in self.table if entry.program.container == name), None)
 
-    async def restart(self, entry: Entry) -> None:
+    async def restart(self, entry: ProcessRow) -> None:
         """Start a process again now; one that does not end when it is asked to is killed."""
         child = entry.child
-        if child is None or entry.state is not State.RUNNING:
+        if child is None or entry.state is not ProcessState.RUNNING:
             return
         entry.ends = 0
         child.terminate()
         await asyncio.sleep(GRACE)
-        if entry.child is child and entry.state is State.RUNNING:
+        if entry.child is child and entry.state is ProcessState.RUNNING:
             child.kill()
 
-    async def retire(self, entry: Entry) -> None:
+    async def retire(self, entry: ProcessRow) -> None:
         """End a process, and start it no more."""
         entry.is_wanted = False
         self._entries.pop(entry.program.name, None)
@@ -155,27 +155,27 @@ class Supervisor:
         self.rest()
         tasks = dict(self._tasks)
         for task, entry in tasks.items():
-            if entry.child is not None and entry.state is State.RUNNING:
+            if entry.child is not None and entry.state is ProcessState.RUNNING:
                 entry.child.kill()
-            elif entry.state is not State.STARTING:  # one that is being started is killed as soon as it runs
+            elif entry.state is not ProcessState.STARTING:  # one that is being started is killed as soon as it runs
                 task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _keep(self, entry: Entry) -> None:
+    async def _keep(self, entry: ProcessRow) -> None:
         loop = asyncio.get_running_loop()
         while entry.is_wanted and not self._ending.is_set():
             begun = loop.time()
-            entry.state = State.STARTING
+            entry.state = ProcessState.STARTING
             entry.child = await self._start(
                 entry.program,
                 lambda line: self._watcher.heard(entry.program, line),
                 lambda line: self._complained(entry, line),
             )
-            entry.state = State.RUNNING
+            entry.state = ProcessState.RUNNING
             if self._ending.is_set():
                 entry.child.kill()
             code = await entry.child.wait()
-            entry.state = State.WAITING
+            entry.state = ProcessState.WAITING
             if self._ending.is_set() or not entry.is_wanted:
                 break
             entry.ends = 1 if loop.time() - begun >= HEALTHY_AFTER else entry.ends + 1
@@ -184,9 +184,9 @@ class Supervisor:
             await asyncio.sleep(DELAYS[min(entry.ends, len(DELAYS)) - 1])
             entry.complaint = ""
             entry.restarts += 1
-        entry.state = State.ENDED
+        entry.state = ProcessState.ENDED
 
-    def _complained(self, entry: Entry, line: str) -> None:
+    def _complained(self, entry: ProcessRow, line: str) -> None:
         if line.strip():
             entry.complaint = line.strip()
         self._watcher.complained(entry.program, line)

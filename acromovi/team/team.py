@@ -9,11 +9,11 @@ from typing import Any
 from acromovi.team import plan
 from acromovi.team.causes import cause, cause_of_services, plain
 from acromovi.team.host_control import HostControl
-from acromovi.team.plan import Choices, Program, Stage, Team
+from acromovi.team.plan import Choices, PlannedProcess, ProcessKind, TeamPlan
 from acromovi.team.progress import ProgressLines
 from acromovi.team.queue import StartQueue
 from acromovi.team.readiness import PATIENCE, Readiness
-from acromovi.team.supervisor import Entry, Start, Supervisor
+from acromovi.team.supervisor import ProcessRow, Start, Supervisor
 from agents.platform.directory import Directory
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
@@ -43,7 +43,7 @@ class TeamAtWork(Closeable):
 
     def __init__(
         self,
-        team: Team,
+        team: TeamPlan,
         choices: Choices,
         folder: Path,
         start: Start,
@@ -132,7 +132,7 @@ class TeamAtWork(Closeable):
 
     # What the processes do, as the supervisor tells it.
 
-    def heard(self, program: Program, line: str) -> None:
+    def heard(self, program: PlannedProcess, line: str) -> None:
         """A line of standard output: JSON, from all of ours."""
         try:
             said = json.loads(line)
@@ -140,16 +140,16 @@ class TeamAtWork(Closeable):
             said = None
         self._queue.has_started(program)
         match program.stage, said:
-            case Stage.EMULATOR, {"robots": list(robots), "control": control}:
+            case ProcessKind.EMULATOR, {"robots": list(robots), "control": control}:
                 self._emulator_is_there(robots, control)
-            case Stage.GATEWAY, {"event": str(event)}:
+            case ProcessKind.GATEWAY, {"event": str(event)}:
                 self._gateway_said(program, event, said)
-            case Stage.AGENTS, {"container": str(name)}:
+            case ProcessKind.AGENTS, {"container": str(name)}:
                 self._readiness.container(name, True)
             case _:
                 self._tell(f"{program.name}: {line}")
 
-    def complained(self, program: Program, line: str) -> None:
+    def complained(self, program: PlannedProcess, line: str) -> None:
         """A line of standard error, said once while it stays the same; not what this program itself has printed."""
         if line.startswith(WARNING):
             return
@@ -157,28 +157,28 @@ class TeamAtWork(Closeable):
             self._reports[program.name] = plain(line.strip())
         if line.strip() and self._said.get(program.name) != line:
             self._said[program.name] = line
-            if self._serves or program.stage is not Stage.EMULATOR:  # before that it is the reason of the failure
+            if self._serves or program.stage is not ProcessKind.EMULATOR:  # before that it is the reason of the failure
                 self._complain(f"{program.name}: {plain(line)}")
 
-    def ended(self, entry: Entry) -> None:
+    def ended(self, entry: ProcessRow) -> None:
         """A process has ended unasked."""
         program = entry.program
         self._queue.has_started(program)
         if program.container:
             self._readiness.container(program.container, False)
-        if not self._serves and (program.stage is Stage.EMULATOR or self._has_failed(entry)):
+        if not self._serves and (program.stage is ProcessKind.EMULATOR or self._has_failed(entry)):
             self._failure = f"{program.name}: {plain(entry.why)}" if program.robot else plain(entry.why)
         elif entry.ends == 1 or self._said.get(program.name) != entry.why or entry.why.startswith("ended "):
             self._complain(f"{program.name} {self._as_end(entry)}; it is started again")
             self._said[program.name] = entry.why
 
-    def _as_end(self, entry: Entry) -> str:
+    def _as_end(self, entry: ProcessRow) -> str:
         """How a process ended, as the end of a sentence that begins with its name; not what it just said."""
         if entry.why.startswith("ended "):
             return entry.why
         return "ended" if self._said.get(entry.program.name) == entry.why else f"ended ({plain(entry.why)})"
 
-    def _has_failed(self, entry: Entry) -> bool:
+    def _has_failed(self, entry: ProcessRow) -> bool:
         robots = [robot.name for robot in self._team.emulated]
         return entry.ends >= MOST_ENDS and (not entry.program.robot or entry.program.robot in robots)
 
@@ -197,7 +197,7 @@ class TeamAtWork(Closeable):
             for program in plan.navigation(robot, self._choices):
                 self._queue.add(program)
 
-    def _gateway_said(self, program: Program, event: str, said: dict[str, Any]) -> None:
+    def _gateway_said(self, program: PlannedProcess, event: str, said: dict[str, Any]) -> None:
         robot = program.robot
         if isinstance(said.get("reason"), str):
             self._reports[program.name] = said["reason"]
@@ -262,7 +262,7 @@ class TeamAtWork(Closeable):
 
         hand_over(self._loop, note)
 
-    def restart(self, entry: Entry) -> None:
+    def restart(self, entry: ProcessRow) -> None:
         """Have a process started again soon."""
         hand_over(self._loop, self._do, self.supervisor.restart, entry)
 
@@ -274,15 +274,15 @@ class TeamAtWork(Closeable):
         """
         hand_over(self._loop, self._start, plan.extra(container, self._team, self._choices))
 
-    def retire(self, entry: Entry) -> None:
+    def retire(self, entry: ProcessRow) -> None:
         """Have a process ended soon, for good."""
         hand_over(self._loop, self._do, self.supervisor.retire, entry)
 
-    def _start(self, program: Program) -> None:
+    def _start(self, program: PlannedProcess) -> None:
         if self.supervisor.container(program.container) is None:  # it may have been asked for twice
             self.supervisor.begin(program)
 
-    def _do(self, work: Callable[[Entry], Coroutine[Any, Any, None]], entry: Entry) -> None:
+    def _do(self, work: Callable[[ProcessRow], Coroutine[Any, Any, None]], entry: ProcessRow) -> None:
         task = asyncio.ensure_future(work(entry))
         self._under_way.add(task)
         task.add_done_callback(self._under_way.discard)

@@ -2,42 +2,42 @@
 
 from collections.abc import Mapping
 
-from agents.components.arm import Arm
-from agents.components.base import Base
-from agents.components.battery import Battery
-from agents.components.bumpers import Bumpers
-from agents.components.camera import Camera
-from agents.components.component import Component
-from agents.components.encoders import Encoders
+from agents.components.arm import ArmAgent
+from agents.components.base import BaseAgent
+from agents.components.battery import BatteryAgent
+from agents.components.bumpers import BumpersAgent
+from agents.components.camera import CameraAgent
+from agents.components.component import ElementAgent
+from agents.components.encoders import EncodersAgent
 from agents.components.generic import Generic
-from agents.components.gripper import Gripper
-from agents.components.infrared import Infrared
+from agents.components.gripper import GripperAgent
+from agents.components.infrared import InfraredAgent
 from agents.components.io import InputOutput
-from agents.components.joystick import Joystick
-from agents.components.laser import Laser
-from agents.components.ptz import Ptz
-from agents.components.sonar import Sonar
-from agents.components.sound import Sound
+from agents.components.joystick import JoystickAgent
+from agents.components.laser import LaserAgent
+from agents.components.ptz import PtzAgent
+from agents.components.sonar import SonarAgent
+from agents.components.sound import SoundAgent
 
-COMPONENTS: Mapping[str, type[Component]] = {
-    "base": Base,
-    "sonar": Sonar,
-    "laser": Laser,
-    "bumpers": Bumpers,
-    "ir": Infrared,
-    "encoders": Encoders,
-    "battery": Battery,
+COMPONENTS: Mapping[str, type[ElementAgent]] = {
+    "base": BaseAgent,
+    "sonar": SonarAgent,
+    "laser": LaserAgent,
+    "bumpers": BumpersAgent,
+    "ir": InfraredAgent,
+    "encoders": EncodersAgent,
+    "battery": BatteryAgent,
     "io": InputOutput,
-    "sound": Sound,
-    "joystick": Joystick,
-    "gripper": Gripper,
-    "arm": Arm,
-    "ptz": Ptz,
-    "camera": Camera,
+    "sound": SoundAgent,
+    "joystick": JoystickAgent,
+    "gripper": GripperAgent,
+    "arm": ArmAgent,
+    "ptz": PtzAgent,
+    "camera": CameraAgent,
 }
 """By the element's name in the robot's description."""
 
 
-def component_for(element: str) -> type[Component]:
+def component_for(element: str) -> type[ElementAgent]:
     """The class for an element; one that nobody has thought of is served all the same."""
     return COMPONENTS.get(element, Generic)

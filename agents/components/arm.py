@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from agents.components.component import NS_PER_S, known
-from agents.components.motions import Goal, Phase
-from agents.components.moving import Moving, Result
+from agents.components.motions import MotionGoal, Phase
+from agents.components.moving import MovingElementAgent, Result
 from agents.platform import on, request
 from bus import keys
 from bus.keys import frame
@@ -27,7 +27,7 @@ MOST_WAITING = 8
 """Of `joint_states`, which the arm shares with the gripper and the wheels."""
 
 
-class Arm(Moving):
+class ArmAgent(MovingElementAgent):
     """`arm@happy`. Joints are called "1", "2" and so on, from the base; a gripper's is the last, and counts in m."""
 
     orders = keys.REACH
@@ -83,7 +83,9 @@ class Arm(Moving):
     ) -> dict[str, Any]:
         """Send joints to places, {"1": 0.5}: rad, m of a gripper; at a speed in rad/s, or their usual one."""
         parts = tuple(map(str, joints)) if isinstance(joints, dict) else ()  # what makes no sense, the gateway refuses
-        goal = Goal(f"{self.element} move", parts, self._arriving(joints), self._time_at(speed), time_to_start=SETTLING)
+        goal = MotionGoal(
+            f"{self.element} move", parts, self._arriving(joints), self._time_at(speed), time_to_start=SETTLING
+        )
         return await self.carry_out(goal, token, wait, do="move", joints=joints, speed=speed)
 
     @request("home", agrees_itself=True)
@@ -95,7 +97,7 @@ class Arm(Moving):
             phase = arriving(result)
             return Phase.RESTING if phase is Phase.ARRIVED and not result["homed"] else phase
 
-        goal = Goal(f"{self.element} home", self._every_joint, judge, LONGEST, time_to_start=SETTLING)
+        goal = MotionGoal(f"{self.element} home", self._every_joint, judge, LONGEST, time_to_start=SETTLING)
         return await self.carry_out(goal, token, wait, do="home")
 
     @request("park", agrees_itself=True)
@@ -112,7 +114,7 @@ class Arm(Moving):
     @request("stop", agrees_itself=True)
     async def stop(self, token: str = "") -> dict[str, Any]:
         """Stop every joint where it is."""
-        goal = Goal(f"{self.element} stop", self._every_joint, _is_still, STOPPING_TIME)
+        goal = MotionGoal(f"{self.element} stop", self._every_joint, _is_still, STOPPING_TIME)
         return await self.carry_out(goal, token, do="stop")
 
     async def _switch(self, powered: bool, what: str, wait: bool, token: str, **order: Any) -> dict[str, Any]:
@@ -121,7 +123,7 @@ class Arm(Moving):
                 return Phase.MOVING
             return Phase.ARRIVED if result["powered"] is powered else Phase.RESTING
 
-        goal = Goal(what, self._every_joint, judge, LONGEST, time_to_start=SETTLING, pause=PAUSE)
+        goal = MotionGoal(what, self._every_joint, judge, LONGEST, time_to_start=SETTLING, pause=PAUSE)
         return await self.carry_out(goal, token, wait, **order)
 
     @property

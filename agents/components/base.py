@@ -9,20 +9,20 @@ from collections.abc import Mapping
 from math import isfinite, pi
 from typing import Any
 
-from agents.components.pose_control import Goal, Limits, Velocity, along, towards
+from agents.components.pose_control import PoseControlLimits, PoseGoal, Velocity, along, towards
 from agents.components.wheels import Wheels
 from agents.platform import asker, request
 from bus import Refused, keys
 from geometry import Pose2D
 
-SPEED = Limits(0.4, 0.8)  # m/s and rad/s, where the one who asks says nothing
-SLOWEST = Limits(0.05, 0.05)  # m/s and rad/s that the gateway reckons with before it loses its patience
+SPEED = PoseControlLimits(0.4, 0.8)  # m/s and rad/s, where the one who asks says nothing
+SLOWEST = PoseControlLimits(0.05, 0.05)  # m/s and rad/s that the gateway reckons with before it loses its patience
 PATIENCE = 15.0  # s longer than that
 FARTHEST = 1000.0  # m; a place beyond is a slip of the pen
 HOLD = 0.55  # s; so long after a stop the gateway obeys no stream of velocities
 
 
-class Base(Wheels):
+class BaseAgent(Wheels):
     """The wheels. Poses are in `<robot>/odom`."""
 
     @classmethod
@@ -68,7 +68,7 @@ class Base(Wheels):
     ) -> dict[str, Any]:
         """Drive to a place in odom, m, and turn to a heading there, rad, if one is given. It sees no obstacles."""
         _check(x=x, y=y, heading=heading or 0.0)
-        goal, limits, is_there = Goal(x, y, heading), _limits(speed), False
+        goal, limits, is_there = PoseGoal(x, y, heading), _limits(speed), False
         distance = goal.distance(self.pose)
         if distance > FARTHEST:
             raise Refused(f"({x:g}, {y:g}) is {distance:.3g} m away; name a place within {FARTHEST:g} m")
@@ -119,9 +119,9 @@ def _check_above_zero(**numbers: float) -> None:
             raise Refused(f"{name} must be more than 0, not {value:g}")
 
 
-def _limits(speed: float | None) -> Limits:
+def _limits(speed: float | None) -> PoseControlLimits:
     """What is not to be exceeded when this speed is asked for, m/s."""
     if speed is None:
         return SPEED
     _check_above_zero(speed=speed)
-    return Limits(speed, SPEED.angular)
+    return PoseControlLimits(speed, SPEED.angular)

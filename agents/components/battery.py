@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from agents.components.component import Component, known
+from agents.components.component import ElementAgent, known
 from bus import keys
 from bus.messages import BatteryState
 
 
-class Battery(Component):
+class BatteryAgent(ElementAgent):
     """How full the battery is."""
 
     source = keys.BATTERY

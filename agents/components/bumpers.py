@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from agents.components.component import Component
+from agents.components.component import ElementAgent
 from bus import keys
 from bus.messages import Bumpers as BumpersMessage
 
 
-class Bumpers(Component):
+class BumpersAgent(ElementAgent):
     """Contacts, and wheels that something blocks."""
 
     source = keys.BUMPERS

@@ -14,13 +14,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from agents.components.component import NS_PER_S, Component, failure
+from agents.components.component import NS_PER_S, ElementAgent, failure
 from agents.platform import AgentName, request
 from agents.platform.talk import hand_over
 from bus import BusError, MessageError, Publisher, Refused, Sample, Subscription, keys
 from bus.keys import frame
 from bus.messages import CompressedImage, decode, header, stamp_ns
-from cameras import CameraNotUsable, CameraReader, Picture, check_source, picture_size, shrunk
+from cameras import CameraFrame, CameraNotUsable, CameraReader, check_source, picture_size, shrunk
 
 MOST = 190_000
 """Bytes of a picture that a message can carry: 4/3 of it in base64, and what stands around it, are 256 KiB."""
@@ -33,7 +33,7 @@ ATTENTION = 0.1
 """Seconds between two looks whether somebody listens to its results."""
 
 
-class Camera(Component):
+class CameraAgent(ElementAgent):
     """`camera@happy`.
 
     With the property `source`, a URL or a device, it opens that camera itself; without, its robot's gateway does.
@@ -176,7 +176,7 @@ class Camera(Component):
 
     # On the thread of a camera that is opened here.
 
-    def _publish_picture(self, picture: Picture) -> None:
+    def _publish_picture(self, picture: CameraFrame) -> None:
         """Put it where a gateway would; this agent hears it there like everyone."""
         self._complaint = ""
         assert self._publisher is not None  # declared before the camera was opened

@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from math import isfinite
 from typing import Any, ClassVar
 
-from agents.platform import Agent, AgentName, OneShot, Restart, State, agree, attended, request
+from agents.platform import Agent, AgentName, AgentState, OneShot, Restart, agree, attended, request
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
@@ -27,7 +27,7 @@ COMMAND_TIME = 2.0  # s for the gateway to answer
 NS_PER_S = 1e9
 
 
-class Component(Agent):
+class ElementAgent(Agent):
     """The agent of one element: its local name is the element's, its platform is the robot.
 
     source: the stream of which results are made. None where there is none, or where `renew` is given them.
@@ -184,7 +184,7 @@ class Component(Agent):
         return {"stamp": stamp_ns(message.header) / NS_PER_S, **self.result(message)}
 
     def _begin_look(self, conversation: Conversation) -> None:
-        if self.state is State.SUSPENDED:
+        if self.state is AgentState.SUSPENDED:
             conversation.refuse(f"{self.name} is suspended")
         else:
             self.add(OneShot(lambda: self._show_reading(conversation), "show its latest result"))

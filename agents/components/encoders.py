@@ -6,7 +6,7 @@ from agents.components.generic import Generic
 from bus.keys import frame
 
 
-class Encoders(Generic):
+class EncodersAgent(Generic):
     """Angles of the driven wheels, rad from the first packet on. They share `joint_states` with arm and gripper."""
 
     eager = True

@@ -3,13 +3,13 @@
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from agents.components.component import Component
+from agents.components.component import ElementAgent
 from bus import JSON, keys
 from bus.keys import Kind, Topic
 from bus.messages import to_json
 
 
-class Generic(Component):
+class Generic(ElementAgent):
     """Results are the messages of the element's first stream as JSON; each command of the robot is a request.
 
     A command's request takes what the gateway's takes, which checks it.

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from agents.components.motions import Goal, Phase
-from agents.components.moving import Moving, Result
+from agents.components.motions import MotionGoal, Phase
+from agents.components.moving import MovingElementAgent, Result
 from agents.platform import request
 from bus import keys
 
@@ -14,7 +14,7 @@ LONGEST = 20.0
 STOPPING_TIME = 5.0
 
 
-class Gripper(Moving):
+class GripperAgent(MovingElementAgent):
     """`gripper@happy`. Paddles and lift may be sent at the same time by two requests; stopping stops both."""
 
     source = keys.GRIPPER
@@ -75,11 +75,11 @@ class Gripper(Moving):
     @request("stop", agrees_itself=True)
     async def stop(self, token: str = "") -> dict[str, Any]:
         """Stop paddles and lift; what is held stays held."""
-        goal = Goal(f"{self.element} stop", (PADDLES, LIFT), _is_still, STOPPING_TIME)
+        goal = MotionGoal(f"{self.element} stop", (PADDLES, LIFT), _is_still, STOPPING_TIME)
         return await self.carry_out(goal, token, do="stop")
 
     async def _send(self, order: str, places: Mapping[str, str], wait: bool, token: str) -> dict[str, Any]:
-        goal = Goal(f"{self.element} {order}", tuple(places), _judge_of(places), LONGEST)
+        goal = MotionGoal(f"{self.element} {order}", tuple(places), _judge_of(places), LONGEST)
         return await self.carry_out(goal, token, wait, do=order)
 
 

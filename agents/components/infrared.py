@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any, ClassVar
 
-from agents.components.component import Component, known
+from agents.components.component import ElementAgent, known
 from bus import keys
 from bus.messages import RangeArray
 
 
-class Infrared(Component):
+class InfraredAgent(ElementAgent):
     """Switches rather than rulers: each frame lies where its sensor sees something."""
 
     source = keys.IR

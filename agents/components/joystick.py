@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from agents.components.component import Component, every_known
+from agents.components.component import ElementAgent, every_known
 from agents.platform import request
 from bus import keys
 from bus.messages import Joy
 
 
-class Joystick(Component):
+class JoystickAgent(ElementAgent):
     """How it is held."""
 
     source = keys.JOYSTICK

@@ -6,12 +6,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from agents.components.component import Component, known
+from agents.components.component import ElementAgent, known
 from bus import keys
 from bus.messages import LaserScan
 
 
-class Laser(Component):
+class LaserAgent(ElementAgent):
     """Scans, from right to left. `bearing` is where the nearest echo is, seen from the robot."""
 
     source = keys.SCAN

@@ -37,7 +37,7 @@ class Phase(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Goal(Generic[Report]):
+class MotionGoal(Generic[Report]):
     """What a motion is to reach.
 
     what: in words, as `gripper open`. parts: of the element that it moves; one that moves a part takes the place of an
@@ -55,10 +55,10 @@ class Goal(Generic[Report]):
 
 
 @dataclass(eq=False)
-class _Motion(Generic[Report]):
+class _ActiveMotion(Generic[Report]):
     """One that is under way. All times are the event loop's."""
 
-    goal: Goal[Report]
+    goal: MotionGoal[Report]
     end: asyncio.Future[Report]
     began_at: float
     heard_at: float
@@ -115,7 +115,7 @@ class Motions(Generic[Report]):
     def __init__(self, reasons: Callable[[], str] = lambda: "") -> None:
         """reasons: why a motion may have failed, as far as is known; empty text where nothing is."""
         self._reasons = reasons
-        self._open: list[_Motion[Report]] = []
+        self._open: list[_ActiveMotion[Report]] = []
 
     @property
     def are_under_way(self) -> bool:
@@ -128,7 +128,7 @@ class Motions(Generic[Report]):
         for motion in self._open:
             motion.hear(report, now)
 
-    async def follow(self, goal: Goal[Report]) -> Report:
+    async def follow(self, goal: MotionGoal[Report]) -> Report:
         """Wait for the end of a motion that has just been ordered; return the report that shows it.
 
         Raises:
@@ -139,14 +139,14 @@ class Motions(Generic[Report]):
             if set(other.goal.parts) & set(goal.parts):
                 other.fail(Replaced(f"{goal.what} took the place of {other.goal.what}"))
         now = loop.time()
-        motion = _Motion(goal, loop.create_future(), now, now, self._reasons)
+        motion = _ActiveMotion(goal, loop.create_future(), now, now, self._reasons)
         self._open.append(motion)
         try:
             return await self._end(motion)
         finally:
             self._open.remove(motion)
 
-    async def _end(self, motion: _Motion[Report]) -> Report:
+    async def _end(self, motion: _ActiveMotion[Report]) -> Report:
         loop = asyncio.get_running_loop()
         while not motion.end.done():
             await asyncio.wait((motion.end,), timeout=max(0.0, motion.deadline - loop.time()))

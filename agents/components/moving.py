@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, ClassVar
 
-from agents.components.component import COMMAND_TIME, Component
-from agents.components.motions import Goal, Motions, Replaced
+from agents.components.component import COMMAND_TIME, ElementAgent
+from agents.components.motions import MotionGoal, Motions, Replaced
 from agents.components.troubles import Troubles
 from agents.platform import AgentName, OneShot, agree, on
 from bus import BusError, Refused, Sample, keys
@@ -19,7 +19,7 @@ from bus.messages import RobotState
 Result = Mapping[str, Any]
 
 
-class Moving(Component):
+class MovingElementAgent(ElementAgent):
     """An element that moves.
 
     orders: where the gateway takes its orders; `{"do": "stop"}` there stops it. motions: those under way.
@@ -48,7 +48,7 @@ class Moving(Component):
         """Why a motion may have failed, as far as is known; empty text where nothing is."""
         return self._troubles.reasons(asyncio.get_running_loop().time())
 
-    async def carry_out(self, goal: Goal[Result], token: str, wait: bool = True, **order: Any) -> dict[str, Any]:
+    async def carry_out(self, goal: MotionGoal[Result], token: str, wait: bool = True, **order: Any) -> dict[str, Any]:
         """Give an order and wait until its goal is reached; who gives up, or is cancelled, stops the element.
 
         Args:
@@ -73,7 +73,7 @@ class Moving(Component):
             self.add(OneShot(lambda: self._see_to(goal), f"see to {goal.what}"))
         return await self.read()
 
-    async def _follow(self, goal: Goal[Result], token: str) -> dict[str, Any]:
+    async def _follow(self, goal: MotionGoal[Result], token: str) -> dict[str, Any]:
         try:
             return dict(await self.motions.follow(goal))
         except Replaced:
@@ -82,7 +82,7 @@ class Moving(Component):
             await self._stop(token)
             raise
 
-    async def _see_to(self, goal: Goal[Result]) -> None:
+    async def _see_to(self, goal: MotionGoal[Result]) -> None:
         """Keep a motion going for whose end nobody waits: the gateway stops it if this agent dies."""
         with self.home.beating(self.name), suppress(Refused):  # how it ends is told by the results
             await self.motions.follow(goal)

@@ -38,7 +38,7 @@ class Velocity:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class PoseControlLimits:
     """What the robot is not to exceed, m/s and rad/s."""
 
     linear: float
@@ -46,7 +46,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True)
-class Goal:
+class PoseGoal:
     """A place, and a heading if one is wanted."""
 
     x: float
@@ -61,7 +61,7 @@ class Goal:
 AT_REST = Velocity(0.0, 0.0, is_done=True)
 
 
-def towards(goal: Goal, pose: Pose2D, limits: Limits, was_there: bool = False) -> tuple[Velocity, bool]:
+def towards(goal: PoseGoal, pose: Pose2D, limits: PoseControlLimits, was_there: bool = False) -> tuple[Velocity, bool]:
     """Turn to the goal, drive to it, and turn to its heading there.
 
     Args:
@@ -81,7 +81,7 @@ def towards(goal: Goal, pose: Pose2D, limits: Limits, was_there: bool = False) -
     return Velocity(forward * _slowing(distance, limits.linear, BRAKING), _turning(bearing, limits)), False
 
 
-def along(start: Pose2D, distance: float, pose: Pose2D, limits: Limits) -> Velocity:
+def along(start: Pose2D, distance: float, pose: Pose2D, limits: PoseControlLimits) -> Velocity:
     """Drive straight on from a start, backward if the distance is negative, and keep to the line."""
     done, aside = start.locate(pose.x, pose.y)
     left = distance - done
@@ -92,7 +92,7 @@ def along(start: Pose2D, distance: float, pose: Pose2D, limits: Limits) -> Veloc
     return Velocity(linear, max(-limits.angular, min(limits.angular, angular)))
 
 
-def _turning(error: float, limits: Limits) -> float:
+def _turning(error: float, limits: PoseControlLimits) -> float:
     return _slowing(error, limits.angular, ANGULAR_BRAKING)
 
 

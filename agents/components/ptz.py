@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from agents.components.component import known
-from agents.components.motions import Goal, Phase
-from agents.components.moving import Moving, Result
+from agents.components.motions import MotionGoal, Phase
+from agents.components.moving import MovingElementAgent, Result
 from agents.platform import request
 from bus import keys
 
@@ -20,7 +20,7 @@ AT_ONCE = 0.0
 """Seconds that a report must last: the gateway knows whether it has told the head to move."""
 
 
-class Ptz(Moving):
+class PtzAgent(MovingElementAgent):
     """`ptz@happy`."""
 
     source = keys.PTZ
@@ -58,7 +58,7 @@ class Ptz(Moving):
     @request("stop", agrees_itself=True)
     async def stop(self, token: str = "") -> dict[str, Any]:
         """Stop where it looks."""
-        goal = Goal(f"{self.element} stop", ("pan", "tilt", "zoom"), _is_still, STOPPING_TIME, hold=AT_ONCE)
+        goal = MotionGoal(f"{self.element} stop", ("pan", "tilt", "zoom"), _is_still, STOPPING_TIME, hold=AT_ONCE)
         return await self.carry_out(goal, token, do="stop")
 
     async def _look(self, what: str, places: Mapping[str, float], wait: bool, token: str) -> dict[str, Any]:
@@ -67,7 +67,7 @@ class Ptz(Moving):
                 return Phase.MOVING
             return Phase.ARRIVED if all(_is_at(result, axis, places[axis]) for axis in places) else Phase.RESTING
 
-        goal = Goal(f"{self.element} {what}", tuple(places), judge, LONGEST, hold=AT_ONCE)
+        goal = MotionGoal(f"{self.element} {what}", tuple(places), judge, LONGEST, hold=AT_ONCE)
         return await self.carry_out(goal, token, wait, **places)
 
 

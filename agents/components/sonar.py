@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import atan2, cos, sin
 from typing import Any, ClassVar
 
-from agents.components.component import NS_PER_S, Component, known
+from agents.components.component import NS_PER_S, ElementAgent, known
 from agents.platform import AgentName, request
 from bus import keys
 from bus.messages import RangeArray, stamp_ns
@@ -13,7 +13,7 @@ MEMORY = 1.0
 """Seconds for which a disc's range stands; each packet brings those of a few discs only."""
 
 
-class Sonar(Component):
+class SonarAgent(ElementAgent):
     """All discs together, though they take turns. `bearing` is where the nearest echo is, seen from the robot."""
 
     source = keys.SONAR

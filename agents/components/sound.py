@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from agents.components.component import Component
+from agents.components.component import ElementAgent
 from agents.platform import request
 from bus import Refused, keys
 
 
-class Sound(Component):
+class SoundAgent(ElementAgent):
     """Plays; hears nothing."""
 
     @request("play", agrees_itself=True)

@@ -10,10 +10,10 @@ from contextlib import suppress
 from math import inf
 from typing import Any, ClassVar, NoReturn
 
-from agents.components.component import Component, failure, known
+from agents.components.component import ElementAgent, failure, known
 from agents.components.headway import Headway
 from agents.components.moving_request import OneAtATime
-from agents.components.pose_control import Limits, Velocity
+from agents.components.pose_control import PoseControlLimits, Velocity
 from agents.components.troubles import Troubles
 from agents.platform import AgentName, asker, on
 from bus import Refused, keys
@@ -23,7 +23,7 @@ from geometry import Pose2D
 
 REPEAT = 0.2  # s; the gateway stops a robot whose stream of velocities has been silent for half a second
 ASK_AGAIN = 0.5  # s between two velocities whose answer is waited for
-STANDING = Limits(0.01, 0.02)  # m/s and rad/s, below which it stands
+STANDING = PoseControlLimits(0.01, 0.02)  # m/s and rad/s, below which it stands
 BLIND = 1.0  # s without odometry that a robot is steered on
 TIME_TO_REST = 2.0  # s
 MOST_TO_START = 0.8  # s until a robot that is told to drive moves, also behind a radio modem
@@ -32,7 +32,7 @@ UNBOUND = 5.0  # s that an initiator without a heartbeat may have the robot stee
 MOST_ENDS = 16  # of motions that are kept until somebody asks
 
 
-class Wheels(Component):
+class Wheels(ElementAgent):
     """The part of the base that moves it; `Base` has the requests."""
 
     source = keys.ODOM

@@ -6,17 +6,17 @@
         for robot in team.robots(having="laser"):
             print(robot.name, robot.laser.nearest())
 
-`Team` (team.py) is all robots, `Robot` one of them, `Element` a part of it; `stage` is where their calls are done.
+`Team` (team.py) is all robots, `Robot` one of them, `ElementClient` a part of it; `LoopThread` makes their calls.
 """
 
-from agents.face.element import Element
+from agents.face.element import ElementClient
 from agents.face.errors import Failed, LeaseLost, NotThere, Refused, RobotError, Stopped, TimedOut
 from agents.face.robot import Robot
 from agents.face.team import Team
 from agents.platform import request
 
 __all__ = [
-    "Element",
+    "ElementClient",
     "Failed",
     "LeaseLost",
     "NotThere",

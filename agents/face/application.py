@@ -10,8 +10,8 @@ from typing import Any, get_type_hints
 
 from agents.face.backstage import PLATFORM
 from agents.face.errors import Failed, Stopped
-from agents.face.program import Program, find_program
-from agents.face.stage import Stage
+from agents.face.program import RunningApplication, find_program
+from agents.face.stage import LoopThread
 from agents.face.team import Team, look
 from agents.platform import FAIL_AGENT, Agent, AgentName, OneShot, Restart
 from agents.platform.hooks import marks
@@ -48,7 +48,7 @@ class Application(Agent):
     ended: set when it has. has_failed: whether `main` raised when it last ran.
     """
 
-    def __init__(self, program: Program, name: AgentName | str, arguments: Mapping[str, Any]) -> None:
+    def __init__(self, program: RunningApplication, name: AgentName | str, arguments: Mapping[str, Any]) -> None:
         super().__init__(name, {"program": program.name, "arguments": dict(arguments)})
         self.ended = asyncio.Event()
         self.has_failed = False
@@ -61,7 +61,7 @@ class Application(Agent):
 
     async def setup(self) -> None:
         """Begin."""
-        self._stage = Stage(self, asyncio.get_running_loop())
+        self._stage = LoopThread(self, asyncio.get_running_loop())
         self._horizon = await look(self._stage)
         self._program = await self.load()
         self._team = Team.of(self._stage, self._horizon)
@@ -70,7 +70,7 @@ class Application(Agent):
                 mark.begin(self, self._threaded(function))
         self.add(OneShot(self._main, "main"), Restart() if self._program.begins_again else FAIL_AGENT)
 
-    async def load(self) -> Program:
+    async def load(self) -> RunningApplication:
         """The program; for kinds of applications that have not loaded it when they are made."""
         return self._program
 

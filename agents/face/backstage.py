@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from agents.face.errors import RobotError
-from agents.face.stage import LAST_WORDS, Stage
+from agents.face.stage import LAST_WORDS, LoopThread
 from agents.platform import Agent, AgentError, AgentName, Container
 from bus import Bus, BusError, NotAllowed, ZenohBus
 from configs.loader import ConfigError
@@ -17,7 +17,7 @@ PLATFORM = "apps"  # where agents live that belong to no robot
 OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 
 
-class Backstage:
+class PrivateContainer:
     """What a plain script stands on; its thread ends with the program, whatever the program does.
 
     stage: that of its agent, `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the owner of the key.
@@ -39,7 +39,7 @@ class Backstage:
         self._thread.start()
         self._container = Container(home, name)
         agent = Agent(AgentName(name, home.own_name or PLATFORM))
-        self.stage = Stage(agent, self._loop)
+        self.stage = LoopThread(agent, self._loop)
         try:
             self._join(agent)
         except (BusError, AgentError, TimeoutError) as err:

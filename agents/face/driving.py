@@ -5,8 +5,8 @@ import contextlib
 
 import bus
 from agents.face.errors import Failed, NotThere, Refused, RobotError
-from agents.face.holding import Lease
-from agents.face.stage import Stage
+from agents.face.holding import ProgramLease
+from agents.face.stage import LoopThread
 from agents.face.stall import Stall
 from agents.face.wording import in_api_words
 from agents.platform.errors import in_words
@@ -18,21 +18,21 @@ ANSWER_TIME = 2.0  # s for the gateway
 SILENCE = 0.6  # s after a stop until the gateway obeys a stream again
 
 
-class Driving:
+class ContinuousDrive:
     """One robot that is driven so. All of it belongs to the stage's event loop."""
 
-    def __init__(self, stage: Stage, robot: str) -> None:
+    def __init__(self, stage: LoopThread, robot: str) -> None:
         self._stage = stage
         self._robot = robot
         self._velocity = (0.0, 0.0)
         self._token = ""
-        self._lease: Lease | None = None
+        self._lease: ProgramLease | None = None
         self._task: asyncio.Task[None] | None = None
         self._obeyed_from = 0.0
         self._stall = Stall()
         self._stalled: tuple[float, float] | None = None  # the velocity at which it did, until that has been told
 
-    async def go(self, linear: float, angular: float, lease: Lease | None) -> None:
+    async def go(self, linear: float, angular: float, lease: ProgramLease | None) -> None:
         """Drive so from now on, or until the lease is lost: m/s, rad/s.
 
         Raises:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from agents.face.errors import NotThere, TimedOut, error_of
 from agents.face.readings import OtherReading, Reading
-from agents.face.stage import Stage
+from agents.face.stage import LoopThread
 from agents.platform import AgentName
 from agents.platform.talk import hand_over
 from bus import MessageError, Sample, Subscription
@@ -19,7 +19,7 @@ PATIENCE = 10.0  # s for an answer, and for the next result of a stream
 R = TypeVar("R", bound=Reading)
 
 
-class Element(Generic[R]):
+class ElementClient(Generic[R]):
     """Any element of a robot.
 
     agent: the name of the agent that stands for it, `laser@happy`.
@@ -27,7 +27,7 @@ class Element(Generic[R]):
 
     reading: ClassVar[type[Reading]] = OtherReading
 
-    def __init__(self, stage: Stage, agent: AgentName) -> None:
+    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
         self.agent = agent
         self._stage = stage
 

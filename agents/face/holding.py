@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import bus
 from agents.face.errors import LeaseLost, Refused
-from agents.face.stage import Stage
+from agents.face.stage import LoopThread
 from agents.platform import AgentName, RequestNotDone
 
 if TYPE_CHECKING:  # who holds no lease need not load the services
     from agents.services.lease_client import HeldLease
 
 
-class Lease:
+class ProgramLease:
     """A lease in a program's hands: on an element, which nobody else moves meanwhile, though anyone may stop it, or
     on a name, `name:doorway`, which no other program holds meanwhile.
 
@@ -20,7 +20,7 @@ class Lease:
     suspended; motions then raise `LeaseLost`, as they do from the moment on that somebody is about to take it.
     """
 
-    def __init__(self, stage: Stage, element: AgentName | str) -> None:
+    def __init__(self, stage: LoopThread, element: AgentName | str) -> None:
         self._stage = stage
         self._element = element
         self._held: HeldLease | None = None

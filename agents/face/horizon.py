@@ -17,7 +17,7 @@ NO_ROBOTS = "start a team with `acromovi up acromovi`, and see whether both use 
 COMPONENT = "component"  # what the agents of robots' elements offer
 
 
-class Horizon:
+class Discovery:
     """The agents in sight, kept up to date; all of it belongs to one event loop."""
 
     def __init__(self, bus: Bus) -> None:

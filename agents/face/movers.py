@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Generic
 
-from agents.face.driving import Driving
-from agents.face.element import Element, R, plain
+from agents.face.driving import ContinuousDrive
+from agents.face.element import ElementClient, R, plain
 from agents.face.errors import RobotError, TimedOut
-from agents.face.holding import Lease
+from agents.face.holding import ProgramLease
 from agents.face.readings import ArmReading, BaseReading, GripperReading, PtzReading
-from agents.face.stage import Stage
+from agents.face.stage import LoopThread
 from agents.platform import AgentName
 from bus import keys
 from geometry import Pose2D
@@ -17,15 +17,15 @@ from geometry import Pose2D
 MOTION = 300.0  # s for the longest motion; what is stuck or dead says so earlier
 
 
-class Mover(Element[R], Generic[R]):
+class Mover(ElementClient[R], Generic[R]):
     """An element that moves, and so can be leased, and stopped."""
 
-    def __init__(self, stage: Stage, agent: AgentName) -> None:
+    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
         super().__init__(stage, agent)
-        self._lease: Lease | None = None
+        self._lease: ProgramLease | None = None
 
     @contextmanager
-    def lease(self, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[Lease]:
+    def lease(self, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[ProgramLease]:
         """The sole right to move this element, during a block; what it is doing at the end of the block is stopped.
 
         Args:
@@ -37,7 +37,7 @@ class Mover(Element[R], Generic[R]):
             LeaseLost: In the block, by whatever moves the element: somebody of a higher priority has taken it, or is
                 about to; `wanted_by` tells who, before.
         """
-        before, lease = self._lease, Lease(self._stage, self.agent)
+        before, lease = self._lease, ProgramLease(self._stage, self.agent)
         lease.take(priority, seconds, notice)
         self._lease = lease
         try:
@@ -100,7 +100,7 @@ class Mover(Element[R], Generic[R]):
             await self._stage.agent.request(self.agent, "stop", reply_within=1.0, **self._right)
 
 
-class Base(Mover[BaseReading]):
+class BaseClient(Mover[BaseReading]):
     """Wheels and odometry.
 
     Poses are in the robot's frame `odom`. Its origin is where the robot stood when its gateway first connected, and its
@@ -109,9 +109,9 @@ class Base(Mover[BaseReading]):
 
     reading = BaseReading
 
-    def __init__(self, stage: Stage, agent: AgentName) -> None:
+    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
         super().__init__(stage, agent)
-        self._driving = Driving(stage, agent.platform)
+        self._driving = ContinuousDrive(stage, agent.platform)
 
     def pose(self) -> Pose2D:
         """Where the robot believes it is: m, m, rad."""
@@ -182,7 +182,7 @@ class Base(Mover[BaseReading]):
         self._driving.has_stopped()
 
 
-class Gripper(Mover[GripperReading]):
+class GripperClient(Mover[GripperReading]):
     """Two paddles on a lift. Each motion returns how things stand when it has ended."""
 
     reading = GripperReading
@@ -212,7 +212,7 @@ class Gripper(Mover[GripperReading]):
         return self._done("deploy")
 
 
-class Arm(Mover[ArmReading]):
+class ArmClient(Mover[ArmReading]):
     """An arm. Each motion returns where it is when it has ended."""
 
     reading = ArmReading
@@ -234,7 +234,7 @@ class Arm(Mover[ArmReading]):
         return self._done("power", on=on)
 
 
-class Ptz(Mover[PtzReading]):
+class PtzClient(Mover[PtzReading]):
     """A head that points the camera. Each motion returns where it looks when it has ended."""
 
     reading = PtzReading

@@ -42,7 +42,7 @@ class ProgramFailed(RobotError):
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class RunningApplication:
     """An application that has been loaded.
 
     name: for people and for its agent.
@@ -97,7 +97,7 @@ class Program:
             raise ProgramFailed(complaint(err, Path(str(self.module.__file__)))) from err
 
 
-def find_program(name: str, folders: Sequence[Path] = ()) -> Program:
+def find_program(name: str, folders: Sequence[Path] = ()) -> RunningApplication:
     """Load an application.
 
     Args:
@@ -114,7 +114,7 @@ def find_program(name: str, folders: Sequence[Path] = ()) -> Program:
     main = getattr(module, "main", None)
     if not callable(main) or not inspect.signature(main).parameters:
         raise ProgramNotValid(f"{file or name} has no function main(team); an application begins there")
-    return Program(file.stem if file else name, module)
+    return RunningApplication(file.stem if file else name, module)
 
 
 def _load_file(file: Path) -> ModuleType:

@@ -96,7 +96,7 @@ class RangesReading(Reading):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SonarDisc:
+class SonarDiscPose:
     """One sonar disc, by the robot's description.
 
     frame: in which the bus publishes its range, `happy/sonar_3`. x, y: m in base_link. heading: where it points, rad in
@@ -120,7 +120,7 @@ class SonarReading(RangesReading):
     """
 
     bearing: float = field(metadata=NUMBER)
-    discs: Mapping[int, SonarDisc] = field(default_factory=dict, repr=False, metadata={"described": True})
+    discs: Mapping[int, SonarDiscPose] = field(default_factory=dict, repr=False, metadata={"described": True})
 
     def within(self, angle: float, width: float) -> float:
         """Return the nearest echo in a sector: `within(0.0, 0.6)` is ahead, `within(pi / 2, 0.6)` is to the left.

@@ -2,47 +2,47 @@
 
 from typing import TypeVar, cast
 
-from agents.face.element import Element
+from agents.face.element import ElementClient
 from agents.face.errors import RobotError
-from agents.face.horizon import Horizon
-from agents.face.movers import Arm, Base, Gripper, Ptz
+from agents.face.horizon import Discovery
+from agents.face.movers import ArmClient, BaseClient, GripperClient, PtzClient
 from agents.face.readings import Reading
 from agents.face.sensors import (
-    Battery,
-    Bumpers,
-    Camera,
-    Compass,
-    Infrared,
+    BatteryClient,
+    BumpersClient,
+    CameraClient,
+    CompassClient,
+    InfraredClient,
     Io,
-    Joystick,
-    Laser,
-    Sonar,
-    Sound,
+    JoystickClient,
+    LaserClient,
+    SonarClient,
+    SoundClient,
 )
-from agents.face.stage import Stage
+from agents.face.stage import LoopThread
 from agents.platform import AgentName, NameNotValid
 
-ELEMENTS: dict[str, type[Element[Reading]]] = {
-    name: cast(type[Element[Reading]], kind)
+ELEMENTS: dict[str, type[ElementClient[Reading]]] = {
+    name: cast(type[ElementClient[Reading]], kind)
     for name, kind in {
-        "base": Base,
-        "sonar": Sonar,
-        "laser": Laser,
-        "bumpers": Bumpers,
-        "ir": Infrared,
-        "battery": Battery,
+        "base": BaseClient,
+        "sonar": SonarClient,
+        "laser": LaserClient,
+        "bumpers": BumpersClient,
+        "ir": InfraredClient,
+        "battery": BatteryClient,
         "io": Io,
-        "gripper": Gripper,
-        "arm": Arm,
-        "ptz": Ptz,
-        "camera": Camera,
-        "sound": Sound,
-        "joystick": Joystick,
-        "compass": Compass,
+        "gripper": GripperClient,
+        "arm": ArmClient,
+        "ptz": PtzClient,
+        "camera": CameraClient,
+        "sound": SoundClient,
+        "joystick": JoystickClient,
+        "compass": CompassClient,
     }.items()
 }
 
-E = TypeVar("E", bound=Element)  # type: ignore[type-arg]  # whatever it reads
+E = TypeVar("E", bound=ElementClient)  # type: ignore[type-arg]  # whatever it reads
 
 
 class Robot:
@@ -51,11 +51,11 @@ class Robot:
     name: on the bus.
     """
 
-    def __init__(self, stage: Stage, horizon: Horizon, name: str) -> None:
+    def __init__(self, stage: LoopThread, horizon: Discovery, name: str) -> None:
         self.name = name
         self._stage = stage
         self._horizon = horizon
-        self._elements: dict[str, Element[Reading]] = {}
+        self._elements: dict[str, ElementClient[Reading]] = {}
 
     @property
     def elements(self) -> list[str]:
@@ -66,7 +66,7 @@ class Robot:
         """Whether it has an element now."""
         return element in self.elements
 
-    def element(self, name: str) -> Element[Reading]:
+    def element(self, name: str) -> ElementClient[Reading]:
         """An element by its name, also one without a class of its own: `robot.element("gyro").read()`.
 
         Raises:
@@ -78,7 +78,7 @@ class Robot:
             except NameNotValid as err:
                 raise RobotError(str(err)) from err
             self._stage.call(self._horizon.element(agent))
-            self._elements[name] = ELEMENTS.get(name, Element)(self._stage, agent)
+            self._elements[name] = ELEMENTS.get(name, ElementClient)(self._stage, agent)
         return self._elements[name]
 
     def stop(self) -> None:
@@ -86,34 +86,34 @@ class Robot:
         self.base.stop()
 
     @property
-    def base(self) -> Base:
+    def base(self) -> BaseClient:
         """Wheels and odometry."""
-        return self._element("base", Base)
+        return self._element("base", BaseClient)
 
     @property
-    def sonar(self) -> Sonar:
+    def sonar(self) -> SonarClient:
         """The ring of sonar discs."""
-        return self._element("sonar", Sonar)
+        return self._element("sonar", SonarClient)
 
     @property
-    def laser(self) -> Laser:
+    def laser(self) -> LaserClient:
         """The laser scanner."""
-        return self._element("laser", Laser)
+        return self._element("laser", LaserClient)
 
     @property
-    def bumpers(self) -> Bumpers:
+    def bumpers(self) -> BumpersClient:
         """What feels contact."""
-        return self._element("bumpers", Bumpers)
+        return self._element("bumpers", BumpersClient)
 
     @property
-    def ir(self) -> Infrared:
+    def ir(self) -> InfraredClient:
         """Infrared range sensors."""
-        return self._element("ir", Infrared)
+        return self._element("ir", InfraredClient)
 
     @property
-    def battery(self) -> Battery:
+    def battery(self) -> BatteryClient:
         """The battery."""
-        return self._element("battery", Battery)
+        return self._element("battery", BatteryClient)
 
     @property
     def io(self) -> Io:
@@ -121,39 +121,39 @@ class Robot:
         return self._element("io", Io)
 
     @property
-    def gripper(self) -> Gripper:
+    def gripper(self) -> GripperClient:
         """Two paddles on a lift."""
-        return self._element("gripper", Gripper)
+        return self._element("gripper", GripperClient)
 
     @property
-    def arm(self) -> Arm:
+    def arm(self) -> ArmClient:
         """The arm."""
-        return self._element("arm", Arm)
+        return self._element("arm", ArmClient)
 
     @property
-    def ptz(self) -> Ptz:
+    def ptz(self) -> PtzClient:
         """The head that points the camera."""
-        return self._element("ptz", Ptz)
+        return self._element("ptz", PtzClient)
 
     @property
-    def camera(self) -> Camera:
+    def camera(self) -> CameraClient:
         """The camera."""
-        return self._element("camera", Camera)
+        return self._element("camera", CameraClient)
 
     @property
-    def sound(self) -> Sound:
+    def sound(self) -> SoundClient:
         """Buzzer or loudspeaker."""
-        return self._element("sound", Sound)
+        return self._element("sound", SoundClient)
 
     @property
-    def joystick(self) -> Joystick:
+    def joystick(self) -> JoystickClient:
         """The joystick on the robot."""
-        return self._element("joystick", Joystick)
+        return self._element("joystick", JoystickClient)
 
     @property
-    def compass(self) -> Compass:
+    def compass(self) -> CompassClient:
         """The compass."""
-        return self._element("compass", Compass)
+        return self._element("compass", CompassClient)
 
     def __repr__(self) -> str:
         return f"<Robot {self.name}>"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from agents.face.element import Element
+from agents.face.element import ElementClient
 from agents.face.errors import RobotError
 from agents.face.picture import Picture
 from agents.face.readings import (
@@ -18,26 +18,26 @@ from agents.face.readings import (
     LaserReading,
     OtherReading,
     RangesReading,
-    SonarDisc,
+    SonarDiscPose,
     SonarReading,
 )
-from agents.face.stage import Stage
+from agents.face.stage import LoopThread
 from agents.platform import AgentName
 from agents.platform.errors import in_words
 from bus.keys import frame
 
 
-class Sonar(Element[SonarReading]):
+class SonarClient(ElementClient[SonarReading]):
     """The ring of sonar discs."""
 
     reading = SonarReading
 
-    def __init__(self, stage: Stage, agent: AgentName) -> None:
+    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
         super().__init__(stage, agent)
-        self._discs: dict[int, SonarDisc] | None = None
+        self._discs: dict[int, SonarDiscPose] | None = None
 
     @property
-    def discs(self) -> dict[int, SonarDisc]:
+    def discs(self) -> dict[int, SonarDiscPose]:
         """The discs by number: where each is, where it points, and its frame; empty where the robot gives none.
 
         Raises:
@@ -65,7 +65,7 @@ class Sonar(Element[SonarReading]):
         return replace(super()._read(result), discs=self.discs)
 
 
-def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDisc:
+def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDiscPose:
     """A disc of the agent's description.
 
     Raises:
@@ -73,7 +73,7 @@ def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDisc:
     """
     try:
         number = int(row["number"])
-        return SonarDisc(
+        return SonarDiscPose(
             number=number,
             frame=str(row.get("frame") or frame(said_by.platform, f"sonar_{number}")),
             x=float(row["x"]),
@@ -85,7 +85,7 @@ def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDisc:
         raise RobotError(f"the discs of {said_by} cannot be read: {in_words(err)}") from err
 
 
-class Laser(Element[LaserReading]):
+class LaserClient(ElementClient[LaserReading]):
     """The laser scanner."""
 
     reading = LaserReading
@@ -95,7 +95,7 @@ class Laser(Element[LaserReading]):
         return self.read().nearest
 
 
-class Bumpers(Element[BumpersReading]):
+class BumpersClient(ElementClient[BumpersReading]):
     """What feels contact."""
 
     reading = BumpersReading
@@ -105,7 +105,7 @@ class Bumpers(Element[BumpersReading]):
         return self.read().pressed
 
 
-class Infrared(Element[RangesReading]):
+class InfraredClient(ElementClient[RangesReading]):
     """Infrared range sensors."""
 
     reading = RangesReading
@@ -115,7 +115,7 @@ class Infrared(Element[RangesReading]):
         return self.read().nearest
 
 
-class Battery(Element[BatteryReading]):
+class BatteryClient(ElementClient[BatteryReading]):
     """The battery."""
 
     reading = BatteryReading
@@ -125,7 +125,7 @@ class Battery(Element[BatteryReading]):
         return self.read().voltage
 
 
-class Io(Element[IoReading]):
+class Io(ElementClient[IoReading]):
     """The user's inputs and outputs."""
 
     reading = IoReading
@@ -135,7 +135,7 @@ class Io(Element[IoReading]):
         self.ask("output", mask=mask, value=value)
 
 
-class Camera(Element[CameraReading]):
+class CameraClient(ElementClient[CameraReading]):
     """The camera."""
 
     reading = CameraReading
@@ -152,7 +152,7 @@ class Camera(Element[CameraReading]):
         )
 
 
-class Sound(Element[OtherReading]):
+class SoundClient(ElementClient[OtherReading]):
     """Buzzer or loudspeaker."""
 
     def play(self, notes: Sequence[tuple[int, float]] | int) -> None:
@@ -167,7 +167,7 @@ class Sound(Element[OtherReading]):
         self.ask("mute", on=on)
 
 
-class Joystick(Element[JoystickReading]):
+class JoystickClient(ElementClient[JoystickReading]):
     """The joystick on the robot."""
 
     reading = JoystickReading
@@ -177,7 +177,7 @@ class Joystick(Element[JoystickReading]):
         self.ask("drive", on=on)
 
 
-class Compass(Element[OtherReading]):
+class CompassClient(ElementClient[OtherReading]):
     """The compass."""
 
     def heading(self) -> float:

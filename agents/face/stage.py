@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 Halt = Callable[[], Awaitable[object]]
 
 
-class Stage:
+class LoopThread:
     """One agent that speaks for a program.
 
     agent: who asks. loop: where it lives; calls come from any other thread.

@@ -7,14 +7,14 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, Self
 
-from agents.face.backstage import Backstage
+from agents.face.backstage import PrivateContainer
 from agents.face.complaints import complain_in_a_sentence
 from agents.face.element import PATIENCE, numbered, plain
 from agents.face.errors import RobotError, Stopped, error_of
-from agents.face.holding import Lease
-from agents.face.horizon import Horizon
+from agents.face.holding import ProgramLease
+from agents.face.horizon import Discovery
 from agents.face.robot import Robot
-from agents.face.stage import Stage
+from agents.face.stage import LoopThread
 from agents.platform import AgentName, NameNotValid
 from bus import Bus, BusError
 from bus.keys import robot_name
@@ -41,13 +41,13 @@ class Team:
             RobotError: It cannot be reached.
         """
         complain_in_a_sentence()
-        backstage = Backstage(bus or default_bus())
-        self._backstage: Backstage | None = backstage
+        backstage = PrivateContainer(bus or default_bus())
+        self._backstage: PrivateContainer | None = backstage
         self._begin(backstage.stage, backstage.stage.call(look(backstage.stage)))
         atexit.register(self.close)
 
     @classmethod
-    def of(cls, stage: Stage, horizon: Horizon) -> Self:
+    def of(cls, stage: LoopThread, horizon: Discovery) -> Self:
         """A team for a program whose agent lives in somebody else's container."""
         team = cls.__new__(cls)
         team._backstage = None
@@ -105,7 +105,7 @@ class Team:
         return numbered(outcome.result)
 
     @contextmanager
-    def lease(self, name: str, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[Lease]:
+    def lease(self, name: str, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[ProgramLease]:
         """Hold a name during a block, which no other program holds meanwhile: `with team.lease("doorway"):`.
 
         For whatever programs must not do at the same time and no part of a robot stands for: a doorway, a task. The
@@ -122,7 +122,7 @@ class Team:
         """
         from agents.services.leases import NAMED  # here and not at the top: few programs hold names
 
-        lease = Lease(self._stage, f"{NAMED}{name}")
+        lease = ProgramLease(self._stage, f"{NAMED}{name}")
         lease.take(priority, seconds, notice)
         try:
             yield lease
@@ -173,7 +173,7 @@ class Team:
     ) -> None:
         self.close()
 
-    def _begin(self, stage: Stage, horizon: Horizon) -> None:
+    def _begin(self, stage: LoopThread, horizon: Discovery) -> None:
         self._stage = stage
         self._horizon = horizon
         self._robots: dict[str, Robot] = {}
@@ -186,6 +186,6 @@ def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else names
 
 
-async def look(stage: Stage) -> Horizon:
+async def look(stage: LoopThread) -> Discovery:
     """Begin to look round from a stage."""
-    return Horizon(stage.agent.bus)
+    return Discovery(stage.agent.bus)

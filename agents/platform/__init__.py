@@ -31,10 +31,10 @@ from agents.platform.errors import (
 from agents.platform.fipa_contract_net import Bid, Tender
 from agents.platform.fipa_request import Request
 from agents.platform.fipa_subscribe import Values
-from agents.platform.home import Home
+from agents.platform.home import ContainerContext
 from agents.platform.hooks import answers, every, on, proposes, request, subscription
 from agents.platform.kinds import Kinds, UnknownKind
-from agents.platform.life import State, Step
+from agents.platform.life import AgentState, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
 from agents.platform.names import AgentName, ContainerName
 from agents.platform.outcome import Ending, Outcome
@@ -50,10 +50,12 @@ __all__ = [
     "Agent",
     "AgentError",
     "AgentName",
+    "AgentState",
     "AlreadyThere",
     "Behaviour",
     "Bid",
     "Container",
+    "ContainerContext",
     "ContainerName",
     "Cyclic",
     "Description",
@@ -63,7 +65,6 @@ __all__ = [
     "Ending",
     "Failure",
     "FiniteStateMachine",
-    "Home",
     "IllegalTransition",
     "Kinds",
     "Mailbox",
@@ -81,7 +82,6 @@ __all__ = [
     "Schedule",
     "Sequential",
     "SetupFailed",
-    "State",
     "Step",
     "Synchronizer",
     "Template",

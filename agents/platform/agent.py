@@ -29,27 +29,27 @@ from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
-from agents.platform.desk import Desk
-from agents.platform.door import Door
-from agents.platform.ends import End
+from agents.platform.desk import RequestDispatcher
+from agents.platform.door import DeliveryGate
+from agents.platform.ends import AgentEnd
 from agents.platform.errors import AclError, AgentError
 from agents.platform.handler import Handler
-from agents.platform.home import Home
+from agents.platform.home import ContainerContext
 from agents.platform.hooks import hooks_of
-from agents.platform.life import State, Step, after
-from agents.platform.luggage import Luggage
+from agents.platform.life import AgentState, Step, after
+from agents.platform.luggage import MigrationState
 from agents.platform.mailbox import ANY, Mailbox, Template
 from agents.platform.names import AgentName
 from agents.platform.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Schedule
-from agents.platform.serving import Serving
+from agents.platform.serving import ResponderConversation
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
-from agents.platform.traveller import Traveller
+from agents.platform.traveller import MobileAgent
 from bus import JSON, Bus, Publisher, Subscription
 
 
-class Agent(Traveller):
+class Agent(MobileAgent):
     """One agent. Derive from it; a container starts it.
 
     services: what it offers, for the directory.
@@ -63,13 +63,13 @@ class Agent(Traveller):
         self.properties = dict(properties or {})
         self.mailbox = Mailbox()
         self._unreadable = 0
-        self._state = State.INITIATED
-        self._desk = Desk(self.name, lambda: self._state, self._rouse)
-        self._door = Door(self._take, self._desk.begin)
+        self._state = AgentState.INITIATED
+        self._desk = RequestDispatcher(self.name, lambda: self._state, self._rouse)
+        self._door = DeliveryGate(self._take, self._desk.begin)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
-        self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, End.FAILED))
-        self._home: Home | None = None
+        self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, AgentEnd.FAILED))
+        self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
 
     async def setup(self) -> None:
@@ -79,12 +79,12 @@ class Agent(Traveller):
         """Clean up; runs when all behaviours have ended, and after a setup that failed."""
 
     @property
-    def state(self) -> State:
+    def state(self) -> AgentState:
         """Where it is in its life."""
         return self._state
 
     @property
-    def home(self) -> Home:
+    def home(self) -> ContainerContext:
         """The container where it lives.
 
         Raises:
@@ -110,7 +110,7 @@ class Agent(Traveller):
         return self._schedule.running
 
     @property
-    def in_flight(self) -> list[Serving]:
+    def in_flight(self) -> list[ResponderConversation]:
         """The conversations that it is answering, oldest first."""
         return self._desk.under_way
 
@@ -210,30 +210,30 @@ class Agent(Traveller):
 
     # What follows is for the container.
 
-    async def begin(self, home: Home) -> None:
+    async def begin(self, home: ContainerContext) -> None:
         """Live in a container: hear messages, set up, begin what the decorators say, answer."""
         self._move_in(home)
         self._listen_to_others()
         await self.setup()
-        if self._state is State.DELETED:
+        if self._state is AgentState.DELETED:
             return
         for method, hook in hooks_of(self):
             hook.begin(self, method)
         self._go(Step.INVOKE)
         self._enter_directory()
 
-    async def look_on(self, home: Home) -> None:
+    async def look_on(self, home: ContainerContext) -> None:
         """Be in a container unseen, for one whom the bus lets only look: it listens, and is neither found nor asked."""
         self._move_in(home)
 
-    async def arrive(self, home: Home, luggage: Luggage) -> None:
+    async def arrive(self, home: ContainerContext, luggage: MigrationState) -> None:
         """Come into a container from another: set up and unpack, and let all that comes wait until `settle`."""
         self._go(Step.MOVE)
         self._schedule.gate.shut()
         self._door.wait_for_the_rest()
         self._move_in(home)
         await self.setup()
-        if self._state is State.DELETED:
+        if self._state is AgentState.DELETED:
             return
         self.unpack(luggage.state)
         self._unload(luggage)
@@ -268,7 +268,7 @@ class Agent(Traveller):
         if clinging:
             self._report(f"{' and '.join(clinging)} goes on although it was told to end", None)
 
-    def _move_in(self, home: Home) -> None:
+    def _move_in(self, home: ContainerContext) -> None:
         self._home, self._loop = home, asyncio.get_running_loop()
         self._desk.open(home)
 
@@ -302,11 +302,11 @@ class Agent(Traveller):
             self._rouse()
 
     def _rouse(self) -> None:
-        if self._state is State.WAITING and self._loop is not None:
+        if self._state is AgentState.WAITING and self._loop is not None:
             hand_over(self._loop, self._wake_if_waiting)
 
     # In the loop again.
 
     def _wake_if_waiting(self) -> None:
-        if self._state is State.WAITING:
+        if self._state is AgentState.WAITING:
             self.wake()

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agents.platform.agent import Agent
-from agents.platform.door import Letter
-from agents.platform.ends import End
+from agents.platform.door import QueuedMessage
+from agents.platform.ends import AgentEnd
 from agents.platform.errors import NotMoved, UnknownAgent
-from agents.platform.home import Home
-from agents.platform.life import State
-from agents.platform.luggage import Luggage
+from agents.platform.home import ContainerContext
+from agents.platform.life import AgentState
+from agents.platform.luggage import MigrationState
 from agents.platform.names import AgentName
 from agents.platform.talk import query
 from bus import BusError
@@ -35,7 +35,7 @@ class _Arrival:
     """
 
     agent: Agent
-    luggage: Luggage
+    luggage: MigrationState
     origin: str
     is_awaiting: bool = False
 
@@ -54,7 +54,7 @@ class Arrivals:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    async def adopt(self, agent: Agent, luggage: Luggage, origin: str) -> None:
+    async def adopt(self, agent: Agent, luggage: MigrationState, origin: str) -> None:
         """Let an agent arrive, and wait until it is settled.
 
         Args:
@@ -68,7 +68,7 @@ class Arrivals:
         """
         arrival = _Arrival(agent, luggage, origin)
 
-        async def begin(home: Home) -> None:
+        async def begin(home: ContainerContext) -> None:
             self._arrivals[agent.name] = arrival
             await agent.arrive(home, luggage)
 
@@ -77,13 +77,13 @@ class Arrivals:
         except BaseException:
             self._strike_off(arrival)
             raise
-        if agent.state is not State.TRANSIT:
+        if agent.state is not AgentState.TRANSIT:
             self._strike_off(arrival)
             raise NotMoved(f"{agent.name} was ended while it arrived in {self._container.name}")
         arrival.is_awaiting = True
         self._begin(self._judge(arrival))
 
-    def settle(self, name: AgentName, letters: list[Letter]) -> None:
+    def settle(self, name: AgentName, letters: list[QueuedMessage]) -> None:
         """Let an agent that has arrived begin to live here.
 
         Raises:
@@ -100,7 +100,7 @@ class Arrivals:
         if arrival is not None and arrival.origin == origin:
             await self._let_go(arrival)
 
-    def _settle(self, arrival: _Arrival, letters: list[Letter]) -> None:
+    def _settle(self, arrival: _Arrival, letters: list[QueuedMessage]) -> None:
         arrival.is_awaiting = False
         arrival.agent.settle(arrival.luggage, letters)
         self._begin(self._forget(arrival))
@@ -109,7 +109,7 @@ class Arrivals:
         self._strike_off(arrival)
         with contextlib.suppress(UnknownAgent):  # it has gone by itself
             if self._container.agent(arrival.agent.name) is arrival.agent:
-                await self._container.stop(arrival.agent.name, End.MOVED)
+                await self._container.stop(arrival.agent.name, AgentEnd.MOVED)
 
     async def _judge(self, arrival: _Arrival) -> None:
         """See what has become of an agent that nobody settles: it lives on where it was, or else here."""

@@ -15,15 +15,15 @@ from agents.platform.agent import Agent
 from agents.platform.askers import Askers
 from agents.platform.control import Control
 from agents.platform.directory import check_free
-from agents.platform.ends import End
+from agents.platform.ends import AgentEnd
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words
 from agents.platform.heartbeat import Heartbeats
 from agents.platform.kinds import Kinds, kind_of
-from agents.platform.life import State
+from agents.platform.life import AgentState
 from agents.platform.names import AgentName, ContainerName
-from agents.platform.watchdog import Watchdog
+from agents.platform.watchdog import LoopWatchdog
 from bus import JSON, Bus, BusUnavailable, MessageError, Publisher, Subscription
-from bus.name_holder import Process
+from bus.name_holder import BusProgram
 from bus.validation import sentence
 
 SETUP_TIME = 30.0  # s
@@ -117,7 +117,7 @@ class Container:
         return self._control.identity
 
     @property
-    def process(self) -> Process:
+    def process(self) -> BusProgram:
         """Where it runs, and since when."""
         return self._control.process
 
@@ -155,7 +155,7 @@ class Container:
             await self.bring_up(agent, agent.begin)
         except SetupFailed:
             return False
-        return agent.state is State.ACTIVE
+        return agent.state is AgentState.ACTIVE
 
     async def bring_up(self, agent: Agent, begin: Callable[["Container"], Awaitable[None]]) -> None:
         """Let an agent live here that begins in a way of its own.
@@ -173,14 +173,14 @@ class Container:
                 await begin(self)
         except Exception as error:
             self.report(agent.name, "its setup failed", error)
-            await self._end(agent.name, End.NOT_SET_UP)
+            await self._end(agent.name, AgentEnd.NOT_SET_UP)
             why = f"failed: {in_words(error)}" if not limit.expired() else f"took longer than {SETUP_TIME:g} s"
             raise SetupFailed(f"the setup of {agent.name} {why}") from error
         except BaseException:  # whoever starts it is cancelled: nothing half begun stays behind
             await self._end(agent.name)
             raise
 
-    async def stop(self, name: AgentName | str, end: End = End.STOPPED) -> None:
+    async def stop(self, name: AgentName | str, end: AgentEnd = AgentEnd.STOPPED) -> None:
         """End an agent: out of the directory, answers ended, behaviours cancelled, then its `take_down`.
 
         Args:
@@ -191,7 +191,7 @@ class Container:
             UnknownAgent: It does not live here.
         """
         agent = self.agent(name)
-        if agent.state is State.DELETED:
+        if agent.state is AgentState.DELETED:
             return  # somebody is at it
         agent.mark_deleted()
         if not end.is_failure:
@@ -238,14 +238,14 @@ class Container:
             self._said = self._bus.publisher(self._called.said_key, JSON)
             self._shown += [self._reports, self._said, *self._control.serve()]
             self._shown.append(self._bus.declare_alive(self._called.alive_key))
-            self._shown.append(Watchdog(lambda: self.agents, self._tell_blocked))
+            self._shown.append(LoopWatchdog(lambda: self.agents, self._tell_blocked))
 
     async def close(self) -> None:
         """Stop all agents, together, and be seen no more."""
         await self._control.close()
-        await asyncio.gather(*(self._end(name, End.CLOSED) for name in list(self._agents)))
+        await asyncio.gather(*(self._end(name, AgentEnd.CLOSED) for name in list(self._agents)))
         await asyncio.gather(*self._ending)
-        self._tell({"agent": None, "what": "the container has been closed", "ended": End.CLOSED})
+        self._tell({"agent": None, "what": "the container has been closed", "ended": AgentEnd.CLOSED})
         self._askers.close()
         self._heartbeats.close()
         while self._shown:
@@ -257,7 +257,7 @@ class Container:
         self._tell({"agent": str(agent), "what": sentence(what), "error": text})
         self._report(Report(agent, what, error))
 
-    def end(self, agent: AgentName, end: End = End.STOPPED) -> None:
+    def end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
         """Stop an agent soon; one that has gone already does no harm."""
         task = asyncio.ensure_future(self._end(agent, end))
         self._ending.add(task)
@@ -282,11 +282,11 @@ class Container:
         """s since 1970."""
         return self._wall_time()
 
-    async def _end(self, agent: AgentName, end: End = End.STOPPED) -> None:
+    async def _end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
         if agent in self._agents:
             await self.stop(agent, end)
 
-    def _tell_end(self, agent: Agent, end: End) -> None:
+    def _tell_end(self, agent: Agent, end: AgentEnd) -> None:
         """Say on the bus why an agent ends, with what is needed to start it again."""
         told = {"agent": str(agent.name), "what": f"it has ended: {end}", "ended": end, "kind": kind_of(agent)}
         self._tell({**told, "properties": agent.properties})

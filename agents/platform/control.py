@@ -33,12 +33,12 @@ from agents.platform.directory import check_free
 from agents.platform.errors import AgentError, in_words
 from agents.platform.introspection import introspect
 from agents.platform.kinds import kind_of
-from agents.platform.life import State
+from agents.platform.life import AgentState
 from agents.platform.luggage import opened, unpacked
 from agents.platform.names import AgentName
 from agents.platform.talk import hand_over
 from bus import BusError, BusUnavailable, Conversation, Subscription
-from bus.name_holder import Process
+from bus.name_holder import BusProgram
 from bus.validation import check_value
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Control:
 
     def __init__(self, container: "Container") -> None:
         self._container = container
-        self._process = Process(os.getpid(), socket.gethostname(), uuid.uuid4().hex, container.wall_time())
+        self._process = BusProgram(os.getpid(), socket.gethostname(), uuid.uuid4().hex, container.wall_time())
         self._tasks: set[asyncio.Task[None]] = set()
         self._stopping: set[asyncio.Task[None]] = set()  # those of them that stop an agent
         self._orders: dict[str, Order] = {
@@ -86,7 +86,7 @@ class Control:
         return self._process.identity
 
     @property
-    def process(self) -> Process:
+    def process(self) -> BusProgram:
         """Where the container runs, and since when."""
         return self._process
 
@@ -185,14 +185,14 @@ class Control:
 
     async def _suspend(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(named_in(given))
-        if agent.state is State.SUSPENDED:
+        if agent.state is AgentState.SUSPENDED:
             raise OrderNotValid(f"{agent.name} is suspended already")
         agent.suspend()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _resume(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(named_in(given))
-        if agent.state is not State.SUSPENDED:
+        if agent.state is not AgentState.SUSPENDED:
             raise OrderNotValid(f"{agent.name} is not suspended; it is {agent.state}")
         agent.resume()
         return {"name": str(agent.name), "state": str(agent.state)}

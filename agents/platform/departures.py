@@ -18,12 +18,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from agents.platform.agent import Agent
-from agents.platform.door import Caller, Letter
-from agents.platform.ends import End
+from agents.platform.door import Caller, QueuedMessage
+from agents.platform.ends import AgentEnd
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
-from agents.platform.life import State
-from agents.platform.luggage import Luggage, enveloped, packed
+from agents.platform.life import AgentState
+from agents.platform.luggage import MigrationState, enveloped, packed
 from agents.platform.names import AgentName, ContainerName
 from agents.platform.talk import query
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
@@ -57,7 +57,7 @@ class Departures:
             asking.close()
             conversation.close()
 
-    async def send(self, agent: Agent, to: str) -> tuple[ContainerName, State]:
+    async def send(self, agent: Agent, to: str) -> tuple[ContainerName, AgentState]:
         """Move an agent; returns when nothing of it is left here.
 
         Args:
@@ -70,7 +70,7 @@ class Departures:
             IllegalTransition: It is not at work.
         """
         there = await self._find(to)
-        if agent.state is State.TRANSIT:
+        if agent.state is AgentState.TRANSIT:
             raise NotMoved(f"{agent.name} is moving already")
         luggage = await self._packed(agent)
         try:
@@ -82,7 +82,7 @@ class Departures:
             raise
         agent.leave_directory()
         await self._linger(agent, there)
-        return there, State.SUSPENDED if luggage.is_suspended else State.ACTIVE
+        return there, AgentState.SUSPENDED if luggage.is_suspended else AgentState.ACTIVE
 
     async def _find(self, to: str) -> ContainerName:
         if to == self._container.name:
@@ -96,7 +96,7 @@ class Departures:
             raise NotMoved(f"{len(found)} containers are called {to}")
         return ContainerName.of_key(found[0].key)
 
-    async def _packed(self, agent: Agent) -> Luggage:
+    async def _packed(self, agent: Agent) -> MigrationState:
         try:
             return await agent.depart(DRAIN_TIME)
         except AgentError:
@@ -104,7 +104,7 @@ class Departures:
         except Exception as err:
             raise NotMoved(f"{agent.name} cannot pack: {in_words(err)}") from err
 
-    async def _hand_over(self, agent: Agent, luggage: Luggage, there: ContainerName) -> None:
+    async def _hand_over(self, agent: Agent, luggage: MigrationState, there: ContainerName) -> None:
         """Have it begin to live there; what goes wrong has not happened, as far as can be known."""
         try:
             known = await self._settle(agent, luggage, there)
@@ -114,7 +114,7 @@ class Departures:
         letters, callers = agent.left_behind()
         await self._follow(agent, there, letters[known:], callers)
 
-    async def _settle(self, agent: Agent, luggage: Luggage, there: ContainerName) -> int:
+    async def _settle(self, agent: Agent, luggage: MigrationState, there: ContainerName) -> int:
         """Have it arrive and begin to live there.
 
         Returns:
@@ -125,7 +125,7 @@ class Departures:
             await self._tell(there, self._adoption(agent, luggage), ADOPT_TIME)
             is_adopted = True
             await asyncio.sleep(MEET_TIME)
-            if agent.state is not State.TRANSIT:
+            if agent.state is not AgentState.TRANSIT:
                 raise NotMoved("it has been ended meanwhile")
             letters = agent.come_since()
             settle: Order = {"do": "settle", "name": str(agent.name), "letters": enveloped(letters)}
@@ -138,7 +138,7 @@ class Departures:
                 return 0
             raise
 
-    def _adoption(self, agent: Agent, luggage: Luggage) -> Order:
+    def _adoption(self, agent: Agent, luggage: MigrationState) -> Order:
         return {
             "do": "adopt",
             "name": str(agent.name),
@@ -156,10 +156,12 @@ class Departures:
             await asyncio.sleep(LOOK)
             await self._follow(agent, there, *agent.left_behind())
         with contextlib.suppress(UnknownAgent):  # somebody has stopped it here meanwhile
-            await self._container.stop(agent.name, End.MOVED)
+            await self._container.stop(agent.name, AgentEnd.MOVED)
         await self._follow(agent, there, *agent.left_behind())
 
-    async def _follow(self, agent: Agent, there: ContainerName, letters: list[Letter], callers: list[Caller]) -> None:
+    async def _follow(
+        self, agent: Agent, there: ContainerName, letters: list[QueuedMessage], callers: list[Caller]
+    ) -> None:
         for caller in callers:
             self._pass_on(agent.name, there, caller)
         if letters:
@@ -209,7 +211,7 @@ class Departures:
         while True:
             with contextlib.suppress(BusError, TimeoutError):  # asked again below
                 listed = (await query(self._container.bus, there.description_key, None, ORDER_TIME))[0].value
-                return any(row["name"] == str(name) and row["state"] != State.TRANSIT for row in listed["agents"])
+                return any(row["name"] == str(name) and row["state"] != AgentState.TRANSIT for row in listed["agents"])
             if loop.time() >= until:
                 return False
             await asyncio.sleep(ASK_AGAIN)

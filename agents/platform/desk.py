@@ -13,13 +13,13 @@ from typing import Any
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.errors import AclError
 from agents.platform.handler import Handler, NotUnderstood
-from agents.platform.home import Home
-from agents.platform.life import State
+from agents.platform.home import ContainerContext
+from agents.platform.life import AgentState
 from agents.platform.names import AgentName
-from agents.platform.opening import Opening
+from agents.platform.opening import ParsedRequest
 from agents.platform.protocols import REQUESTS, Protocol, read
 from agents.platform.schedule import LETTING_GO
-from agents.platform.serving import Serving
+from agents.platform.serving import ResponderConversation
 from agents.platform.talk import hand_over
 from bus import Conversation
 from bus.validation import sentence
@@ -27,17 +27,17 @@ from bus.validation import sentence
 # How many conversations of one protocol an agent answers at a time. It refuses more, so that a flood costs no memory.
 MOST_REQUESTS = 100  # of one asker, so that one who floods does not keep the others out
 MOST_AT_ALL = 400
-AT_WORK = (State.ACTIVE, State.WAITING)
+AT_WORK = (AgentState.ACTIVE, AgentState.WAITING)
 FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJECT_PROPOSAL)
 
 
-class Desk:
+class RequestDispatcher:
     """Answers those who talk to one agent.
 
     malformed: what came and began no conversation.
     """
 
-    def __init__(self, me: AgentName, state: Callable[[], State], rouse: Callable[[], None]) -> None:
+    def __init__(self, me: AgentName, state: Callable[[], AgentState], rouse: Callable[[], None]) -> None:
         """Make one that is not open yet.
 
         Args:
@@ -50,14 +50,14 @@ class Desk:
         self._me = me
         self._state = state
         self._rouse = rouse
-        self._home: Home | None = None
+        self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._lock = threading.Lock()  # for what is under way
-        self._under_way: dict[tuple[str, AgentName], Serving] = {}
+        self._under_way: dict[tuple[str, AgentName], ResponderConversation] = {}
         self._in_flight: Counter[str] = Counter()  # by protocol
         self._of_one: Counter[tuple[str, AgentName]] = Counter()  # by protocol and asker
         self._unnamed = itertools.count()
-        self._tasks: dict[asyncio.Task[None], Serving] = {}
+        self._tasks: dict[asyncio.Task[None], ResponderConversation] = {}
 
     def add(self, protocol: str, handler: Handler) -> None:
         """Let a function answer conversations of a protocol about its name."""
@@ -68,12 +68,12 @@ class Desk:
         return sorted(self.handlers.get(protocol, ()))
 
     @property
-    def under_way(self) -> list[Serving]:
+    def under_way(self) -> list[ResponderConversation]:
         """The conversations that have not ended, oldest first."""
         with self._lock:
             return list(self._under_way.values())
 
-    def open(self, home: Home) -> None:
+    def open(self, home: ContainerContext) -> None:
         """Begin, in the running event loop."""
         self._home, self._loop = home, asyncio.get_running_loop()
 
@@ -116,7 +116,7 @@ class Desk:
             self.malformed += 1
             self._turn_away(message, Performative.NOT_UNDERSTOOD, str(err), conversation)
             return
-        serving = Serving(self._home_there, self._me, message, conversation)
+        serving = ResponderConversation(self._home_there, self._me, message, conversation)
         if not self._admit(key, protocol, serving):
             why = f"{self._me} is busy with {self._in_flight[protocol.name]} {protocol.noun}s already"
             self._turn_away(message, Performative.REFUSE, why, conversation)
@@ -144,7 +144,7 @@ class Desk:
                 raise NotUnderstood(f"a conversation {message.conversation_id!r} is under way already")
         return key
 
-    def _admit(self, key: tuple[str, AgentName], protocol: Protocol, serving: Serving) -> bool:
+    def _admit(self, key: tuple[str, AgentName], protocol: Protocol, serving: ResponderConversation) -> bool:
         """Count one more conversation, unless there are too many."""
         one = protocol.name, serving.message.sender
         with self._lock:
@@ -170,14 +170,16 @@ class Desk:
             conversation.reply(no.to_dict())
 
     @property
-    def _home_there(self) -> Home:
+    def _home_there(self) -> ContainerContext:
         assert self._home is not None, "nobody hears of a desk before it is open"
         return self._home
 
     # In the loop.
 
-    def _serve(self, key: tuple[str, AgentName], serving: Serving, protocol: Protocol, opening: Opening) -> None:
-        if self._state() not in (*AT_WORK, State.TRANSIT):  # one that moves finishes what was asked before
+    def _serve(
+        self, key: tuple[str, AgentName], serving: ResponderConversation, protocol: Protocol, opening: ParsedRequest
+    ) -> None:
+        if self._state() not in (*AT_WORK, AgentState.TRANSIT):  # one that moves finishes what was asked before
             serving.turn_away(f"{self._me} is {self._state()}")
             self._ended(key, serving, protocol)
             return
@@ -188,13 +190,13 @@ class Desk:
         task.add_done_callback(lambda task: release())
         task.add_done_callback(lambda task: self._ended(key, serving, protocol))
 
-    async def _serve_one(self, serving: Serving, protocol: Protocol, opening: Opening) -> None:
+    async def _serve_one(self, serving: ResponderConversation, protocol: Protocol, opening: ParsedRequest) -> None:
         name, agrees_itself = opening.handler.name, protocol.agrees_itself or opening.handler.agrees_itself
         error = await serving.run(name, protocol.carry_out(serving, opening), agrees_itself)
         if error is not None:
             self._home_there.report(self._me, f"the {protocol.noun} {name} of {serving.message.sender} failed", error)
 
-    def _ended(self, key: tuple[str, AgentName], serving: Serving, protocol: Protocol) -> None:
+    def _ended(self, key: tuple[str, AgentName], serving: ResponderConversation, protocol: Protocol) -> None:
         serving.close()  # one that was cancelled before it began has not done so itself
         one = protocol.name, serving.message.sender
         with self._lock:

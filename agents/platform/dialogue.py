@@ -13,7 +13,7 @@ from typing import Any
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.door import new_label
 from agents.platform.errors import AclError
-from agents.platform.home import Home
+from agents.platform.home import ContainerContext
 from agents.platform.names import AgentName
 from agents.platform.outcome import Ending, Outcome, why_of
 from agents.platform.talk import replies
@@ -25,7 +25,7 @@ MOVING = (Performative.REQUEST, Performative.CFP)
 """What may set something moving; the initiator's heartbeat beats until the conversation ends."""
 
 
-class Over(Exception):
+class ConversationEnded(Exception):
     """A conversation has ended otherwise than its protocol hopes."""
 
     def __init__(self, outcome: Outcome) -> None:
@@ -33,7 +33,7 @@ class Over(Exception):
         self.outcome = outcome
 
 
-class Dialogue:
+class InitiatorConversation:
     """One conversation that an agent begins.
 
     opening: the message with which it begins.
@@ -42,7 +42,7 @@ class Dialogue:
 
     def __init__(
         self,
-        home: Home,
+        home: ContainerContext,
         me: AgentName,
         peer: AgentName,
         performative: Performative,
@@ -130,10 +130,10 @@ class Dialogue:
         self.end()
         return Outcome(Ending.DONE, result, agreed=self.agreed)
 
-    def misplaced(self, reply: AclMessage) -> Over:
+    def misplaced(self, reply: AclMessage) -> ConversationEnded:
         """The end that comes from a reply that has no place here."""
         why = f"{self.peer} answers nonsense: {reply.performative} has no place in this conversation"
-        return Over(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed))
+        return ConversationEnded(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed))
 
     def cancel(self) -> None:
         """Tell the peer to leave it, once; its end comes as a reply."""
@@ -163,7 +163,7 @@ class Dialogue:
             reply = AclMessage.from_dict(value)
         except AclError as err:
             why = f"{self.peer} answers nonsense: {err}"
-            raise Over(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed)) from err
+            raise ConversationEnded(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed)) from err
         is_ours = reply.conversation_id == self.opening.conversation_id and reply.sender == self.peer
         # Who has not understood an opening may not even have read of which conversation it was.
         if reply.performative in _ENDINGS and (is_ours or reply.performative is Performative.NOT_UNDERSTOOD):
@@ -175,13 +175,13 @@ class Dialogue:
         self.agreed = self.agreed or reply.performative is Performative.AGREE
         return reply
 
-    def _late(self) -> Over:
+    def _late(self) -> ConversationEnded:
         why = f"{self.peer} has not come to an end within {self._within:g} s"
-        return Over(Outcome(Ending.TIMED_OUT, why=why, agreed=self.agreed))
+        return ConversationEnded(Outcome(Ending.TIMED_OUT, why=why, agreed=self.agreed))
 
-    def _ended(self, ending: Ending, why: str) -> Over:
+    def _ended(self, ending: Ending, why: str) -> ConversationEnded:
         self.end()
-        return Over(Outcome(ending, why=why, agreed=self.agreed))
+        return ConversationEnded(Outcome(ending, why=why, agreed=self.agreed))
 
 
 _ENDINGS = {

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 from agents.platform.errors import AlreadyThere, DescriptionNotValid, NameNotValid
-from agents.platform.life import State
+from agents.platform.life import AgentState
 from agents.platform.names import AgentName
 from agents.platform.talk import replies
 from bus import Answer, Bus, NoAnswer, Refused, TimedOut
@@ -34,7 +34,7 @@ class Description:
     """
 
     name: AgentName
-    state: State
+    state: AgentState
     container: str = ""
     services: tuple[str, ...] = ()
     requests: tuple[str, ...] = ()
@@ -59,10 +59,12 @@ class Description:
                 "services": list(services),
                 "requests": list(requests),
                 "properties": dict(properties),
-            } if claimed == str(name) and state in list(State):
+            } if claimed == str(name) and state in list(AgentState):
                 others = {key: tuple(answer.value.get(key, ())) for key in ("answers", "subscriptions", "proposals")}
                 if all(isinstance(text, str) for text in itertools.chain(services, requests, *others.values())):
-                    return cls(name, State(state), container, tuple(services), tuple(requests), properties, **others)
+                    return cls(
+                        name, AgentState(state), container, tuple(services), tuple(requests), properties, **others
+                    )
         raise DescriptionNotValid(f"what {answer.key} answers is no description of {name}")
 
     def fits(self, service: str | None, properties: Mapping[str, Any]) -> bool:

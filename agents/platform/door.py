@@ -29,7 +29,7 @@ def new_label() -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Letter:
+class QueuedMessage:
     """A one-way message, as it came."""
 
     label: str
@@ -45,7 +45,7 @@ class Caller:
     conversation: Conversation
 
 
-class Door:
+class DeliveryGate:
     """Passes on what comes, or keeps it.
 
     lost: messages for which there was no room while it was shut.
@@ -67,7 +67,7 @@ class Door:
         self._entering = 0  # conversations that are being begun at this moment
         self._keeps_callers = False
         self._keeps_letters = False
-        self._kept: list[Letter | Caller] = []
+        self._kept: list[QueuedMessage | Caller] = []
         self._known: set[str] | None = None
 
     # On the bus's thread.
@@ -78,7 +78,7 @@ class Door:
             if not self._keeps_letters and self._known is None:
                 self._take(sample.payload)
                 return
-            letter = Letter(_label_of(sample), sample.payload)
+            letter = QueuedMessage(_label_of(sample), sample.payload)
             if not self._is_new(letter.label):
                 return
             if not self._keeps_letters:
@@ -130,18 +130,20 @@ class Door:
         with self._lock:
             self._keeps_letters = True
 
-    def letters(self) -> list[Letter]:
+    def letters(self) -> list[QueuedMessage]:
         """The messages that wait, which go on waiting."""
         with self._lock:
-            return [each for each in self._kept if isinstance(each, Letter)]
+            return [each for each in self._kept if isinstance(each, QueuedMessage)]
 
-    def kept(self) -> tuple[list[Letter], list[Caller]]:
+    def kept(self) -> tuple[list[QueuedMessage], list[Caller]]:
         """Hand out all that waits."""
         with self._lock:
             kept, self._kept = self._kept, []
-        return [each for each in kept if isinstance(each, Letter)], [each for each in kept if isinstance(each, Caller)]
+        return [each for each in kept if isinstance(each, QueuedMessage)], [
+            each for each in kept if isinstance(each, Caller)
+        ]
 
-    def bring(self, letters: Iterable[Letter]) -> None:
+    def bring(self, letters: Iterable[QueuedMessage]) -> None:
         """Let in messages that came to the other door."""
         for letter in letters:
             with self._lock:
@@ -158,7 +160,7 @@ class Door:
                     self._keeps_callers = self._keeps_letters = False
                     return
             for each in kept:
-                if isinstance(each, Letter):
+                if isinstance(each, QueuedMessage):
                     self._take(each.payload)
                 else:
                     self._begin(each.message, each.conversation)

@@ -3,7 +3,7 @@
 from enum import StrEnum
 
 
-class End(StrEnum):
+class AgentEnd(StrEnum):
     """Why an agent does not live in its container any more."""
 
     STOPPED = "stopped"  # on purpose, by itself or by somebody
@@ -15,4 +15,4 @@ class End(StrEnum):
     @property
     def is_failure(self) -> bool:
         """Whether nobody wanted it."""
-        return self in (End.FAILED, End.NOT_SET_UP)
+        return self in (AgentEnd.FAILED, AgentEnd.NOT_SET_UP)

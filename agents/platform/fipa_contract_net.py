@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.dialogue import Dialogue, Over
+from agents.platform.dialogue import ConversationEnded, InitiatorConversation
 from agents.platform.names import AgentName
-from agents.platform.opening import Opening
+from agents.platform.opening import ParsedRequest
 from agents.platform.outcome import Ending, Outcome
-from agents.platform.serving import Serving
+from agents.platform.serving import ResponderConversation
 from bus import Refused
 
 PROTOCOL = "fipa-contract-net"
@@ -53,7 +53,7 @@ class Tender:
 Choose = Callable[[list[Bid]], Bid | Iterable[Bid] | None]
 
 
-async def call_for(dialogues: Sequence[Dialogue], choose: Choose, bids_within: float) -> Tender:
+async def call_for(dialogues: Sequence[InitiatorConversation], choose: Choose, bids_within: float) -> Tender:
     """Call for proposals, accept some, and wait until those who made them have done it.
 
     Args:
@@ -85,7 +85,7 @@ async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
                 await caller.answered.wait()
 
 
-async def propose(serving: Serving, opening: Opening) -> None:
+async def propose(serving: ResponderConversation, opening: ParsedRequest) -> None:
     """Make a proposal, and do what it is about if it is accepted."""
     assert opening.task is not None
     serving.say(Performative.PROPOSE, await opening.handler.call(opening.arguments))
@@ -106,7 +106,7 @@ class _Caller:
     bid: what it has proposed. answered: set once it has, or will not.
     """
 
-    def __init__(self, dialogue: Dialogue, bids: list[Bid]) -> None:
+    def __init__(self, dialogue: InitiatorConversation, bids: list[Bid]) -> None:
         self.peer = dialogue.peer
         self.bid: Bid | None = None
         self.answered = asyncio.Event()
@@ -152,12 +152,12 @@ class _Caller:
                         return self._dialogue.done(reply.content)
                     else:
                         raise self._dialogue.misplaced(reply)
-        except Over as over:
+        except ConversationEnded as over:
             self._withdraw()
             return over.outcome
         finally:
             self.answered.set()
-        raise AssertionError("a dialogue ends with a reply or with Over")
+        raise AssertionError("a dialogue ends with a reply or with ConversationEnded")
 
     def _note(self, reply: AclMessage) -> None:
         self.bid = Bid(self.peer, reply.content)

@@ -5,13 +5,13 @@ changes nothing.
 """
 
 from agents.platform.acl import Performative
-from agents.platform.opening import Opening
-from agents.platform.serving import Serving
+from agents.platform.opening import ParsedRequest
+from agents.platform.serving import ResponderConversation
 
 PROTOCOL = "fipa-query"
 
 
-async def tell_whether(serving: Serving, opening: Opening) -> None:
+async def tell_whether(serving: ResponderConversation, opening: ParsedRequest) -> None:
     """Tell true or false.
 
     Raises:

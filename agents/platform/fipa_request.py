@@ -11,18 +11,18 @@ from contextlib import aclosing
 from typing import Any
 
 from agents.platform.acl import Performative
-from agents.platform.dialogue import Dialogue, Over
+from agents.platform.dialogue import ConversationEnded, InitiatorConversation
 from agents.platform.handler import Handler as Handler
 from agents.platform.handler import NotUnderstood as NotUnderstood
-from agents.platform.opening import Opening
+from agents.platform.opening import ParsedRequest
 from agents.platform.outcome import Ending, Outcome
-from agents.platform.serving import Serving
+from agents.platform.serving import ResponderConversation
 
 PROTOCOL = "fipa-request"
 CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended
 
 
-async def ask_to(dialogue: Dialogue) -> Outcome:
+async def ask_to(dialogue: InitiatorConversation) -> Outcome:
     """Ask another agent to do something, and wait for the end.
 
     Raises:
@@ -36,15 +36,15 @@ async def ask_to(dialogue: Dialogue) -> Outcome:
                     return dialogue.done(reply.content)
                 if reply.performative is not Performative.AGREE:
                     raise dialogue.misplaced(reply)
-    except Over as over:
+    except ConversationEnded as over:
         return over.outcome
-    raise AssertionError("a dialogue ends with a reply or with Over")
+    raise AssertionError("a dialogue ends with a reply or with ConversationEnded")
 
 
 class Request:
     """A request under way. Awaiting it gives its outcome."""
 
-    def __init__(self, dialogue: Dialogue) -> None:
+    def __init__(self, dialogue: InitiatorConversation) -> None:
         """Begin it, in a running event loop."""
         self._dialogue = dialogue
         self._asking = asyncio.ensure_future(ask_to(dialogue))
@@ -70,7 +70,7 @@ class Request:
         return await self.outcome()
 
 
-async def do(serving: Serving, opening: Opening) -> None:
+async def do(serving: ResponderConversation, opening: ParsedRequest) -> None:
     """Do what was asked, and tell the result."""
     result = await opening.handler.call(opening.arguments)
     serving.agree()

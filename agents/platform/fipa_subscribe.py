@@ -11,10 +11,10 @@ from types import TracebackType
 from typing import Any, Self
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.dialogue import Dialogue, Over
-from agents.platform.opening import Opening
+from agents.platform.dialogue import ConversationEnded, InitiatorConversation
+from agents.platform.opening import ParsedRequest
 from agents.platform.outcome import Outcome
-from agents.platform.serving import Serving
+from agents.platform.serving import ResponderConversation
 
 PROTOCOL = "fipa-subscribe"
 FOREVER = 1e8  # s, three years: the bus wants to know until when a conversation lasts
@@ -33,7 +33,7 @@ class Values:
     skipped: values that were left out because too many waited already.
     """
 
-    def __init__(self, dialogue: Dialogue, keep: int) -> None:
+    def __init__(self, dialogue: InitiatorConversation, keep: int) -> None:
         """Prepare it; it begins with the block.
 
         Args:
@@ -94,7 +94,7 @@ class Values:
                     if self._is_last(reply):
                         self._outcome = self._dialogue.done(None)
                         return
-        except Over as over:
+        except ConversationEnded as over:
             self._outcome = over.outcome
         finally:
             asyncio.get_running_loop().call_soon(self._called.set)  # once this task is done
@@ -114,7 +114,7 @@ class Values:
         raise self._dialogue.misplaced(reply)
 
 
-async def inform(serving: Serving, opening: Opening) -> None:
+async def inform(serving: ResponderConversation, opening: ParsedRequest) -> None:
     """Tell each value that the handler yields."""
     async with aclosing(opening.handler.function(**opening.arguments)) as values:
         async for value in values:

@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Protocol
 
 from agents.platform.acl import AclMessage
-from agents.platform.ends import End
+from agents.platform.ends import AgentEnd
 from agents.platform.names import AgentName
 from bus import Bus
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from agents.platform.kinds import Kinds
 
 
-class Home(Protocol):
+class ContainerContext(Protocol):
     """Where an agent lives."""
 
     @property
@@ -35,7 +35,7 @@ class Home(Protocol):
         """Make known that something went wrong."""
         ...
 
-    def end(self, agent: AgentName, end: End = End.STOPPED) -> None:
+    def end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
         """Stop an agent soon, and say why."""
         ...
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.dialogue import Dialogue
+from agents.platform.dialogue import InitiatorConversation
 from agents.platform.door import new_label
 from agents.platform.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
 from agents.platform.fipa_contract_net import PROTOCOL as CALLS
@@ -14,7 +14,7 @@ from agents.platform.fipa_request import PROTOCOL as REQUESTS
 from agents.platform.fipa_request import Request, ask_to
 from agents.platform.fipa_subscribe import FOREVER, KEEP, Values
 from agents.platform.fipa_subscribe import PROTOCOL as SUBSCRIPTIONS
-from agents.platform.home import Home
+from agents.platform.home import ContainerContext
 from agents.platform.names import AgentName
 from agents.platform.outcome import Outcome
 from agents.platform.talk import query
@@ -33,7 +33,7 @@ class Initiator(ABC):
 
     @property
     @abstractmethod
-    def home(self) -> Home:
+    def home(self) -> ContainerContext:
         """The container where it lives."""
 
     def send(self, message: AclMessage) -> None:
@@ -157,6 +157,8 @@ class Initiator(ABC):
         arguments: Mapping[str, Any],
         within: float,
         answer_within: float | None,
-    ) -> Dialogue:
+    ) -> InitiatorConversation:
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
-        return Dialogue(self.home, self.name, peer, performative, protocol, name, arguments, within, answer_within)
+        return InitiatorConversation(
+            self.home, self.name, peer, performative, protocol, name, arguments, within, answer_within
+        )

@@ -7,7 +7,7 @@ from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
 from agents.platform.kinds import kind_of
 from agents.platform.schedule import Running
-from agents.platform.serving import Serving
+from agents.platform.serving import ResponderConversation
 from agents.platform.stream import Stream
 
 MOST_MESSAGES = 20  # of those that wait in the mailbox, the oldest
@@ -62,5 +62,5 @@ def _stream(running: Running, stream: Stream) -> dict[str, Any]:
     return {"key": stream.name.removeprefix("on "), "skipped": stream.skipped, "failures": running.failures}
 
 
-def _conversation(serving: Serving) -> dict[str, Any]:
+def _conversation(serving: ResponderConversation) -> dict[str, Any]:
     return {**_head(serving.message), "agreed": serving.has_agreed}

@@ -5,7 +5,7 @@ from enum import StrEnum
 from agents.platform.errors import IllegalTransition
 
 
-class State(StrEnum):
+class AgentState(StrEnum):
     """Where an agent is in its life."""
 
     INITIATED = "initiated"  # made, not yet at work
@@ -30,26 +30,26 @@ class Step(StrEnum):
 
 
 TRANSITIONS = {
-    (State.INITIATED, Step.INVOKE): State.ACTIVE,
-    (State.ACTIVE, Step.SUSPEND): State.SUSPENDED,
-    (State.WAITING, Step.SUSPEND): State.SUSPENDED,
-    (State.SUSPENDED, Step.RESUME): State.ACTIVE,
-    (State.ACTIVE, Step.WAIT): State.WAITING,
-    (State.WAITING, Step.WAKE): State.ACTIVE,
-    (State.INITIATED, Step.MOVE): State.TRANSIT,  # FIPA moves active agents only
-    (State.ACTIVE, Step.MOVE): State.TRANSIT,
-    (State.WAITING, Step.MOVE): State.TRANSIT,
-    (State.SUSPENDED, Step.MOVE): State.TRANSIT,
-    (State.TRANSIT, Step.EXECUTE): State.ACTIVE,
-    (State.TRANSIT, Step.DELETE): State.DELETED,
-    (State.INITIATED, Step.DELETE): State.DELETED,
-    (State.ACTIVE, Step.DELETE): State.DELETED,
-    (State.SUSPENDED, Step.DELETE): State.DELETED,
-    (State.WAITING, Step.DELETE): State.DELETED,
+    (AgentState.INITIATED, Step.INVOKE): AgentState.ACTIVE,
+    (AgentState.ACTIVE, Step.SUSPEND): AgentState.SUSPENDED,
+    (AgentState.WAITING, Step.SUSPEND): AgentState.SUSPENDED,
+    (AgentState.SUSPENDED, Step.RESUME): AgentState.ACTIVE,
+    (AgentState.ACTIVE, Step.WAIT): AgentState.WAITING,
+    (AgentState.WAITING, Step.WAKE): AgentState.ACTIVE,
+    (AgentState.INITIATED, Step.MOVE): AgentState.TRANSIT,  # FIPA moves active agents only
+    (AgentState.ACTIVE, Step.MOVE): AgentState.TRANSIT,
+    (AgentState.WAITING, Step.MOVE): AgentState.TRANSIT,
+    (AgentState.SUSPENDED, Step.MOVE): AgentState.TRANSIT,
+    (AgentState.TRANSIT, Step.EXECUTE): AgentState.ACTIVE,
+    (AgentState.TRANSIT, Step.DELETE): AgentState.DELETED,
+    (AgentState.INITIATED, Step.DELETE): AgentState.DELETED,
+    (AgentState.ACTIVE, Step.DELETE): AgentState.DELETED,
+    (AgentState.SUSPENDED, Step.DELETE): AgentState.DELETED,
+    (AgentState.WAITING, Step.DELETE): AgentState.DELETED,
 }
 
 
-def after(state: State, step: Step) -> State:
+def after(state: AgentState, step: Step) -> AgentState:
     """The state to which a step leads.
 
     Raises:

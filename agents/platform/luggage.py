@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.acl import AclMessage
-from agents.platform.door import Letter
+from agents.platform.door import QueuedMessage
 from agents.platform.errors import NotMoved
 
 
 @dataclass(frozen=True, slots=True)
-class Luggage:
+class MigrationState:
     """What an agent takes along.
 
     state: what its `pack` says.
@@ -24,13 +24,13 @@ class Luggage:
     is_suspended: bool
 
 
-def packed(luggage: Luggage) -> dict[str, Any]:
+def packed(luggage: MigrationState) -> dict[str, Any]:
     """Luggage as a JSON object."""
     mailbox = [message.to_dict() for message in luggage.mailbox]
     return {"state": luggage.state, "mailbox": mailbox, "suspended": luggage.is_suspended}
 
 
-def unpacked(value: Mapping[str, Any]) -> Luggage:
+def unpacked(value: Mapping[str, Any]) -> MigrationState:
     """Luggage from a JSON object.
 
     Raises:
@@ -38,22 +38,22 @@ def unpacked(value: Mapping[str, Any]) -> Luggage:
     """
     match value:
         case {"state": dict(state), "mailbox": list(mailbox), "suspended": bool(is_suspended)}:
-            return Luggage(state, tuple(AclMessage.from_dict(message) for message in mailbox), is_suspended)
+            return MigrationState(state, tuple(AclMessage.from_dict(message) for message in mailbox), is_suspended)
     raise NotMoved("this is not what an agent takes along")
 
 
-def enveloped(letters: Sequence[Letter]) -> list[list[str]]:
+def enveloped(letters: Sequence[QueuedMessage]) -> list[list[str]]:
     """Letters as JSON."""
     return [[letter.label, b64encode(letter.payload).decode()] for letter in letters]
 
 
-def opened(value: Any) -> list[Letter]:
+def opened(value: Any) -> list[QueuedMessage]:
     """Letters from JSON.
 
     Raises:
         NotMoved: They are none.
     """
     try:
-        return [Letter(str(label), b64decode(payload)) for label, payload in value]
+        return [QueuedMessage(str(label), b64decode(payload)) for label, payload in value]
     except (TypeError, ValueError) as err:
         raise NotMoved("these are not messages for an agent that moves") from err

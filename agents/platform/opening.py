@@ -11,7 +11,7 @@ from configs.suggestion import hint
 
 
 @dataclass(frozen=True, slots=True)
-class Opening:
+class ParsedRequest:
     """A conversation that may begin.
 
     task: what does it, when the handler only says what it would do it for.
@@ -22,7 +22,7 @@ class Opening:
     task: Handler | None = None
 
 
-def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mapping[str, Handler]) -> Opening:
+def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mapping[str, Handler]) -> ParsedRequest:
     """The handler that a message calls for, and its arguments.
 
     Args:
@@ -48,4 +48,4 @@ def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mappin
         known = ", ".join(sorted(handlers)) or "none"
         raise NotUnderstood(f"there is no {noun} {action!r} here{hint(action, handlers)}; known: {known}")
     handlers[action].check(arguments)
-    return Opening(handlers[action], arguments)
+    return ParsedRequest(handlers[action], arguments)

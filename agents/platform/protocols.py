@@ -7,8 +7,8 @@ from typing import Any
 from agents.platform import fipa_contract_net, fipa_query, fipa_request, fipa_subscribe
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.handler import Handler, NotUnderstood
-from agents.platform.opening import Opening, read_opening
-from agents.platform.serving import Serving
+from agents.platform.opening import ParsedRequest, read_opening
+from agents.platform.serving import ResponderConversation
 
 REQUESTS = fipa_request.PROTOCOL
 SUBSCRIPTIONS = fipa_subscribe.PROTOCOL
@@ -27,7 +27,7 @@ class Protocol:
 
     name: str
     noun: str
-    carry_out: Callable[[Serving, Opening], Coroutine[Any, Any, None]]
+    carry_out: Callable[[ResponderConversation, ParsedRequest], Coroutine[Any, Any, None]]
     agrees_itself: bool = False
 
 
@@ -40,7 +40,7 @@ PROTOCOLS = {
 }
 
 
-def read(message: AclMessage, handlers: Mapping[str, Mapping[str, Handler]]) -> tuple[Protocol, Opening]:
+def read(message: AclMessage, handlers: Mapping[str, Mapping[str, Handler]]) -> tuple[Protocol, ParsedRequest]:
     """How a message wants to be answered.
 
     Args:

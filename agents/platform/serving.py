@@ -9,17 +9,17 @@ from typing import Any
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.errors import in_words
 from agents.platform.heartbeat import watched
-from agents.platform.home import Home
+from agents.platform.home import ContainerContext
 from agents.platform.names import AgentName
 from bus import BusUnavailable, Conversation, KeyNotValid, Refused
 from bus.heartbeat import SILENCE, heartbeat_key
 from bus.validation import sentence
 
 
-class Serving:
+class ResponderConversation:
     """One conversation that is being answered. All of it happens in the agent's event loop."""
 
-    def __init__(self, home: Home, me: AgentName, message: AclMessage, conversation: Conversation) -> None:
+    def __init__(self, home: ContainerContext, me: AgentName, message: AclMessage, conversation: Conversation) -> None:
         self.message = message
         self._me = me
         self._conversation = conversation
@@ -174,7 +174,7 @@ def _is_being_cancelled() -> bool:
     return task is not None and task.cancelling() > 0
 
 
-_SERVING: ContextVar[Serving] = ContextVar("serving")
+_SERVING: ContextVar[ResponderConversation] = ContextVar("serving")
 
 
 def agree() -> None:

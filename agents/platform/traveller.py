@@ -9,24 +9,24 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from agents.platform.acl import Performative
-from agents.platform.desk import Desk
-from agents.platform.door import Caller, Door, Letter
+from agents.platform.desk import RequestDispatcher
+from agents.platform.door import Caller, DeliveryGate, QueuedMessage
 from agents.platform.errors import NotMoved
 from agents.platform.initiator import Initiator
-from agents.platform.life import State, Step, after
-from agents.platform.luggage import Luggage
+from agents.platform.life import AgentState, Step, after
+from agents.platform.luggage import MigrationState
 from agents.platform.mailbox import Mailbox
 from agents.platform.schedule import Schedule
 from bus import Conversation
 
 
-class Traveller(Initiator):
+class MobileAgent(Initiator):
     """An agent as a container sees it that sends it away or takes it in."""
 
     mailbox: Mailbox
-    _state: State
-    _desk: Desk
-    _door: Door
+    _state: AgentState
+    _desk: RequestDispatcher
+    _door: DeliveryGate
     _schedule: Schedule
 
     def pack(self) -> dict[str, Any]:
@@ -40,7 +40,7 @@ class Traveller(Initiator):
     def unpack(self, state: Mapping[str, Any]) -> None:
         """Go on with what `pack` has said, after `setup` in the new container and before any behaviour."""
 
-    async def depart(self, within: float) -> Luggage:
+    async def depart(self, within: float) -> MigrationState:
         """Begin to move: finish what others have asked for, and pack.
 
         Subscribers are told that they have to subscribe again; requests that come meanwhile wait.
@@ -64,18 +64,18 @@ class Traveller(Initiator):
             self._check_leaving(within)
             self._door.keep_letters()
             state = self.pack()
-            return Luggage(state, tuple(self.mailbox.empty()), was is State.SUSPENDED)
+            return MigrationState(state, tuple(self.mailbox.empty()), was is AgentState.SUSPENDED)
         except BaseException:
-            self.come_back(Luggage({}, (), was is State.SUSPENDED))
+            self.come_back(MigrationState({}, (), was is AgentState.SUSPENDED))
             raise
 
-    def come_back(self, luggage: Luggage) -> None:
+    def come_back(self, luggage: MigrationState) -> None:
         """Go on where it was, since the move has failed; nothing that came meanwhile is lost."""
-        if self._state is State.TRANSIT:
+        if self._state is AgentState.TRANSIT:
             self._unload(luggage)
             self._go_on(luggage)
 
-    def settle(self, luggage: Luggage, letters: Iterable[Letter]) -> None:
+    def settle(self, luggage: MigrationState, letters: Iterable[QueuedMessage]) -> None:
         """Begin to live here.
 
         Args:
@@ -89,7 +89,7 @@ class Traveller(Initiator):
         """Note that nothing comes twice any more, since all have heard where it lives."""
         self._door.forget()
 
-    def deliver(self, letters: Iterable[Letter]) -> None:
+    def deliver(self, letters: Iterable[QueuedMessage]) -> None:
         """Take messages that came where it was; those that came here as well are left out."""
         self._door.bring(letters)
 
@@ -97,19 +97,19 @@ class Traveller(Initiator):
         """Take a conversation that began where it was; one that came here as well is ended without a word."""
         self._door.caller(message, conversation)
 
-    def come_since(self) -> list[Letter]:
+    def come_since(self) -> list[QueuedMessage]:
         """The messages that have come since it packed, and that still wait here."""
         return self._door.letters()
 
-    def left_behind(self) -> tuple[list[Letter], list[Caller]]:
+    def left_behind(self) -> tuple[list[QueuedMessage], list[Caller]]:
         """What came where it was, and is to follow it; it waits here no more."""
         return self._door.kept()
 
-    def _unload(self, luggage: Luggage) -> None:
+    def _unload(self, luggage: MigrationState) -> None:
         for message in luggage.mailbox:
             self.mailbox.deliver(message, len(message.encode()))
 
-    def _go_on(self, luggage: Luggage) -> None:
+    def _go_on(self, luggage: MigrationState) -> None:
         self._go(Step.EXECUTE)
         if luggage.is_suspended:
             self._go(Step.SUSPEND)
@@ -118,7 +118,7 @@ class Traveller(Initiator):
         self._door.open()
 
     def _check_leaving(self, within: float) -> None:
-        if self._state is not State.TRANSIT:
+        if self._state is not AgentState.TRANSIT:
             raise NotMoved(f"{self.name} has ended before it could move")
         if busy := self._desk.under_way:
             what = ", ".join(sorted({f"{each.message.performative} of {each.message.sender}" for each in busy}))

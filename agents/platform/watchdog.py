@@ -26,7 +26,7 @@ GRACE = 0.05  # s for a loop that was frozen together with its watchdog
 _LIBRARIES = (sysconfig.get_paths()["stdlib"], "<frozen")
 
 
-class Watchdog(Subscription):
+class LoopWatchdog(Subscription):
     """A thread beside one event loop."""
 
     def __init__(self, agents: Callable[[], Iterable[Agent]], report: Callable[[AgentName | None, str], None]) -> None:

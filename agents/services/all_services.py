@@ -6,11 +6,11 @@ from agents.platform import Agent
 from agents.services.arbiter import Arbiter
 from agents.services.loader import Loader
 from agents.services.monitor import Monitor
-from agents.services.subscription import Subscription
+from agents.services.subscription import SubscriptionService
 
 SERVICES: Mapping[str, type[Agent]] = {
     "monitor": Monitor,
-    "subscription": Subscription,
+    "subscription": SubscriptionService,
     "arbiter": Arbiter,
     "loader": Loader,
 }

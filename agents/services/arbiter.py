@@ -21,11 +21,11 @@ from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, Directory, NameNotValid, agree, asker, request
 from agents.platform.talk import hand_over
-from agents.services.audit import Audit, Entry
+from agents.services.audit import Audit, AuditEvent
 from agents.services.gateway_leases import GatewayAway, GatewayLeases
 from agents.services.lease_book import Book, Claim, Grant, Wish, new_id
-from agents.services.lease_keeper import Keeper
-from agents.services.leases import SERVICE, LeaseEvent, Place
+from agents.services.lease_keeper import LeaseManager
+from agents.services.leases import SERVICE, LeaseEvent, LeaseTarget
 from bus import Refused
 from bus.bus import Closeable
 
@@ -59,7 +59,7 @@ class Arbiter(Agent):
             self.properties.get("audit_file"),
         )
         self._gives_names_from = loop.time() + TIME_TO_RETURN
-        self._keeper = Keeper(self.name, self._book, self._gateways, self._audit, self.send)
+        self._keeper = LeaseManager(self.name, self._book, self._gateways, self._audit, self.send)
         self._directory = Directory(self.bus, lambda name, lives: hand_over(loop, self._on_life, name, lives))
         watching = self.bus.watch_alive("*/alive", lambda key, lives: hand_over(loop, self._on_robot, key, lives))
         self._held_open += [self._audit, self._keeper, self._directory, watching]
@@ -82,7 +82,7 @@ class Arbiter(Agent):
             seconds: How long it lasts without `renew`.
             notice: s that the present holder is given.
         """
-        wish = Wish(Place.parse(element), asker(), priority, seconds)
+        wish = Wish(LeaseTarget.parse(element), asker(), priority, seconds)
         try:
             _check("priority", priority, -HIGHEST_PRIORITY, HIGHEST_PRIORITY)
             _check("seconds", seconds, 0.1, LONGEST_LEASE)
@@ -109,7 +109,7 @@ class Arbiter(Agent):
         _check("seconds", seconds, 0.0, LONGEST_LEASE)
         try:
             if lease not in self._book.grants and token and element:
-                place = Place.parse(element)
+                place = LeaseTarget.parse(element)
                 if place.is_named:
                     return self._take_up(lease, token, Wish(place, asker(), priority, seconds or 5.0)).told()
                 return (await self._adopt(lease, token, place, seconds or 5.0)).told()
@@ -125,7 +125,7 @@ class Arbiter(Agent):
     async def release(self, lease: str) -> dict[str, Any]:
         """Give a lease back."""
         grant = self._own(lease)
-        self._keeper.end(grant, Entry.RELEASED)
+        self._keeper.end(grant, AuditEvent.RELEASED)
         await self._keeper.take_back(grant)
         return {}
 
@@ -152,7 +152,7 @@ class Arbiter(Agent):
             self._make_good(claim)
             grant = await self._take_lease(wish)
             for rival in self._book.held_against(wish):
-                self._keeper.end(rival, Entry.PREEMPTED, LeaseEvent.PREEMPTED, by=str(wish.holder))
+                self._keeper.end(rival, AuditEvent.PREEMPTED, LeaseEvent.PREEMPTED, by=str(wish.holder))
             try:
                 self._make_good(claim)  # while the gateway was at it, much may have happened
             except Refused:
@@ -160,7 +160,7 @@ class Arbiter(Agent):
                 raise
         finally:
             self._book.withdraw(claim)
-        self._keeper.begin(grant, Entry.GRANTED)
+        self._keeper.begin(grant, AuditEvent.GRANTED)
         return grant
 
     async def _clear(self, claim: Claim, notice: float) -> None:
@@ -208,14 +208,14 @@ class Arbiter(Agent):
         with suppress(Refused, GatewayAway):  # it was never taken, or is gone with its gateway
             await self._keeper.take_back(Grant("", wish, await taking, 0.0, self._own_loop.time() + wish.seconds))
 
-    async def _adopt(self, lease: str, token: str, place: Place, seconds: float) -> Grant:
+    async def _adopt(self, lease: str, token: str, place: LeaseTarget, seconds: float) -> Grant:
         asked_at = self._own_loop.time()
         holder, priority = await self._gateways.renew(place, token, seconds)
         if holder != str(asker()):
             raise Refused(f"this token is {holder}'s, not yours")
         if lease not in self._book.grants:
             grant = Grant(lease[:64], Wish(place, asker(), priority, seconds), token, seconds, asked_at + seconds)
-            self._keeper.begin(grant, Entry.ADOPTED)
+            self._keeper.begin(grant, AuditEvent.ADOPTED)
         return self._book.grants[lease]
 
     def _take_up(self, lease: str, token: str, wish: Wish) -> Grant:
@@ -225,7 +225,7 @@ class Arbiter(Agent):
             agree()  # a failure is final; a refusal may mean that this arbiter is suspended
             raise Refused(f"somebody else has {wish.place} by now; ask anew")
         grant = Grant(lease[:64], wish, token, wish.seconds, self._own_loop.time() + wish.seconds)
-        self._keeper.begin(grant, Entry.ADOPTED)
+        self._keeper.begin(grant, AuditEvent.ADOPTED)
         return grant
 
     async def _await_life(self, holder: AgentName) -> None:
@@ -247,7 +247,7 @@ class Arbiter(Agent):
         return grant
 
     def _no(self, wish: Wish, why: str) -> Refused:
-        self._audit.note(Entry.REFUSED, str(wish.holder), str(wish.place), wish.priority, why=why)
+        self._audit.note(AuditEvent.REFUSED, str(wish.holder), str(wish.place), wish.priority, why=why)
         return Refused(why)
 
     # What it sees.

@@ -15,7 +15,7 @@ MEMORY = 1000  # rows
 REFUSALS_A_SECOND = 20  # that are written down; the rest of a flood is counted
 
 
-class Entry(StrEnum):
+class AuditEvent(StrEnum):
     """What a row is about."""
 
     GRANTED = "granted"
@@ -62,9 +62,9 @@ class Audit(Closeable):
         self._refusals = 0
         self._left_out = 0
 
-    def note(self, event: Entry, holder: str, element: str, priority: int, **more: Any) -> None:
+    def note(self, event: AuditEvent, holder: str, element: str, priority: int, **more: Any) -> None:
         """Write something down. Of a flood of refusals a part is left out, and the next row says how many."""
-        if event is Entry.REFUSED and self._is_flooded():
+        if event is AuditEvent.REFUSED and self._is_flooded():
             self._left_out += 1
             return
         row = {

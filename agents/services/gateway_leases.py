@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from agents.services.lease_book import new_id
-from agents.services.leases import NAMED, ROBOT, Place
+from agents.services.leases import NAMED, ROBOT, LeaseTarget
 from bus import NoAnswer, NotAllowed, Refused, keys
 
 ANSWER_TIME = 1.0  # s; what is asked again soon, such as a renewal
@@ -27,7 +27,7 @@ class GatewayLeases:
         """Ask by this function, which takes key, arguments and s to wait."""
         self._query = query
 
-    async def take(self, place: Place, holder: str, priority: int, seconds: float) -> str:
+    async def take(self, place: LeaseTarget, holder: str, priority: int, seconds: float) -> str:
         """Take a lease in a holder's name; return its token.
 
         Raises:
@@ -44,7 +44,7 @@ class GatewayLeases:
             raise Refused(f"the gateway of {place.robot} gives no token; is it of this version?")
         return token
 
-    async def renew(self, place: Place, token: str, seconds: float) -> tuple[str, int]:
+    async def renew(self, place: LeaseTarget, token: str, seconds: float) -> tuple[str, int]:
         """Let a lease last so long from now; return its holder and priority, which nobody knows of a name's.
 
         Raises:
@@ -66,7 +66,7 @@ class GatewayLeases:
         if not robot.startswith(NAMED):
             await self._ask(robot, {"do": "release", "token": token})
 
-    async def time_left(self, place: Place, holder: str) -> float:
+    async def time_left(self, place: LeaseTarget, holder: str) -> float:
         """s until the lease ends that somebody has on a place; 0 when he has none.
 
         Raises:
@@ -79,7 +79,7 @@ class GatewayLeases:
                 return float(left)
         return 0.0
 
-    async def holders(self, place: Place) -> list[tuple[str, int]]:
+    async def holders(self, place: LeaseTarget) -> list[tuple[str, int]]:
         """Who holds a place, or a part of it, and with what priority.
 
         Raises:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from agents.platform import AgentName
-from agents.services.leases import Place
+from agents.services.leases import LeaseTarget
 from bus import Refused
 
 
@@ -19,7 +19,7 @@ def new_id() -> str:
 class Wish:
     """What somebody asks for. seconds: how long it is to last without being renewed."""
 
-    place: Place
+    place: LeaseTarget
     holder: AgentName
     priority: int
     seconds: float
@@ -51,7 +51,7 @@ class Grant:
     timer: asyncio.TimerHandle | None = None
 
     @property
-    def place(self) -> Place:
+    def place(self) -> LeaseTarget:
         """What it is on."""
         return self.wish.place
 
@@ -115,7 +115,7 @@ class Book:
         """The leases that are in the way of a wish."""
         return [grant for grant in self.grants.values() if grant.place.conflicts_with(wish.place)]
 
-    def is_claimed(self, place: Place) -> bool:
+    def is_claimed(self, place: LeaseTarget) -> bool:
         """Whether somebody is about to take over a place."""
         return any(claim.wish.place.conflicts_with(place) for claim in self._claims)
 

@@ -29,7 +29,7 @@ from agents.platform import (
 from agents.platform.errors import in_words
 from agents.services.gateway_leases import ANSWER_TIME, TAKING_TIME, GatewayAway, GatewayLeases
 from agents.services.lease_book import new_id
-from agents.services.leases import ONTOLOGY, SERVICE, LeaseEvent, LeaseLost, LeaseNews, Place
+from agents.services.leases import ONTOLOGY, SERVICE, LeaseEnded, LeaseEvent, LeaseNews, LeaseTarget
 from bus import BusError, Refused
 
 SECONDS = 3.0
@@ -51,7 +51,7 @@ class HeldLease:
     heard of it, a warning perhaps. ended: set when the lease has ended.
     """
 
-    def __init__(self, agent: Agent, place: Place, priority: int, seconds: float, on_news: OnNews | None) -> None:
+    def __init__(self, agent: Agent, place: LeaseTarget, priority: int, seconds: float, on_news: OnNews | None) -> None:
         """Prepare it; `take` is next."""
         self.token = ""
         self.place = place
@@ -94,7 +94,7 @@ class HeldLease:
             LeaseLost: It is not.
         """
         if not self.is_held:
-            raise LeaseLost(f"the lease on {self.place} has ended: {self.news or LeaseEvent.EXPIRED}")
+            raise LeaseEnded(f"the lease on {self.place} has ended: {self.news or LeaseEvent.EXPIRED}")
 
     async def take(self, arbiter: AgentName | None, notice: float) -> None:
         """Become the holder.
@@ -222,7 +222,7 @@ async def leased(
         RequestNotDone: It was not given; says why.
         Refused: There can be no such element, or name.
     """
-    lease = HeldLease(agent, Place.parse(element), priority, seconds, on_news)
+    lease = HeldLease(agent, LeaseTarget.parse(element), priority, seconds, on_news)
     await lease.take(arbiter or await find_arbiter(agent), notice)
     behaviours = [agent.every(lease.period, lease.renew), agent.add(Cyclic(lease.hear))]
     try:

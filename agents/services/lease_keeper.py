@@ -6,17 +6,17 @@ from contextlib import suppress
 from typing import Any
 
 from agents.platform import AclMessage, AgentName, Performative
-from agents.services.audit import Audit, Entry
+from agents.services.audit import Audit, AuditEvent
 from agents.services.gateway_leases import GatewayAway, GatewayLeases
 from agents.services.lease_book import Book, Grant
-from agents.services.leases import ONTOLOGY, LeaseEvent, Place
+from agents.services.leases import ONTOLOGY, LeaseEvent, LeaseTarget
 from bus import Refused
 from bus.bus import Closeable
 
 TRY_AGAIN = 0.2  # s
 
 
-class Keeper(Closeable):
+class LeaseManager(Closeable):
     """Keeps an arbiter's book true to what the gateways know."""
 
     def __init__(
@@ -39,13 +39,13 @@ class Keeper(Closeable):
         self._loop = asyncio.get_running_loop()
         self._at_work: set[asyncio.Task[None]] = set()
 
-    def begin(self, grant: Grant, how: Entry) -> None:
+    def begin(self, grant: Grant, how: AuditEvent) -> None:
         """Keep a lease that the gateway has given."""
         self._book.grants[grant.id] = grant
         self._note(how, grant, seconds=grant.seconds)
         self._wind(grant)
 
-    def end(self, grant: Grant, how: Entry, event: LeaseEvent | None = None, by: str = "") -> None:
+    def end(self, grant: Grant, how: AuditEvent, event: LeaseEvent | None = None, by: str = "") -> None:
         """Forget a lease, write down why, and tell its holder of an event."""
         if self._book.grants.pop(grant.id, None) is None:
             return  # it has ended already, for another reason
@@ -58,7 +58,7 @@ class Keeper(Closeable):
 
     def warn(self, grant: Grant, within: float, by: str) -> None:
         """Tell its holder that somebody is about to take over."""
-        self._note(Entry.WARNED, grant, by=by, within=within)
+        self._note(AuditEvent.WARNED, grant, by=by, within=within)
         self.inform(grant.holder, grant.id, grant.place, LeaseEvent.PREEMPTED, within, by)
 
     async def renew(self, grant: Grant, seconds: float) -> bool:
@@ -73,7 +73,7 @@ class Keeper(Closeable):
             return False
         if not grant.is_renewed or grant.seconds != seconds:
             grant.is_renewed, grant.seconds = True, seconds
-            self._note(Entry.RENEWED, grant, seconds=seconds)
+            self._note(AuditEvent.RENEWED, grant, seconds=seconds)
         return True
 
     async def take_back(self, grant: Grant) -> None:
@@ -90,7 +90,7 @@ class Keeper(Closeable):
         """A holder has died: whatever it was moving stops."""
         for grant in [grant for grant in self._book.grants.values() if grant.holder == holder]:
             self.work(self.take_back(grant))
-            self.end(grant, Entry.DIED)
+            self.end(grant, AuditEvent.DIED)
 
     def doubt(self, robot: str, state: Mapping[str, Any]) -> None:
         """Make sure of the leases on a robot that its state does not show; it may be older than they are."""
@@ -99,7 +99,9 @@ class Keeper(Closeable):
             if grant.place.robot == robot and not is_shown and not self._book.is_claimed(grant.place):
                 self.work(self._make_sure(grant))
 
-    def inform(self, holder: AgentName, lease: str, place: Place, event: LeaseEvent, within: float, by: str) -> None:
+    def inform(
+        self, holder: AgentName, lease: str, place: LeaseTarget, event: LeaseEvent, within: float, by: str
+    ) -> None:
         """Tell a holder what becomes of its lease; without an id when another arbiter has given it."""
         self._send(
             AclMessage(
@@ -141,7 +143,7 @@ class Keeper(Closeable):
             grant.expires_at = self._loop.time() + left
             self._wind(grant)
         else:
-            self.end(grant, Entry.EXPIRED, LeaseEvent.EXPIRED)
+            self.end(grant, AuditEvent.EXPIRED, LeaseEvent.EXPIRED)
 
     async def _make_sure(self, grant: Grant) -> None:
         left = grant.expires_at - self._loop.time()
@@ -155,12 +157,12 @@ class Keeper(Closeable):
         try:
             await self._gateways.renew(grant.place, grant.token, seconds)
         except Refused as err:
-            self.end(grant, Entry.LOST, LeaseEvent.LOST, by=err.why)
+            self.end(grant, AuditEvent.LOST, LeaseEvent.LOST, by=err.why)
             return False
         grant.expires_at = asked_at + seconds
         if grant.id in self._book.grants:
             self._wind(grant)
         return True
 
-    def _note(self, event: Entry, grant: Grant, **more: Any) -> None:
+    def _note(self, event: AuditEvent, grant: Grant, **more: Any) -> None:
         self._audit.note(event, str(grant.holder), str(grant.place), grant.priority, **more)

@@ -22,7 +22,7 @@ NAMED = "name:"
 LONGEST_NAME = 200  # characters of robot and element
 
 
-class LeaseLost(AgentError):
+class LeaseEnded(AgentError):
     """A lease has ended that somebody relied on; the message says how."""
 
 
@@ -63,7 +63,7 @@ class LeaseNews:
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Place:
+class LeaseTarget:
     """What a lease is on: an element of a robot, the robot as a whole, or a name that applications agree upon.
 
     robot: its name, or `NAMED` and the name. element: its name, or `ROBOT`.
@@ -104,7 +104,7 @@ class Place:
         """Whether it is a whole robot."""
         return self.element == ROBOT
 
-    def conflicts_with(self, other: "Place") -> bool:
+    def conflicts_with(self, other: "LeaseTarget") -> bool:
         """Whether both cannot be leased at a time."""
         return self.robot == other.robot and (self.element == other.element or self.is_whole or other.is_whole)
 

@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from agents.face.application import Application
-from agents.face.program import PACKAGE, Program, ProgramNotValid, find_program
+from agents.face.program import PACKAGE, ProgramNotValid, RunningApplication, find_program
 from agents.platform import AgentError, AgentName
 
 KIND = f"{__name__}:LoadedApplication"
@@ -42,10 +42,10 @@ class LoadedApplication(Application):
         program, arguments = given.get("program"), given.get("arguments", {})
         if not isinstance(program, str) or not isinstance(arguments, dict):
             raise NotLoaded('the properties of an application are like {"program": "patrol", "arguments": {}}')
-        super().__init__(Program(program, ModuleType(program)), name, arguments)
+        super().__init__(RunningApplication(program, ModuleType(program)), name, arguments)
         self.properties = given
 
-    async def load(self) -> Program:
+    async def load(self) -> RunningApplication:
         """The program, with arguments that it takes.
 
         Raises:
@@ -56,7 +56,7 @@ class LoadedApplication(Application):
         except ProgramNotValid as err:
             raise NotLoaded(str(err)) from err
 
-    def _load(self) -> Program:
+    def _load(self) -> RunningApplication:
         name, folders = str(self.properties["program"]), self.home.kinds.folders
         check_text(locate(name, folders), self.properties.get("sha256", ""))
         try:

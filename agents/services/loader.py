@@ -19,7 +19,7 @@ from agents.face.application import SERVICE as APPLICATION
 from agents.face.backstage import PLATFORM
 from agents.face.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
-from agents.platform.ends import End
+from agents.platform.ends import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.platform.talk import hand_over
@@ -266,7 +266,7 @@ class Loader(Agent):
     async def _hear_report(self, report: dict[str, Any]) -> None:
         load = self._loads.get(_named_in(report))
         match report:
-            case {"ended": End.STOPPED | End.MOVED} if load is not None and load.has_begun:
+            case {"ended": AgentEnd.STOPPED | AgentEnd.MOVED} if load is not None and load.has_begun:
                 self.add(OneShot(partial(self._let_go, load), f"let go of {load.name}"))
             case {"what": str(what), "error": str(error)} if load is not None:
                 load.why = f"{what}: {error}"

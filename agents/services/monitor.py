@@ -12,8 +12,8 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any, ClassVar
 
-from agents.platform import Agent, AgentName, NameNotValid, OneShot, State, every, request
-from agents.platform.ends import End
+from agents.platform import Agent, AgentName, AgentState, NameNotValid, OneShot, every, request
+from agents.platform.ends import AgentEnd
 from agents.platform.names import ContainerName
 from agents.platform.talk import hand_over
 from agents.services.diagnostics import Standing, diagnostic_array, worst
@@ -147,7 +147,7 @@ class Monitor(Agent):
         self._history.tell(self.name, f"{self.name} watches {self._watching.population()}")
 
     def _follow_tokens(self) -> None:
-        if self.state is State.DELETED:
+        if self.state is AgentState.DELETED:
             return  # it has been stopped in this moment
         with self._lock:
             tokens, self._tokens = self._tokens, []
@@ -167,7 +167,7 @@ class Monitor(Agent):
         match report:
             case {"agent": None, "ended": str(how)}:
                 self._watching.ended(container, how)
-            case {"agent": str(agent), "ended": End.FAILED | End.NOT_SET_UP}:
+            case {"agent": str(agent), "ended": AgentEnd.FAILED | AgentEnd.NOT_SET_UP}:
                 self._supervision.agent_failed(AgentName.parse(agent), container, report)
             case {"agent": str(agent), "ended": str(how)}:
                 self._watching.ended(AgentName.parse(agent), how)

@@ -66,7 +66,7 @@ class RestartRules:
 
 
 @dataclass(slots=True)
-class _Row:
+class _Attempts:
     """Attempts in a row. at: when the last was made, s; None while it is still to come."""
 
     attempts: int = 0
@@ -78,11 +78,11 @@ class Restarts:
 
     def __init__(self, rules: RestartRules) -> None:
         self.rules = rules
-        self._rows: dict[AgentName, _Row] = {}
+        self._rows: dict[AgentName, _Attempts] = {}
 
     def failed(self, agent: AgentName, now: float) -> float | None:
         """An agent has failed; s until it is to be started again, or None to give it up."""
-        rule, row = self.rules.of(agent), self._rows.setdefault(agent, _Row())
+        rule, row = self.rules.of(agent), self._rows.setdefault(agent, _Attempts())
         if row.at is not None and now - row.at >= rule.healthy_after:
             row.attempts = 0
         row.attempts += 1

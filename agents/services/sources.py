@@ -67,7 +67,7 @@ Listen = Callable[[str, Hear], Callable[[], None]]
 """Has a coroutine function hear a key of the bus; returns what ends that."""
 
 
-class Source:
+class StreamSource:
     """One stream, and those who want it.
 
     key: where it flows. token: there while its maker lives. close: ends the subscription on the bus.

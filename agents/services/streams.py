@@ -36,7 +36,7 @@ def steady_streams(robot: str, description: Mapping[str, Any]) -> dict[str, floa
     return found
 
 
-class Streams:
+class StreamPulses:
     """The pulses of all streams that are watched, by their keys."""
 
     def __init__(self, tell: Tell) -> None:

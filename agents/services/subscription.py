@@ -18,7 +18,7 @@ from agents.platform import Agent, AgentName, Restart, asker, request, subscript
 from agents.platform.stream import Stream
 from agents.platform.talk import hand_over
 from agents.services.selection import Selection, SelectionNotValid
-from agents.services.sources import Hear, Source, Subscriber, maker_of, source_key, token_of
+from agents.services.sources import Hear, StreamSource, Subscriber, maker_of, source_key, token_of
 from bus import Refused
 from bus import Subscription as Held
 
@@ -27,14 +27,14 @@ MEETING_TIME = 0.3  # s in which a session that has just been opened learns who 
 KEEP = 16  # messages of a source that wait while one is being dealt with
 
 
-class Subscription(Agent):
+class SubscriptionService(Agent):
     """Tells applications what components publish."""
 
     services: ClassVar[tuple[str, ...]] = ("subscription",)
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
-        self._sources: dict[str, Source] = {}
+        self._sources: dict[str, StreamSource] = {}
         self._alive: set[str] = set()
         self._watching: list[Held] = []
 
@@ -109,13 +109,13 @@ class Subscription(Agent):
 
         return close
 
-    def _join(self, subscriber: Subscriber, key: str) -> Source:
+    def _join(self, subscriber: Subscriber, key: str) -> StreamSource:
         if key not in self._sources:
-            self._sources[key] = Source(key, self._listen)
+            self._sources[key] = StreamSource(key, self._listen)
         self._sources[key].join(subscriber)
         return self._sources[key]
 
-    def _leave(self, source: Source, subscriber: Subscriber) -> None:
+    def _leave(self, source: StreamSource, subscriber: Subscriber) -> None:
         source.subscribers.remove(subscriber)
         if not source.subscribers:
             self._sources.pop(source.key).close()

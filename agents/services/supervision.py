@@ -14,7 +14,7 @@ from typing import Any
 
 from agents.platform import AgentName, OneShot
 from agents.platform.behaviours import Behaviour
-from agents.platform.ends import End
+from agents.platform.ends import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ContainerName
 from agents.services.events import Level
@@ -79,7 +79,7 @@ class Supervision:
     def agent_failed(self, agent: AgentName, container: ContainerName, report: Mapping[str, Any]) -> None:
         """A container has said that one of its agents has failed, or has not begun, and what it was."""
         match report:
-            case {"ended": End.NOT_SET_UP} if agent.platform != self._team:
+            case {"ended": AgentEnd.NOT_SET_UP} if agent.platform != self._team:
                 return  # whoever started it is told; only the team's own agents are started by nobody who would hear it
             case {"kind": str(kind), "properties": dict(properties)}:
                 order = {"do": "start", "name": str(agent), "kind": kind, "properties": properties}

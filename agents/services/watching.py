@@ -8,18 +8,18 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from agents.platform import AgentName, NameNotValid
-from agents.platform.ends import End
+from agents.platform.ends import AgentEnd
 from agents.platform.names import PASSER_BY, ContainerName
 from agents.services.diagnostics import Standing
 from agents.services.events import Level
-from agents.services.streams import Streams, Tell
+from agents.services.streams import StreamPulses, Tell
 from bus import keys
 from bus.messages import DiagnosticArray, DiagnosticStatus, RobotState
 
 CROWD = 20  # agents of one platform that come or go at once, from which on they are told of in one event
 LATE = 100  # of those that went last, the word of their container that it was on purpose may come late
 CONNECTED = "connected"
-ON_PURPOSE = frozenset({End.STOPPED, End.CLOSED, End.MOVED})
+ON_PURPOSE = frozenset({AgentEnd.STOPPED, AgentEnd.CLOSED, AgentEnd.MOVED})
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Watching:
     def __init__(self, tell: Tell) -> None:
         """Know nothing yet; `tell` is called with each piece of news."""
         self.robots: dict[str, RobotState | None] = {}
-        self.streams = Streams(tell)
+        self.streams = StreamPulses(tell)
         self._tell = tell
         self._present: set[Named] = set()  # without the robots
         self._closing: set[Named] = set()  # told to end on purpose, and not gone yet
@@ -98,7 +98,7 @@ class Watching:
         if who in self._missed:  # its token was faster
             self._missed.remove(who)
             self._tell(who, f"{who} has been {how}", Level.OK)
-        elif how == End.MOVED:  # it lives on, and may be missed later
+        elif how == AgentEnd.MOVED:  # it lives on, and may be missed later
             self._tell(who, f"{who} has been moved", Level.OK)
         else:
             self._closing.add(who)

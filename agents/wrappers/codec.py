@@ -18,7 +18,7 @@ class Answered:
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
+class RequestFailed:
     """The program says no to the request under way."""
 
     why: str
@@ -31,7 +31,7 @@ class Told:
     value: dict[str, Any]
 
 
-Event = Answered | Failed | Told
+Event = Answered | RequestFailed | Told
 
 
 class ProgramCodec(ABC):

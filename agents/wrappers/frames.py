@@ -8,7 +8,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from agents.wrappers.codec import Answered, Event, Failed, NonsenseHeard, ProgramCodec
+from agents.wrappers.codec import Answered, Event, NonsenseHeard, ProgramCodec, RequestFailed
 
 LARGEST = 64 * 1024 * 1024  # bytes of one frame; a picture of 4000 by 4000 in colour has 48 million
 
@@ -102,5 +102,5 @@ def _event(head: dict[str, Any], blobs: dict[str, bytes]) -> Event:
         case {"answer": dict(value)}:
             return Answered({**value, **blobs})
         case {"error": str(why)}:
-            return Failed(why)
+            return RequestFailed(why)
     raise NonsenseHeard(f"the frame {head} is neither an answer nor an error")

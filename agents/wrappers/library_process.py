@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.wrappers.frames import LARGEST, FrameSplitter, answer, error
-from agents.wrappers.wrapper_file import Argument, FunctionRow, load_wrapper
+from agents.wrappers.wrapper_file import FunctionArgument, FunctionRow, load_wrapper
 
 NUMBERS: dict[str, Any] = {
     "int8": ctypes.c_int8,
@@ -78,7 +78,7 @@ def _type(kind: str) -> Any:
     return TYPES[kind]
 
 
-def _as_c(argument: Argument, given: Mapping[str, Any]) -> Any:
+def _as_c(argument: FunctionArgument, given: Mapping[str, Any]) -> Any:
     value = given.get(argument.name)
     if argument.kind == "out":
         return value
@@ -101,7 +101,7 @@ def _as_json(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-def _size(argument: Argument, given: Mapping[str, Any]) -> int:
+def _size(argument: FunctionArgument, given: Mapping[str, Any]) -> int:
     """Of an `out` argument, bytes: a product of numbers, of arguments, or as many as an argument has bytes."""
     factors = []
     for word in argument.size.split("*"):

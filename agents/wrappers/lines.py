@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from agents.wrappers.codec import Answered, Event, Failed, NonsenseHeard, ProgramCodec, Told
+from agents.wrappers.codec import Answered, Event, NonsenseHeard, ProgramCodec, RequestFailed, Told
 from agents.wrappers.wrapper_file import RequestRow, ResultRow
 from bus.validation import printable
 
@@ -61,7 +61,7 @@ class LinesCodec(ProgramCodec):
                 return Answered(_values(answer))
             if row.error and (no := re.fullmatch(row.error, line)):
                 self._under_way = None
-                return Failed(no.groupdict().get("why") or line)
+                return RequestFailed(no.groupdict().get("why") or line)
         for expression in self._results:
             if told := expression.fullmatch(line):
                 return Told(_values(told))
@@ -96,7 +96,7 @@ class JsonLinesCodec(ProgramCodec):
                     return Answered(value)
                 case {"error": str(why)} if self._is_under_way:
                     self._is_under_way = False
-                    return Failed(why)
+                    return RequestFailed(why)
         except ValueError as error:
             raise NonsenseHeard(f"it says {line[:60]!r}, which is no JSON") from error
         raise NonsenseHeard(f'it says {line[:60]!r}, which is no {{"answer": …}}, {{"error": …}} or {{"result": …}}')

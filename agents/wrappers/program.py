@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from agents.wrappers.codec import Answered, Event, Failed, NonsenseHeard, ProgramCodec, Told
+from agents.wrappers.codec import Answered, Event, NonsenseHeard, ProgramCodec, RequestFailed, Told
 from bus.validation import printable
 
 PORTION = 1 << 16  # bytes read at a time
@@ -30,7 +30,7 @@ class NotAnswered(Exception):
     """The program says no, or has not answered; in one sentence."""
 
 
-class Program:
+class ProgramRun:
     """One run of a program, from its start to its end."""
 
     def __init__(
@@ -60,7 +60,7 @@ class Program:
         self._writer: asyncio.StreamWriter | None = None
         self._last_words: deque[str] = deque(maxlen=LAST_WORDS)
         self._listening: asyncio.Task[None] | None = None
-        self._answer: asyncio.Future[Answered | Failed] | None = None
+        self._answer: asyncio.Future[Answered | RequestFailed] | None = None
         self._turn = asyncio.Lock()
 
     @property
@@ -199,7 +199,7 @@ class Program:
                 raise ProgramEnded(f"{self.name} has not answered {name} within {within:g} s") from error
             finally:
                 self._answer = None
-            if isinstance(answer, Failed):
+            if isinstance(answer, RequestFailed):
                 raise NotAnswered(answer.why)
             return answer.value
 

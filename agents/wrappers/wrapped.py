@@ -19,20 +19,33 @@ from agents.wrappers.codec import ProgramCodec
 from agents.wrappers.frames import FramesCodec
 from agents.wrappers.lines import JsonLinesCodec, LinesCodec
 from agents.wrappers.pictures import compressed, pixels
-from agents.wrappers.program import NotAnswered, Program, ProgramEnded
-from agents.wrappers.wrapper_file import Argument, Codec, FunctionRow, Kind, PictureRow, RequestRow, WrapperFile
+from agents.wrappers.program import NotAnswered, ProgramEnded, ProgramRun
+from agents.wrappers.wrapper_file import (
+    ArgumentKind,
+    Codec,
+    FunctionArgument,
+    FunctionRow,
+    PictureRow,
+    RequestRow,
+    WrapperFile,
+)
 from bus import Refused
 from bus.messages import CompressedImage, stamp_ns
 from configs import ConfigError
 
-KINDS: Mapping[Kind, type] = {
-    Kind.NUMBER: float,
-    Kind.INTEGER: int,
-    Kind.TEXT: str,
-    Kind.BOOLEAN: bool,
-    Kind.BYTES: str,
+KINDS: Mapping[ArgumentKind, type] = {
+    ArgumentKind.NUMBER: float,
+    ArgumentKind.INTEGER: int,
+    ArgumentKind.TEXT: str,
+    ArgumentKind.BOOLEAN: bool,
+    ArgumentKind.BYTES: str,
 }
-C_KINDS = {"float": Kind.NUMBER, "double": Kind.NUMBER, "text": Kind.TEXT, "bytes": Kind.BYTES}
+C_KINDS = {
+    "float": ArgumentKind.NUMBER,
+    "double": ArgumentKind.NUMBER,
+    "text": ArgumentKind.TEXT,
+    "bytes": ArgumentKind.BYTES,
+}
 LIBRARY_READY_WITHIN = 10.0  # s
 AGAIN = Restart(first=0.2, longest=10.0)
 IMAGE = "image/compressed"
@@ -55,7 +68,7 @@ class Wrapped(Agent):
         super().__init__(name, {"about": wrapper.about, "wrapper": file.stem})
         self._wrapper = wrapper
         self._file = file
-        self._program: Program | None = None
+        self._program: ProgramRun | None = None
         self._why_not = "it has not been started yet"
         self._tried = asyncio.Event()  # whether it has been, with or without success
         check(wrapper, file)
@@ -106,7 +119,9 @@ class Wrapped(Agent):
             command.append(str(self._file))
         elif command and "/" in command[0]:
             command[0] = str(self._file.parent / command[0])
-        program = Program(command, self._file.parent, part.address if part else "", codec_of(self._wrapper), self._told)
+        program = ProgramRun(
+            command, self._file.parent, part.address if part else "", codec_of(self._wrapper), self._told
+        )
         try:
             await program.start(part.ready_within_s if part else LIBRARY_READY_WITHIN)
             self._program = program
@@ -129,7 +144,7 @@ class Wrapped(Agent):
         async def serve(**given: Any) -> dict[str, Any]:
             arguments = {**row.defaults, **given}
             for key in row.takes:
-                if row.takes[key] is Kind.BYTES:
+                if row.takes[key] is ArgumentKind.BYTES:
                     arguments[key] = _bytes(key, arguments[key])
             if self._program is None:
                 raise Refused(self._why_not)
@@ -214,8 +229,8 @@ def as_request(row: FunctionRow) -> RequestRow:
     return RequestRow(name=row.name, takes=takes, defaults=row.defaults, within_s=row.within_s)
 
 
-def _kind(argument: Argument) -> Kind:
-    return C_KINDS.get(argument.kind, Kind.INTEGER)
+def _kind(argument: FunctionArgument) -> ArgumentKind:
+    return C_KINDS.get(argument.kind, ArgumentKind.INTEGER)
 
 
 def _bytes(name: str, value: str) -> bytes:

@@ -19,7 +19,7 @@ class Codec(StrEnum):
     ACTS = "acts"
 
 
-class Kind(StrEnum):
+class ArgumentKind(StrEnum):
     """What an argument of a request is."""
 
     NUMBER = "number"
@@ -81,7 +81,7 @@ class RequestRow:
     """
 
     name: str
-    takes: Mapping[str, Kind] = field(default_factory=dict)
+    takes: Mapping[str, ArgumentKind] = field(default_factory=dict)
     defaults: Mapping[str, Any] = field(default_factory=dict)
     send: str = ""
     answer: str = ""
@@ -113,7 +113,7 @@ class ResultRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class FunctionArgument:
     """One argument of a C function.
 
     kind: int8 … uint64, float, double, text (char *), bytes (const uint8_t *), or out (uint8_t *, for results).
@@ -131,7 +131,7 @@ class FunctionRow:
     of an argument, or void. fails_below: a return value below this one is a failure, named in words by `why`."""
 
     name: str
-    arguments: tuple[Argument, ...] = ()
+    arguments: tuple[FunctionArgument, ...] = ()
     symbol: str = ""
     returns: str = "int32"
     defaults: Mapping[str, Any] = field(default_factory=dict)

@@ -77,7 +77,7 @@ class Component(Agent):
 
     def describe(self) -> dict[str, Any]:
         """What the directory says of it."""
-        gives = [kind.__name__ for kind in self.gives]
+        gives = [kind.bus_name for kind in self.gives]
         return {**super().describe(), "services": ["navigation", *self.services], "role": self.role, "gives": gives}
 
     def push(self, data: Data) -> None:
@@ -91,7 +91,7 @@ class Component(Agent):
     def tell(self, data: Data) -> None:
         """Send something to the components that the wiring names; it must arrive, so this may wait for the way."""
         kind = type(data)
-        for receiver in self.properties["tells"][kind.__name__]:
+        for receiver in self.properties["tells"][kind.bus_name]:
             self.bus.send(send_key(self.robot, receiver, kind), data.to_json())
 
     async def ask(self, what: str, **arguments: Any) -> dict[str, Any]:
@@ -165,17 +165,17 @@ def heard(component: type[Component]) -> list[type[Data]]:
 
 def sources(properties: Mapping[str, Any], kind: type[Data]) -> tuple[str, ...]:
     """Who pushes a kind of data to the component with these properties."""
-    return tuple(source for source, what in properties.get("hears", ()) if what == kind.__name__)
+    return tuple(source for source, what in properties.get("hears", ()) if what == kind.bus_name)
 
 
 def push_key(robot: str, source: str, kind: type[Data]) -> str:
     """Where a component pushes."""
-    return f"{robot}/navigation/{source}/push/{kind.__name__}"
+    return f"{robot}/navigation/{source}/push/{kind.bus_name}"
 
 
 def send_key(robot: str, receiver: str, kind: type[Data]) -> str:
     """Where a component is sent something."""
-    return f"{robot}/navigation/{receiver}/send/{kind.__name__}"
+    return f"{robot}/navigation/{receiver}/send/{kind.bus_name}"
 
 
 def query_key(robot: str, answerer: str, what: str) -> str:

@@ -25,8 +25,13 @@ MILLIMETRES = 3  # digits that ranges are sent with; no sensor here measures fin
 class Data:
     """Anything that flows. On the bus it is a JSON object of its fields; an array is a list, its infinities null."""
 
+    bus_name: ClassVar[str]  # in keys and wiring files
     arrays: ClassVar[frozenset[str]] = frozenset()
     parts: ClassVar[Mapping[str, type["Data"]]] = {}  # fields that are tuples of other data
+
+    def __init_subclass__(cls) -> None:
+        if "bus_name" not in vars(cls):
+            cls.bus_name = cls.__name__
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
@@ -130,9 +135,10 @@ class WorldCoord(Data):
 
 
 @dataclass(frozen=True, slots=True)
-class Odometry(Data):
+class RobotOdometry(Data):
     """Pose and speed. jumps: counts how often the pose was set anew, and what was known of places is void."""
 
+    bus_name: ClassVar[str] = "Odometry"
     stamp: float
     x: float
     y: float

@@ -17,7 +17,7 @@ S = TypeVar("S", bound=str)
 E = TypeVar("E", bound=str)
 
 
-class NoTransition(LookupError):
+class TransitionMissing(LookupError):
     """Nothing follows this event in this state."""
 
 
@@ -65,7 +65,7 @@ class StateMachine(Generic[S, E]):
             NoTransition: Nothing follows; the state stays as it is.
         """
         if not self.knows(event):
-            raise NoTransition(f"nothing follows {_word(event)!r} in the state {_word(self.state)!r}")
+            raise TransitionMissing(f"nothing follows {_word(event)!r} in the state {_word(self.state)!r}")
         before, after = self.state, self._transitions[self.state, event]
         if after != before:
             self.state, self.since, self.why = after, now, why

@@ -41,7 +41,7 @@ class WiringFile:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ComponentSpec:
     """One component, ready to be started. properties: what its agent is given."""
 
     local: str
@@ -73,7 +73,8 @@ class Wiring:
         for name, entry in file.components.items():
             self._check(name, entry)
         self.parts = tuple(
-            Part(name, entry.kind, entry.process, _properties(entry)) for name, entry in file.components.items()
+            ComponentSpec(name, entry.kind, entry.process, _properties(entry))
+            for name, entry in file.components.items()
         )
 
     @property
@@ -81,7 +82,7 @@ class Wiring:
         """In the order in which they are named first."""
         return tuple(dict.fromkeys(part.process for part in self.parts))
 
-    def of_process(self, process: str) -> tuple[Part, ...]:
+    def of_process(self, process: str) -> tuple[ComponentSpec, ...]:
         """The components that run in a process.
 
         Raises:
@@ -102,11 +103,11 @@ class Wiring:
         return found
 
     def _check(self, name: str, entry: ComponentEntry) -> None:
-        heard_here = {kind.__name__ for kind in heard(self._classes[name])}
+        heard_here = {kind.bus_name for kind in heard(self._classes[name])}
         for connection in entry.hears:
             source, what = _split(connection)
             self._check_there(f"components.{name}.hears", source)
-            given = [kind.__name__ for kind in self._classes[source].gives]
+            given = [kind.bus_name for kind in self._classes[source].gives]
             if what not in given:
                 raise self._error(f"components.{name}.hears: {source} gives no {what!r}; {_choose(what, given)}")
             if what not in heard_here:
@@ -114,8 +115,8 @@ class Wiring:
         for what in heard_here - {_split(connection)[1] for connection in entry.hears}:
             raise self._error(f"components.{name}.hears: {name} needs somebody's {what}")
         for kind in self._classes[name].tells:
-            if kind.__name__ not in entry.tells:
-                raise self._error(f"components.{name}.tells: say to whom {name} sends its {kind.__name__}")
+            if kind.bus_name not in entry.tells:
+                raise self._error(f"components.{name}.tells: say to whom {name} sends its {kind.bus_name}")
         for receiver in (receiver for receivers in entry.tells.values() for receiver in receivers):
             self._check_there(f"components.{name}.tells", receiver)
         for answerer in entry.asks.values():

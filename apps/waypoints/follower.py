@@ -10,7 +10,7 @@ HALT = Twist2D(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class FollowerLimits:
     """How a follower drives.
 
     linear: m/s along a leg. angular: rad/s. braking: m/s² with which it slows down towards a waypoint.
@@ -32,10 +32,10 @@ class Limits:
 class Follower:
     """Leads a robot from waypoint to waypoint along straight legs, turning on the spot at the corners."""
 
-    def __init__(self, waypoints: Sequence[tuple[float, float]], limits: Limits | None = None) -> None:
+    def __init__(self, waypoints: Sequence[tuple[float, float]], limits: FollowerLimits | None = None) -> None:
         """Waypoints are (x, y) in m, in the frame of the poses that `steer` is given."""
         self._waypoints = list(waypoints)
-        self._limits = limits or Limits()
+        self._limits = limits or FollowerLimits()
         self._leg_start: tuple[float, float] | None = None
         self._is_turning = True
         self.passed = 0

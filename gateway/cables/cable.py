@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from gateway.events import Event
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.faces.cable_face import CableFace
+    from gateway.faces.cable_face import CableAdapter
     from gateway.robot_on_bus import RobotOnBus
 
 
@@ -103,7 +103,7 @@ class ElementThread(Protocol):
         """Let the thread run."""
         ...
 
-    def join(self, robot: "RobotOnBus", face: "CableFace[Any]") -> None:
+    def join(self, robot: "RobotOnBus", face: "CableAdapter[Any]") -> None:
         """From now on bring what happens to the bus."""
         ...
 

@@ -11,7 +11,7 @@ from gateway.events import Event
 from gateway.serial_port import Port
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.faces.cable_face import CableFace
+    from gateway.faces.cable_face import CableAdapter
     from gateway.robot_on_bus import RobotOnBus
 
 D = TypeVar("D", bound=ElementDriver)
@@ -39,13 +39,13 @@ class CableThread(Generic[D]):
         self.driver = driver
         self.bridge = Bridge(driver, port, reopen)
         self._thread = threading.Thread(target=self.bridge.run, args=(self,), name=f"{name} cable", daemon=True)
-        self._joined: tuple[RobotOnBus, CableFace[Any]] | None = None
+        self._joined: tuple[RobotOnBus, CableAdapter[Any]] | None = None
 
     def start(self) -> None:
         """Let the thread run."""
         self._thread.start()
 
-    def join(self, robot: "RobotOnBus", face: "CableFace[Any]") -> None:
+    def join(self, robot: "RobotOnBus", face: "CableAdapter[Any]") -> None:
         """From now on bring what happens to the bus."""
         self._joined = robot, face
 

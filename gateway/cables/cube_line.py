@@ -11,9 +11,9 @@ from typing import NamedTuple
 from p2os import DecodeError
 from p2os.accessories.powercube import (
     CubeCommand,
-    Reply,
-    Request,
-    TelegramDecoder,
+    ModuleReply,
+    ModuleRequest,
+    ModuleTelegramDecoder,
     decode_reply,
     encode_request,
 )
@@ -24,11 +24,11 @@ TRIES = 4
 """Times that an order is given before it is given up."""
 
 
-class Heard(NamedTuple):
+class ModuleAnswer(NamedTuple):
     """An answer, and from whom."""
 
     module: int
-    reply: Reply
+    reply: ModuleReply
 
 
 _Subject = tuple[int, int, int]
@@ -52,21 +52,21 @@ class CubeLine:
     def __init__(self, damaged: Counter[str]) -> None:
         self.damaged = damaged
         self.unanswered = 0
-        self._decoder = TelegramDecoder()
+        self._decoder = ModuleTelegramDecoder()
         self._outgoing = bytearray()
         self._orders: dict[_Subject, _Order] = {}
 
     def clear(self) -> None:
         """Forget what waits, and what has half come."""
-        self._decoder = TelegramDecoder()
+        self._decoder = ModuleTelegramDecoder()
         self._outgoing.clear()
         self._orders.clear()
 
-    def ask(self, module: int, request: Request) -> None:
+    def ask(self, module: int, request: ModuleRequest) -> None:
         """Send a question; nobody minds if it is lost, since it comes again."""
         self._outgoing += encode_request(module, request)
 
-    def order(self, module: int, request: Request, now: float) -> None:
+    def order(self, module: int, request: ModuleRequest, now: float) -> None:
         """Send what must arrive: it is repeated until it is answered."""
         telegram = encode_request(module, request)
         self._orders[_subject(module, request)] = _Order(telegram, now + ANSWER_WINDOW, TRIES - 1)
@@ -82,7 +82,7 @@ class CubeLine:
         self._orders.clear()
         self._outgoing.clear()
 
-    def receive(self, data: bytes) -> Iterable[Heard]:
+    def receive(self, data: bytes) -> Iterable[ModuleAnswer]:
         """Take bytes; the answers that they complete."""
         for module, is_answer, content in self._decoder.receive(data):
             if not is_answer:
@@ -93,7 +93,7 @@ class CubeLine:
                 self.damaged["content"] += 1
                 continue
             self._orders.pop(_subject(module, reply), None)
-            yield Heard(module, reply)
+            yield ModuleAnswer(module, reply)
         if self._decoder.damaged:
             self.damaged["telegram"] += self._decoder.damaged
             self._decoder.damaged = 0
@@ -117,6 +117,6 @@ class CubeLine:
         return due
 
 
-def _subject(module: int, about: Request | Reply) -> _Subject:
+def _subject(module: int, about: ModuleRequest | ModuleReply) -> _Subject:
     """What an answer has in common with its request; a new motion takes the place of one of any kind."""
     return module, about.command, 0 if about.command == CubeCommand.MOVE else about.about

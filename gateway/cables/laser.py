@@ -25,10 +25,10 @@ from p2os.accessories.lms import (
     REFLECTOR_MODE,
     STATUS_POLLUTED,
     VARIANTS,
-    Answer,
-    Configuration,
-    Mode,
-    Request,
+    LmsAnswerCode,
+    LmsConfiguration,
+    LmsMode,
+    LmsRequestCode,
     Unit,
     Variant,
     read_scan,
@@ -36,7 +36,7 @@ from p2os.accessories.lms import (
     read_variant,
     variant_data,
 )
-from p2os.accessories.lms_framing import LONGEST_TELEGRAM, Telegram, TelegramDecoder, encode
+from p2os.accessories.lms_framing import LONGEST_TELEGRAM, LmsTelegram, LmsTelegramDecoder, encode
 
 NAME = "laser"
 RATES = (9600, 38400, 500000, 19200)
@@ -64,9 +64,9 @@ LONGEST_SILENCE = 0.5
 SMOOTHING = 0.1
 """Part of each new interval in the mean between scans."""
 
-STOP = encode(Request.MODE, bytes((Mode.ON_REQUEST,)))
-START = encode(Request.MODE, bytes((Mode.CONTINUOUS,)))
-INSTALL = encode(Request.MODE, bytes((Mode.INSTALLATION,)) + PASSWORD)
+STOP = encode(LmsRequestCode.MODE, bytes((LmsMode.ON_REQUEST,)))
+START = encode(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS,)))
+INSTALL = encode(LmsRequestCode.MODE, bytes((LmsMode.INSTALLATION,)) + PASSWORD)
 
 
 UNITS: Mapping[LaserUnit, Unit] = {
@@ -85,7 +85,7 @@ class _Ask(NamedTuple):
     tries: int = TRIES
 
 
-_Script = Generator[_Ask, Telegram, None]
+_Script = Generator[_Ask, LmsTelegram, None]
 
 
 class LaserDriver:
@@ -110,7 +110,7 @@ class LaserDriver:
         self._variant = _variant(settings)
         self._has_rate = has_rate
         self._wanted_baud = settings.baud or (USUAL_BAUD if has_rate else 0)
-        self._decoder = TelegramDecoder(from_laser=True)
+        self._decoder = LmsTelegramDecoder(from_laser=True)
         self._events: list[Event] = []
         self._outgoing = b""
         self._plan: list[int] = []
@@ -133,7 +133,7 @@ class LaserDriver:
         self.lost: Counter[str] = Counter()
         self.type = ""
         self.variant = self._variant
-        self.configuration = Configuration()
+        self.configuration = LmsConfiguration()
         self.scan_period = 0.0
 
     # The port's side.
@@ -151,7 +151,7 @@ class LaserDriver:
     @property
     def last_words(self) -> bytes:
         """Be as after the power switch, so that any client finds the laser."""
-        return encode(Request.MODE, bytes((MODE_OF_BAUD[RATES[0]],))) if self._has_rate else b""
+        return encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[RATES[0]],))) if self._has_rate else b""
 
     def port_opened(self, now: float) -> None:
         """There is a line to talk on; begin."""
@@ -171,13 +171,13 @@ class LaserDriver:
         """Take bytes as read; none lets time pass. now: steady time, s."""
         if self._last_run is not None and now - self._last_run > LONGEST_SILENCE:
             data = b""  # it has been there for who knows how long, and would be stamped as if it came now
-            self._decoder = TelegramDecoder(from_laser=True)
+            self._decoder = LmsTelegramDecoder(from_laser=True)
             self._scan_at = 0.0
             if self.is_connected:
                 self.deadline = now + self._patience
         self._last_run = now
         for found in self._decoder.receive(data, now):
-            if isinstance(found, Telegram):
+            if isinstance(found, LmsTelegram):
                 self._take(found, now)
             elif isinstance(found, Damaged) and self.is_connected:
                 self.damaged[found.reason.value] += 1
@@ -220,7 +220,7 @@ class LaserDriver:
         """Begin with the rate at which the laser was heard last."""
         rates = RATES if self._has_rate else NO_RATE
         self._plan = sorted(rates, key=lambda rate: rate != self._known)
-        self._decoder = TelegramDecoder(from_laser=True)
+        self._decoder = LmsTelegramDecoder(from_laser=True)
         self._try_next(now)
 
     def _try_next(self, now: float) -> None:
@@ -254,7 +254,7 @@ class LaserDriver:
         elif self._script is None:
             self._search(now)
         elif self._ask.answer is None:
-            self._go_on(Telegram(0), now)
+            self._go_on(LmsTelegram(0), now)
         elif self._decoder.is_within_telegram and not self._waits_for_end:
             self._waits_for_end = True  # something long may be on the line, and the answer behind it
             self.deadline = now + self._line_time(LONGEST_TELEGRAM) + FIRST_WINDOW
@@ -263,8 +263,8 @@ class LaserDriver:
         else:
             self._try_next(now)
 
-    def _take(self, telegram: Telegram, now: float) -> None:
-        if telegram.code == Answer.POWER_ON and self.is_connected:
+    def _take(self, telegram: LmsTelegram, now: float) -> None:
+        if telegram.code == LmsAnswerCode.POWER_ON and self.is_connected:
             self._lose("the laser was switched on again")
             self._known = RATES[0] if self._has_rate else None
             self._search(now)
@@ -274,7 +274,7 @@ class LaserDriver:
             return
         elif telegram.code == self._ask.answer:
             self._go_on(telegram, now)
-        elif telegram.code == Answer.NOT_UNDERSTOOD:
+        elif telegram.code == LmsAnswerCode.NOT_UNDERSTOOD:
             self.deadline = now  # the next try at once
         elif not self._talks:
             # This is the rate. The answer follows the scan that is on the line when the command arrives.
@@ -282,7 +282,7 @@ class LaserDriver:
             self._tries_left = TRIES
             self.deadline = max(self.deadline, now + self._line_time(LONGEST_TELEGRAM) + FIRST_WINDOW)
 
-    def _go_on(self, telegram: Telegram, now: float) -> None:
+    def _go_on(self, telegram: LmsTelegram, now: float) -> None:
         assert self._script is not None
         try:
             self._put(self._script.send(telegram), now)
@@ -296,17 +296,23 @@ class LaserDriver:
     def _set_up(self) -> _Script:
         """Silence the laser, bring it to the rate and the settings that are wanted, and let it scan."""
         # One try more than at a known rate: half a command that somebody left in its receiver swallows the first.
-        yield _Ask(STOP, Answer.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
+        yield _Ask(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
         self._known = self.baud
         if self._wanted_baud not in (self.baud, 0):
-            yield _Ask(encode(Request.MODE, bytes((MODE_OF_BAUD[self._wanted_baud],))), Answer.MODE, ANSWER_WINDOW)
+            yield _Ask(
+                encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[self._wanted_baud],))),
+                LmsAnswerCode.MODE,
+                ANSWER_WINDOW,
+            )
             yield _Ask(b"", None, SETTLING)
             if self._has_rate:
                 self.baud = self._known = self._wanted_baud
-        self.type = (yield _Ask(encode(Request.TYPE), Answer.TYPE, ANSWER_WINDOW)).data.decode("ascii", "replace")
+        self.type = (yield _Ask(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
+            "ascii", "replace"
+        )
         yield from self._set_variant()
         yield from self._configure()
-        yield _Ask(START, Answer.MODE, ANSWER_WINDOW)
+        yield _Ask(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
         self._is_sending = True
         self.is_connected = True
         self.scan_period = max(self.variant.passes * MIRROR_PERIOD, self._line_time(2 * self.variant.beams))
@@ -316,30 +322,36 @@ class LaserDriver:
     def _set_variant(self) -> _Script:
         wanted = self._variant
         self._refused = ""
-        self.variant = read_status((yield _Ask(encode(Request.STATUS), Answer.STATUS, ANSWER_WINDOW)).data)
+        self.variant = read_status(
+            (yield _Ask(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
+        )
         if self.variant != wanted:
-            answer = yield _Ask(encode(Request.VARIANT, variant_data(wanted)), Answer.VARIANT, ANSWER_WINDOW)
+            answer = yield _Ask(
+                encode(LmsRequestCode.VARIANT, variant_data(wanted)), LmsAnswerCode.VARIANT, ANSWER_WINDOW
+            )
             accepted, self.variant = read_variant(answer.data)
             if not accepted:
                 degrees = f"{wanted.angle_deg} degrees by {wanted.resolution_cdeg / 100:g}"
                 self._refused = f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
 
     def _configure(self) -> _Script:
-        answer = yield _Ask(encode(Request.GET_CONFIGURATION), Answer.CONFIGURATION, ANSWER_WINDOW)
-        self.configuration = Configuration.unpack(answer.data)
+        answer = yield _Ask(encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW)
+        self.configuration = LmsConfiguration.unpack(answer.data)
         wanted = self.configuration._replace(
             unit=UNITS[self._settings.unit], measuring_mode=REFLECTOR_MODE[self._settings.reflector_bits]
         )
         if wanted != self.configuration:
-            yield _Ask(INSTALL, Answer.MODE, ANSWER_WINDOW)
-            yield _Ask(encode(Request.SET_CONFIGURATION, wanted.pack()), Answer.CONFIGURED, CONFIGURING_WINDOW)
+            yield _Ask(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
+            yield _Ask(
+                encode(LmsRequestCode.SET_CONFIGURATION, wanted.pack()), LmsAnswerCode.CONFIGURED, CONFIGURING_WINDOW
+            )
             self.configuration = wanted
 
-    def _take_scan(self, telegram: Telegram, now: float) -> None:
-        if telegram.code == Answer.MODE:
+    def _take_scan(self, telegram: LmsTelegram, now: float) -> None:
+        if telegram.code == LmsAnswerCode.MODE:
             self._is_sending = False
             return
-        if telegram.code not in (Answer.SCAN, Answer.PARTIAL_SCAN):
+        if telegram.code not in (LmsAnswerCode.SCAN, LmsAnswerCode.PARTIAL_SCAN):
             return
         try:
             scan = read_scan(telegram)

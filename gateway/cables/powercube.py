@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
-from gateway.cables.cube_line import CubeLine, Heard
+from gateway.cables.cube_line import CubeLine, ModuleAnswer
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen, ElementFound, ElementLost, ElementSilent, Event
 from gateway.joint_limits import JointLimits
@@ -18,10 +18,10 @@ from p2os.accessories.arm_model import ArmModel
 from p2os.accessories.powercube import (
     CubeCommand,
     CubeState,
+    ModuleOutcome,
+    ModuleParameter,
+    ModuleRequest,
     MotionKind,
-    Outcome,
-    Parameter,
-    Request,
     encode_request,
 )
 
@@ -39,8 +39,8 @@ REFUSAL_SHOWN = 5.0
 ROUNDS_AT_REST = 2
 """After which an arm that parks has arrived."""
 
-STAND = Request(CubeCommand.MOVE, MotionKind.VELOCITY_ACKNOWLEDGED, 0.0)
-FIGURES = (Parameter.MINIMUM, Parameter.MAXIMUM, Parameter.MOST_VELOCITY)
+STAND = ModuleRequest(CubeCommand.MOVE, MotionKind.VELOCITY_ACKNOWLEDGED, 0.0)
+FIGURES = (ModuleParameter.MINIMUM, ModuleParameter.MAXIMUM, ModuleParameter.MOST_VELOCITY)
 WHY = {
     CubeState.LAGS: "could not follow",
     CubeState.SILENCE: "heard nothing from the gateway for too long",
@@ -184,8 +184,8 @@ class PowerCubeDriver:
             pace = limits.fastest if speed is None or limits.slides else speed
             if module.speed != pace:
                 module.speed = pace
-                self._line.order(number, Request(CubeCommand.SET, Parameter.RAMP_VELOCITY, pace), now)
-            self._line.order(number, Request(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, place), now)
+                self._line.order(number, ModuleRequest(CubeCommand.SET, ModuleParameter.RAMP_VELOCITY, pace), now)
+            self._line.order(number, ModuleRequest(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, place), now)
 
     def home(self, now: float) -> None:
         """Send every joint to its zero, at the speed set last.
@@ -195,7 +195,7 @@ class PowerCubeDriver:
         """
         self._check_ready(now)
         self._line.drop_orders()
-        self._order_all(Request(CubeCommand.HOME), now)
+        self._order_all(ModuleRequest(CubeCommand.HOME), now)
 
     def park(self, now: float) -> None:
         """Send every joint to its zero, then put on the brakes.
@@ -235,7 +235,7 @@ class PowerCubeDriver:
         self._check_link(now)
         self._rounds_at_rest = None
         self._line.drop_orders()
-        self._order_all(Request(CubeCommand.RESET if on else CubeCommand.HALT), now)
+        self._order_all(ModuleRequest(CubeCommand.RESET if on else CubeCommand.HALT), now)
 
     # Inside.
 
@@ -280,21 +280,21 @@ class PowerCubeDriver:
         self._unheard = set(self._modules)
         for number, module in self._modules.items():
             missing = [each for each in FIGURES if each not in module.figures]
-            for parameter in (Parameter.STATE, Parameter.POSITION, *missing):
-                self._line.ask(number, Request(CubeCommand.GET, parameter))
+            for parameter in (ModuleParameter.STATE, ModuleParameter.POSITION, *missing):
+                self._line.ask(number, ModuleRequest(CubeCommand.GET, parameter))
 
-    def _take(self, heard: Heard, module: Module, now: float) -> None:
+    def _take(self, heard: ModuleAnswer, module: Module, now: float) -> None:
         number, (command, about, outcome, value, state) = heard
         module.answered_at = now
         if state is not None:
             module.state = state
-        if outcome is Outcome.REFUSED:
+        if outcome is ModuleOutcome.REFUSED:
             self._refusal = now, f"module {number} refused what it was told"
         if value is not None and command == CubeCommand.GET and about in FIGURES:
             module.figures[about] = value
         elif value is not None and about not in FIGURES:
             module.position = value
-        if command == CubeCommand.GET and about == Parameter.POSITION:
+        if command == CubeCommand.GET and about == ModuleParameter.POSITION:
             self._unheard.discard(number)
             if not self._unheard:
                 self._end_round()
@@ -321,13 +321,13 @@ class PowerCubeDriver:
             self._rounds_at_rest = 0 if any(moving) or self._line.has_orders else self._rounds_at_rest + 1
             if self._rounds_at_rest >= ROUNDS_AT_REST and self._last_run is not None:
                 self._rounds_at_rest = None
-                self._order_all(Request(CubeCommand.HALT), self._last_run)
+                self._order_all(ModuleRequest(CubeCommand.HALT), self._last_run)
 
     def _limits(self, number: int, figures: Mapping[int, float]) -> JointLimits:
         lower, upper, fastest = (figures[each] for each in FIGURES)
         return JointLimits(lower, upper, SLOWEST, fastest, slides=number == self._gripper)
 
-    def _order_all(self, request: Request, now: float) -> None:
+    def _order_all(self, request: ModuleRequest, now: float) -> None:
         for number in self._modules:
             self._line.order(number, request, now)
 

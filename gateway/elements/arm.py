@@ -46,7 +46,7 @@ class Scale(NamedTuple):
         return min(max(round(abs(self.per_tick) / speed / MS), 1), LONGEST_MS)
 
 
-class Arm(AskedElement):
+class ArmElement(AskedElement):
     """Asks once whether there is one, and has it report from then on.
 
     version: what the arm's board calls itself, once it is known.

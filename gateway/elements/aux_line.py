@@ -17,7 +17,7 @@ BLIND_PERIOD = 0.3
 """Seconds between two requests to a device that never answers, as client libraries have it."""
 
 
-class Exchange(NamedTuple):
+class AuxExchange(NamedTuple):
     """Something to send, and how long its answer is.
 
     first: bytes of the shortest answer there can be. whole: of the answer hoped for. patience: s to wait for it.
@@ -47,11 +47,11 @@ class AuxLine:
     def __init__(self, outbox: Outbox, ask: Ask, detour: float = 0.0) -> None:
         """Borrow the robot's cable; detour: as `Line` has it, s."""
         self.is_blind = False
-        self.current: Exchange | None = None
+        self.current: AuxExchange | None = None
         self._outbox = outbox
         self._ask = ask
         self._detour = detour
-        self._queue: dict[str, Exchange] = {}
+        self._queue: dict[str, AuxExchange] = {}
         self._give_up_at = inf
         self._not_before = -inf
         self._is_careful = True
@@ -72,11 +72,11 @@ class AuxLine:
         self._is_careful = True
         self._drop_frames()
 
-    def put(self, name: str, exchange: Exchange) -> None:
+    def put(self, name: str, exchange: AuxExchange) -> None:
         """Queue an exchange."""
         self._queue[name] = exchange
 
-    def put_back(self, exchange: Exchange, not_before: float) -> None:
+    def put_back(self, exchange: AuxExchange, not_before: float) -> None:
         """Begin again with this one, at a time, s."""
         self._queue = {"again": exchange, **self._queue}
         self._not_before = not_before
@@ -104,13 +104,13 @@ class AuxLine:
         if self.current is not None:
             self._ask(Command.GETAUX, max(1, self.current.whole - pending), ("aux", "fetch"))
 
-    def finish(self) -> Exchange | None:
+    def finish(self) -> AuxExchange | None:
         """The answer is complete; returns what it is the answer to."""
         done, self.current = self.current, None
         self._is_careful = False
         return done
 
-    def _begin(self, exchange: Exchange, now: float) -> None:
+    def _begin(self, exchange: AuxExchange, now: float) -> None:
         self._drop_frames()
         self._ask(Command.GETAUX, 0, ("aux", "flush"))
         self._ask(Command.TTY2, exchange.request, ("aux", "request"))

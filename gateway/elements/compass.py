@@ -13,7 +13,7 @@ ERROR_BITS = 0xFFFF
 """The width of the module's error word, which the packet carries with a sign."""
 
 
-class Compass(AskedElement):
+class CompassElement(AskedElement):
     """Asks for one packet, and if it comes for all of them."""
 
     takes = (CompassReport,)

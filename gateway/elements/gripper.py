@@ -18,7 +18,7 @@ from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
 
 
-class GripperState(IntFlag):
+class GripperFlags(IntFlag):
     """Bits of the state byte; a pair of which both are set is where nobody knows."""
 
     PADDLES_OPEN = 1 << 0
@@ -88,7 +88,7 @@ TRAVELS = {GripperKind.PIONEER: "gripper-pioneer", GripperKind.PEOPLEBOT: "gripp
 """Files of `configs/accessories`."""
 
 
-class Gripper(AskedElement):
+class GripperElement(AskedElement):
     """Asks once whether there is one; SIPs bring its state."""
 
     takes = (GripperReport,)
@@ -123,20 +123,20 @@ class Gripper(AskedElement):
         """Every SIP carries the gripper's state."""
         if not self.is_present:
             return
-        state = GripperState(sip.gripper_state or sip.analog_port)
+        state = GripperFlags(sip.gripper_state or sip.analog_port)
         inputs = GripperInput(sip.digital_in)
-        moving = bool(state & GripperState.PADDLES_MOVING), bool(state & GripperState.LIFT_MOVING)
+        moving = bool(state & GripperFlags.PADDLES_MOVING), bool(state & GripperFlags.LIFT_MOVING)
         if self._kind is GripperKind.PEOPLEBOT and sip.analog_port != sip.gripper_state:
             inputs = GripperInput(sip.analog_port)
             moving = bool(inputs & GripperInput.PADDLES_MOVING), bool(inputs & GripperInput.LIFT_MOVING)
         self._moves = any(moving)
-        self._has_failed = bool(state & (GripperState.PADDLES_ERROR | GripperState.LIFT_ERROR))
+        self._has_failed = bool(state & (GripperFlags.PADDLES_ERROR | GripperFlags.LIFT_ERROR))
         seen = GripperSeen(
-            paddles_open=_only(state, GripperState.PADDLES_OPEN, GripperState.PADDLES_CLOSED),
-            paddles_closed=_only(state, GripperState.PADDLES_CLOSED, GripperState.PADDLES_OPEN),
+            paddles_open=_only(state, GripperFlags.PADDLES_OPEN, GripperFlags.PADDLES_CLOSED),
+            paddles_closed=_only(state, GripperFlags.PADDLES_CLOSED, GripperFlags.PADDLES_OPEN),
             paddles_moving=moving[0],
-            lift_up=_only(state, GripperState.LIFT_UP, GripperState.LIFT_DOWN),
-            lift_down=_only(state, GripperState.LIFT_DOWN, GripperState.LIFT_UP),
+            lift_up=_only(state, GripperFlags.LIFT_UP, GripperFlags.LIFT_DOWN),
+            lift_down=_only(state, GripperFlags.LIFT_DOWN, GripperFlags.LIFT_UP),
             lift_moving=moving[1],
             outer_beam=bool(inputs & GripperInput.OUTER_BEAM),
             inner_beam=bool(inputs & GripperInput.INNER_BEAM),
@@ -198,5 +198,5 @@ class Gripper(AskedElement):
         return GripperJoints(opening, lift)
 
 
-def _only(state: GripperState, this: GripperState, other: GripperState) -> bool:
+def _only(state: GripperFlags, this: GripperFlags, other: GripperFlags) -> bool:
     return bool(state & this) and not state & other

@@ -15,7 +15,7 @@ STILL_MOVES = 0.5
 """Seconds for which a head that has just moved, though nobody told it to, counts as moving."""
 
 
-class Place(NamedTuple):
+class HeadPosition(NamedTuple):
     """pan: rad to the left. tilt: rad up. zoom: magnification."""
 
     pan: float = 0.0
@@ -30,9 +30,9 @@ class HeadPlace:
     """
 
     def __init__(self, model: HeadModel) -> None:
-        self.goal = Place()
+        self.goal = HeadPosition()
         self._model = model
-        self._place = Place()
+        self._place = HeadPosition()
         self._at = 0.0
         self._moves_until = 0.0
         self._is_reckoned = False
@@ -42,7 +42,7 @@ class HeadPlace:
         self._is_reckoned = True
         self._at = now
 
-    def now(self, now: float) -> Place:
+    def now(self, now: float) -> HeadPosition:
         """Where it looks, as far as one knows."""
         if not self._is_reckoned:
             return self._place
@@ -50,15 +50,17 @@ class HeadPlace:
         count = _towards(
             lens.count_at(self._place.zoom), lens.count_at(self.goal.zoom), lens.counts / lens.travel_s * seconds
         )
-        return Place(
+        return HeadPosition(
             _towards(self._place.pan, self.goal.pan, model.pan.top_speed * seconds),
             _towards(self._place.tilt, self.goal.tilt, model.tilt.top_speed * seconds),
             lens.ratio_at(count),
         )
 
-    def changed(self, pan: float | None, tilt: float | None, zoom: float | None) -> Place:
+    def changed(self, pan: float | None, tilt: float | None, zoom: float | None) -> HeadPosition:
         """The goal with these in place of its own; what is None stays as it is."""
-        return Place(*(old if new is None else new for new, old in zip((pan, tilt, zoom), self.goal, strict=True)))
+        return HeadPosition(
+            *(old if new is None else new for new, old in zip((pan, tilt, zoom), self.goal, strict=True))
+        )
 
     def travel_time(self, pan: float | None, tilt: float | None, zoom: float | None) -> float:
         """Seconds to a goal that is changed so."""
@@ -78,7 +80,7 @@ class HeadPlace:
         """Pan or tilt are not where they were sent."""
         return max(abs(self._place.pan - self.goal.pan), abs(self._place.tilt - self.goal.tilt)) > ARRIVED
 
-    def send(self, goal: Place, now: float) -> None:
+    def send(self, goal: HeadPosition, now: float) -> None:
         """It was told to look somewhere."""
         self._place, self._at, self.goal = self.now(now), now, goal
         self._moves_until = now + self._travel_time(goal) + (0.0 if self._is_reckoned else SLACK)
@@ -95,7 +97,7 @@ class HeadPlace:
         """It moves by itself for some time."""
         self._moves_until = max(self._moves_until, now + seconds)
 
-    def see(self, place: Place, now: float) -> bool:
+    def see(self, place: HeadPosition, now: float) -> bool:
         """It says where it looks; returns whether that is new."""
         has_moved = place != self._place
         self._place, self._at = place, now
@@ -105,7 +107,7 @@ class HeadPlace:
             self._moves_until = min(self._moves_until, now)
         return has_moved
 
-    def _travel_time(self, goal: Place) -> float:
+    def _travel_time(self, goal: HeadPosition) -> float:
         lens = self._model.lens
         way = abs(lens.count_at(goal.zoom) - lens.count_at(self._place.zoom)) / lens.counts
         return max(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
-from gateway.elements.aux_line import Exchange
+from gateway.elements.aux_line import AuxExchange
 from p2os.accessories import vcc4, visca
 from p2os.accessories.head_model import HeadKind, HeadModel
 from p2os.accessories.vcc4 import AnswerDecoder, HeadAnswer, Status
@@ -48,11 +48,11 @@ class HeadTalk(Protocol):
 
     kind: HeadKind
     model: HeadModel
-    probe: Exchange
-    start: Sequence[Exchange]
-    ask_direction: Exchange
-    ask_zoom: Exchange
-    stop: Sequence[Exchange]
+    probe: AuxExchange
+    start: Sequence[AuxExchange]
+    ask_direction: AuxExchange
+    ask_zoom: AuxExchange
+    stop: Sequence[AuxExchange]
 
     @property
     def pending(self) -> int:
@@ -63,11 +63,11 @@ class HeadTalk(Protocol):
         """Take bytes from the head."""
         ...
 
-    def turn(self, pan: float, tilt: float) -> Exchange:
+    def turn(self, pan: float, tilt: float) -> AuxExchange:
         """Look somewhere, rad."""
         ...
 
-    def zoom(self, ratio: float) -> Exchange:
+    def zoom(self, ratio: float) -> AuxExchange:
         """Magnify."""
         ...
 
@@ -79,10 +79,10 @@ class Vcc4Talk:
 
     def __init__(self, model: HeadModel) -> None:
         self.model = model
-        self.ask_direction = Exchange(vcc4.request_direction(), vcc4.PLAIN_LENGTH, vcc4.DIRECTION_LENGTH)
-        self.ask_zoom = Exchange(vcc4.request_zoom(), vcc4.PLAIN_LENGTH, vcc4.ZOOM_LENGTH)
+        self.ask_direction = AuxExchange(vcc4.request_direction(), vcc4.PLAIN_LENGTH, vcc4.DIRECTION_LENGTH)
+        self.ask_zoom = AuxExchange(vcc4.request_zoom(), vcc4.PLAIN_LENGTH, vcc4.ZOOM_LENGTH)
         self.probe = self.ask_direction
-        self.start: Sequence[Exchange] = (
+        self.start: Sequence[AuxExchange] = (
             _plain(vcc4.power(True), patience=5.0),  # answered when it is on; the patience is ARIA's
             _plain(vcc4.host_control()),
             _plain(vcc4.initialise(), patience=2.5),
@@ -90,7 +90,7 @@ class Vcc4Talk:
             _plain(vcc4.tilt_slew(model.tilt.fastest)),
             _plain(vcc4.tilt_range(model.tilt.lowest, model.tilt.highest)),
         )
-        self.stop: Sequence[Exchange] = (_plain(vcc4.stop()), _plain(vcc4.stop_zoom()))
+        self.stop: Sequence[AuxExchange] = (_plain(vcc4.stop()), _plain(vcc4.stop_zoom()))
         self._decoder = AnswerDecoder()
 
     @property
@@ -102,11 +102,11 @@ class Vcc4Talk:
         """Take bytes from the head."""
         return [self._meaning(answer) for answer in self._decoder.receive(data)]
 
-    def turn(self, pan: float, tilt: float) -> Exchange:
+    def turn(self, pan: float, tilt: float) -> AuxExchange:
         """Look somewhere, rad."""
         return _plain(vcc4.move(self.model.pan.count(pan), self.model.tilt.count(tilt)))
 
-    def zoom(self, ratio: float) -> Exchange:
+    def zoom(self, ratio: float) -> AuxExchange:
         """Magnify."""
         return _plain(vcc4.zoom(self.model.lens.count_at(ratio)))
 
@@ -120,8 +120,8 @@ class Vcc4Talk:
         return Obeyed() if position is None else Zoom(self.model.lens.ratio_at(position))
 
 
-def _plain(request: bytes, patience: float = 0.5) -> Exchange:
-    return Exchange(request, vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
+def _plain(request: bytes, patience: float = 0.5) -> AuxExchange:
+    return AuxExchange(request, vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
 
 
 class ViscaTalk:
@@ -132,12 +132,12 @@ class ViscaTalk:
     def __init__(self, model: HeadModel) -> None:
         self.model = model
         # The end in front closes what a head may have taken for the beginning of a message.
-        self.probe = Exchange(bytes([visca.END]) + visca.set_address(), visca.ADDRESS_LENGTH, visca.ADDRESS_LENGTH)
-        self.start: Sequence[Exchange] = (_command(visca.power(True)),)
-        self.ask_direction = Exchange(visca.request_direction(), visca.ERROR_LENGTH, visca.DIRECTION_LENGTH)
-        self.ask_zoom = Exchange(visca.request_zoom(), visca.ERROR_LENGTH, visca.ZOOM_LENGTH)
+        self.probe = AuxExchange(bytes([visca.END]) + visca.set_address(), visca.ADDRESS_LENGTH, visca.ADDRESS_LENGTH)
+        self.start: Sequence[AuxExchange] = (_command(visca.power(True)),)
+        self.ask_direction = AuxExchange(visca.request_direction(), visca.ERROR_LENGTH, visca.DIRECTION_LENGTH)
+        self.ask_zoom = AuxExchange(visca.request_zoom(), visca.ERROR_LENGTH, visca.ZOOM_LENGTH)
         self._speeds = model.pan.fastest, model.tilt.fastest
-        self.stop: Sequence[Exchange] = (_command(visca.stop(*self._speeds)), _command(visca.stop_zoom()))
+        self.stop: Sequence[AuxExchange] = (_command(visca.stop(*self._speeds)), _command(visca.stop_zoom()))
         self._decoder = ViscaDecoder()
 
     @property
@@ -150,11 +150,11 @@ class ViscaTalk:
         meanings = (self._meaning(message) for message in self._decoder.receive(data))
         return [meaning for meaning in meanings if meaning is not None]
 
-    def turn(self, pan: float, tilt: float) -> Exchange:
+    def turn(self, pan: float, tilt: float) -> AuxExchange:
         """Look somewhere, rad."""
         return _command(visca.move(self.model.pan.count(pan), self.model.tilt.count(tilt), *self._speeds))
 
-    def zoom(self, ratio: float) -> Exchange:
+    def zoom(self, ratio: float) -> AuxExchange:
         """Magnify."""
         return _command(visca.zoom(self.model.lens.count_at(ratio)))
 
@@ -174,5 +174,5 @@ class ViscaTalk:
         return None if position is None else Zoom(self.model.lens.ratio_at(position))
 
 
-def _command(request: bytes) -> Exchange:
-    return Exchange(request, visca.ACK_LENGTH, visca.ACK_LENGTH)
+def _command(request: bytes) -> AuxExchange:
+    return AuxExchange(request, visca.ACK_LENGTH, visca.ACK_LENGTH)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from gateway.elements.element import Element
 from gateway.events import InfraredSeen
-from p2os import InfraredSensor, InputsOutputs, RobotModel, StandardSip
+from p2os import InfraredSensor, IoReport, RobotModel, StandardSip
 
 INFRARED_BYTE = 3
 ACTIVE_LOW = 1
@@ -18,10 +18,10 @@ ON_USER_INPUTS = tuple(InfraredSensor(bit, ACTIVE_LOW, 1, 0.0, 0.0) for bit in r
 """Left and right table, left and right beam of a PeopleBot of the first generation; where they sit is not known."""
 
 
-class Infrared(Element):
+class InfraredElement(Element):
     """is_present: the model has such sensors."""
 
-    takes = (InputsOutputs,)
+    takes = (IoReport,)
     _sensors: Sequence[InfraredSensor] = ()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -34,7 +34,7 @@ class Infrared(Element):
 
     def take(self, packet: object, now: float) -> None:
         """Read the fourth byte, where the robot has one."""
-        assert isinstance(packet, InputsOutputs)
+        assert isinstance(packet, IoReport)
         if self._sensors and not self._on_user_inputs and len(packet.digital_in) > INFRARED_BYTE:
             self._read(packet.digital_in[INFRARED_BYTE])
 

@@ -16,7 +16,7 @@ REST = 0.02
 """How far from its centre a stick at rest may read."""
 
 
-class Joystick(AskedElement):
+class JoystickElement(AskedElement):
     """is_present: somebody has moved it, or the settings say so."""
 
     takes = (JoystickReport,)

@@ -32,7 +32,7 @@ POWER_COMMANDS: Mapping[str, Command] = {
 """Where a CONFIGpac has power bits, each output has its own command."""
 
 
-class Charger(Element):
+class ChargerElement(Element):
     """kind: of the charging contacts."""
 
     kind = ""

@@ -3,13 +3,13 @@
 from gateway.elements.polled import PolledElement
 from gateway.errors import CommandRefused
 from gateway.events import InputsOutputsReceived
-from p2os import Command, InputsOutputs, RobotModel
+from p2os import Command, IoReport, RobotModel
 
 
 class UserPorts(PolledElement):
     """Asks for I/O packets where somebody needs them; remembers the outputs, to set a robot again that was reset."""
 
-    takes = (InputsOutputs,)
+    takes = (IoReport,)
     command = Command.IOREQUEST
     _mask = _value = 0
 
@@ -25,7 +25,7 @@ class UserPorts(PolledElement):
     def take(self, packet: object, now: float) -> None:
         """Pass them on."""
         super().take(packet, now)
-        assert isinstance(packet, InputsOutputs)
+        assert isinstance(packet, IoReport)
         self._announce(InputsOutputsReceived(packet))
 
     def set_outputs(self, mask: int, value: int) -> None:

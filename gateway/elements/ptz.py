@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 
 import configs
-from gateway.elements.aux_line import AuxLine, Exchange
+from gateway.elements.aux_line import AuxExchange, AuxLine
 from gateway.elements.element import Element
-from gateway.elements.head_place import HeadPlace, Place
+from gateway.elements.head_place import HeadPlace, HeadPosition
 from gateway.elements.heads import Declined, Direction, HeadTalk, Heard, Vcc4Talk, ViscaTalk, Zoom
 from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
@@ -40,7 +40,7 @@ MOST_MISSED = 3
 _TALKS: Mapping[HeadKind, Callable[[HeadModel], HeadTalk]] = {HeadKind.VCC4: Vcc4Talk, HeadKind.EVID30: ViscaTalk}
 
 
-class Ptz(Element):
+class PtzElement(Element):
     """One camera head."""
 
     takes = (AuxData,)
@@ -206,17 +206,17 @@ class Ptz(Element):
         else:
             self._missed += 1
 
-    def _note(self, heard: Heard, exchange: Exchange, now: float) -> None:
+    def _note(self, heard: Heard, exchange: AuxExchange, now: float) -> None:
         place = self._place
         if place is None:
             place = self._meet(now)
             if isinstance(heard, Direction):  # it obeys already, and a start would turn it
-                place.send(Place(heard.pan, heard.tilt), now)
+                place.send(HeadPosition(heard.pan, heard.tilt), now)
             else:
                 self._start(now)
         match heard:
             case Direction(pan, tilt):
-                self._see(place, Place(pan, tilt, place.now(now).zoom), now)
+                self._see(place, HeadPosition(pan, tilt, place.now(now).zoom), now)
             case Zoom(ratio):
                 self._see(place, place.now(now)._replace(zoom=ratio), now)
             case Declined(is_busy=True):
@@ -249,7 +249,7 @@ class Ptz(Element):
         self._tell_at = now
         self.watch(now)
 
-    def _see(self, place: HeadPlace, seen: Place, now: float) -> None:
+    def _see(self, place: HeadPlace, seen: HeadPosition, now: float) -> None:
         was_moving = place.is_moving(now)
         if place.see(seen, now) or was_moving:
             self._tell_at = now

@@ -4,7 +4,7 @@ from gateway.elements.element import Element
 from p2os import Command, RobotModel
 
 
-class Sonar(Element):
+class SonarElement(Element):
     """Remembers whether it is to be on, to switch it again after a reset."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:

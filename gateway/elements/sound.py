@@ -20,7 +20,7 @@ WHOLE_LIST = 0
 """Argument of PLAYLIST."""
 
 
-class Sound(AskedElement):
+class SoundElement(AskedElement):
     """Every robot has a buzzer; an AmigoBot is asked for its sounds.
 
     sounds: number to name, as far as they have come.

@@ -11,9 +11,9 @@ from bus.messages import Arm, JointState, header
 from gateway import reach
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.arm import Arm as ArmElement
+from gateway.elements.arm import ArmElement
 from gateway.events import ArmSeen, Event
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 from gateway.joint_limits import JointLimits
 
 NAME = "arm"
@@ -54,7 +54,7 @@ def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
     return reach.duration(driver.element(ArmElement, now), arguments)
 
 
-class ArmFace(Face):
+class ArmAdapter(BusAdapter):
     """`<robot>/arm` and `command/arm` of the Pioneer arm."""
 
     name = NAME

@@ -28,7 +28,7 @@ class ElementCommander(Protocol[D_co]):
         ...
 
 
-class CableFace(Generic[D]):
+class CableAdapter(Generic[D]):
     """One element on the bus.
 
     name: as the robot's description and the agents call it. streams: what it publishes. commands: what it obeys; their

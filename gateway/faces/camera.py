@@ -9,10 +9,10 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import CompressedImage, header
 from gateway.events import Event, PictureTaken
-from gateway.faces.cable_face import CableFace
+from gateway.faces.cable_face import CableAdapter
 
 
-class CameraFace(CableFace[Any]):
+class CameraAdapter(CableAdapter[Any]):
     """`<robot>/camera/image/compressed`."""
 
     name = "camera"

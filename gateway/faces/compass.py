@@ -7,12 +7,12 @@ from bus.keys import Topic, frame
 from bus.messages import Compass as CompassMessage
 from bus.messages import Vector3, header
 from gateway.driver import Driver
-from gateway.elements.compass import ERROR_BITS, Compass
+from gateway.elements.compass import ERROR_BITS, CompassElement
 from gateway.events import CompassSeen, Event
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 
 
-class CompassFace(Face):
+class CompassAdapter(BusAdapter):
     """`<robot>/compass`."""
 
     name = "compass"
@@ -20,7 +20,7 @@ class CompassFace(Face):
 
     def is_present(self, driver: Driver) -> bool:
         """It has answered."""
-        return driver.has(Compass)
+        return driver.has(CompassElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One with every packet."""

@@ -11,7 +11,7 @@ from gateway.events import Event
 from p2os import RobotModel
 
 
-class Face:
+class BusAdapter:
     """One element on the bus.
 
     name: as the robot's description and the agents call it. streams: what it publishes. commands: what it obeys.

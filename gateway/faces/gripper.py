@@ -9,10 +9,9 @@ from bus.keys import Topic, frame
 from bus.messages import Gripper, Header, JointState, header
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.gripper import STOPPING
-from gateway.elements.gripper import Gripper as GripperElement
+from gateway.elements.gripper import STOPPING, GripperElement
 from gateway.events import Event, GripperJoints, GripperSeen
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 
 
 def _order(driver: Driver, arguments: Arguments, now: float) -> None:
@@ -26,7 +25,7 @@ def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
     return driver.lookup(GripperElement).duration(arguments["do"])
 
 
-class GripperFace(Face):
+class GripperAdapter(BusAdapter):
     """`<robot>/gripper`, its joints in `<robot>/joint_states`, and `command/gripper`.
 
     Joints, in m: `<robot>/lift` from its lowest place, `<robot>/left_paddle` and `right_paddle` from the middle, to the

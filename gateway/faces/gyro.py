@@ -10,14 +10,14 @@ from bus.messages import Imu, Quaternion, Vector3, header
 from gateway.driver import Driver
 from gateway.elements.gyro import Gyro
 from gateway.events import Event, TurnRateSeen
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 from p2os import RobotModel
 
 FIXED_VARIANCE = 1e-9
 """Of the axes about which a robot in the plane does not turn, (rad/s)²."""
 
 
-class GyroFace(Face):
+class GyroAdapter(BusAdapter):
     """`<robot>/imu`: the turn rate about the vertical axis; orientation and acceleration are unknown."""
 
     name = "gyro"
@@ -48,7 +48,7 @@ class GyroFace(Face):
             yield keys.IMU, message
 
 
-class InnerGyroFace(Face):
+class InnerGyroAdapter(BusAdapter):
     """A gyro that the controller uses by itself: it makes the odometry better, and nothing comes of it but that."""
 
     name = "gyro"

@@ -7,15 +7,15 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Header, Range, RangeArray, TransformStamped, header, placed
 from gateway.driver import Driver
-from gateway.elements.infrared import Infrared
+from gateway.elements.infrared import InfraredElement
 from gateway.events import Event, InfraredSeen
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 
 THRESHOLD = 0.0
 """m; each frame lies where its sensor sees something, since a switch measures no distance."""
 
 
-class InfraredFace(Face):
+class InfraredAdapter(BusAdapter):
     """`<robot>/ir`: each sensor is a switch. REP 117: -inf where something is near, and +inf where nothing is."""
 
     name = "ir"
@@ -23,7 +23,7 @@ class InfraredFace(Face):
 
     def is_present(self, driver: Driver) -> bool:
         """The robot's model has such sensors."""
-        return driver.has(Infrared)
+        return driver.has(InfraredElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One with every IOpac."""

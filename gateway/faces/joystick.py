@@ -9,19 +9,19 @@ from bus.keys import Topic, frame
 from bus.messages import Joy, header
 from gateway.commands import BASE, Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.joystick import Joystick
+from gateway.elements.joystick import JoystickElement
 from gateway.events import Event, JoystickSeen
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 
 
 def _let_drive(driver: Driver, arguments: Arguments, now: float) -> None:
-    joystick = driver.element(Joystick, now)
+    joystick = driver.element(JoystickElement, now)
     if arguments["on"]:
         driver.let_go(now)
     joystick.let_drive(arguments["on"])
 
 
-class JoystickFace(Face):
+class JoystickAdapter(BusAdapter):
     """`<robot>/joystick` and `command/joystick`.
 
     Axes as ROS has them: to the left, forward, throttle. Buttons: 1 and 2.
@@ -33,7 +33,7 @@ class JoystickFace(Face):
 
     def is_present(self, driver: Driver) -> bool:
         """It has answered."""
-        return driver.has(Joystick)
+        return driver.has(JoystickElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One with every packet."""

@@ -11,7 +11,7 @@ from bus.keys import Topic, frame
 from bus.messages import LaserScan, TransformStamped, header, placed
 from gateway.cables.laser import NAME, LaserDriver
 from gateway.events import Event, LaserScanned
-from gateway.faces.cable_face import CableFace, ElementCommander
+from gateway.faces.cable_face import CableAdapter, ElementCommander
 from gateway.settings import Settings
 from p2os import RobotModel
 from p2os.accessories.lms import MIRROR_PERIOD
@@ -23,7 +23,7 @@ FARTHEST = 80.0
 NS_PER_S = 1_000_000_000
 
 
-class LaserFace(CableFace[LaserDriver]):
+class LaserAdapter(CableAdapter[LaserDriver]):
     """Publishes `<robot>/scan` in `<robot>/laser`.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no measurement. The stamp is the time

@@ -5,12 +5,12 @@ from typing import Any
 from bus import keys
 from gateway.commands import NOTHING, Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
-from gateway.faces.face import Face
+from gateway.elements.panel import ChargerElement, Display, PowerOutputs, Servos
+from gateway.faces.face import BusAdapter
 
 
 def _charge(driver: Driver, arguments: Arguments, now: float) -> None:
-    charger = driver.element(Charger, now)
+    charger = driver.element(ChargerElement, now)
     driver.check_free()
     charger.deploy(arguments["on"])
 
@@ -32,7 +32,7 @@ def _power(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
     return {"outputs": list(outputs.outputs)}
 
 
-class ChargerFace(Face):
+class ChargerAdapter(BusAdapter):
     """`command/charge`."""
 
     name = "charger"
@@ -40,14 +40,14 @@ class ChargerFace(Face):
 
     def is_present(self, driver: Driver) -> bool:
         """The robot says that it has charging contacts."""
-        return driver.has(Charger)
+        return driver.has(ChargerElement)
 
     def describe(self, driver: Driver) -> dict[str, str]:
         """Which."""
-        return {"kind": driver.lookup(Charger).kind}
+        return {"kind": driver.lookup(ChargerElement).kind}
 
 
-class DisplayFace(Face):
+class DisplayAdapter(BusAdapter):
     """`command/lcd`."""
 
     name = "lcd"
@@ -58,7 +58,7 @@ class DisplayFace(Face):
         return driver.has(Display)
 
 
-class ServosFace(Face):
+class ServosAdapter(BusAdapter):
     """`command/servo`."""
 
     name = "servos"
@@ -69,7 +69,7 @@ class ServosFace(Face):
         return driver.has(Servos)
 
 
-class PowerFace(Face):
+class PowerAdapter(BusAdapter):
     """`command/power`."""
 
     name = "power"

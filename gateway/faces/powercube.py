@@ -11,12 +11,12 @@ from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
 from gateway.events import ArmSeen, Event
 from gateway.faces.arm import STREAMS, arm_description, arm_messages
-from gateway.faces.cable_face import CableFace, ElementCommander
+from gateway.faces.cable_face import CableAdapter, ElementCommander
 from gateway.settings import Settings
 from p2os import RobotModel
 
 
-class PowerCubeFace(CableFace[PowerCubeDriver]):
+class PowerCubeAdapter(CableAdapter[PowerCubeDriver]):
     """`<robot>/arm` and `command/arm` of the PowerBot's arm."""
 
     name = NAME

@@ -8,14 +8,14 @@ from bus.keys import Topic, frame
 from bus.messages import PanTiltZoom, header
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.ptz import Ptz
+from gateway.elements.ptz import PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 
 
 def _look(driver: Driver, arguments: Arguments, now: float) -> None:
-    head = driver.element(Ptz, now)
+    head = driver.element(PtzElement, now)
     what = arguments.get("do", "look")
     if what == "stop":
         head.stop(now)
@@ -28,10 +28,10 @@ def _look(driver: Driver, arguments: Arguments, now: float) -> None:
 def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
     if arguments.get("do", "look") != "look":
         return 0.0
-    return driver.lookup(Ptz).duration(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"))
+    return driver.lookup(PtzElement).duration(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"))
 
 
-class PtzFace(Face):
+class PtzAdapter(BusAdapter):
     """`<robot>/ptz` and `command/ptz`."""
 
     name = "ptz"
@@ -49,7 +49,7 @@ class PtzFace(Face):
 
     def is_present(self, driver: Driver) -> bool:
         """It has answered, or the settings name it."""
-        return driver.has(Ptz)
+        return driver.has(PtzElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One whenever it is known where it looks."""
@@ -59,16 +59,16 @@ class PtzFace(Face):
     @classmethod
     def halt(cls, driver: Driver, now: float) -> None:
         """Stop it where it is."""
-        driver.halt_element(Ptz, now)
+        driver.halt_element(PtzElement, now)
 
     @classmethod
     def is_moving(cls, driver: Driver, now: float) -> bool:
         """It turns or zooms."""
-        return driver.lookup(Ptz).is_moving(now)
+        return driver.lookup(PtzElement).is_moving(now)
 
     def describe(self, driver: Driver) -> Mapping[str, Any]:
         """What it is, what it can be told, and its widest horizontal view."""
-        model = driver.lookup(Ptz).model
+        model = driver.lookup(PtzElement).model
         return {
             "model": model.name,
             "limits": {"pan": model.pan.limits, "tilt": model.tilt.limits, "zoom": (1.0, model.lens.ratio)},

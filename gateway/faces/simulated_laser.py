@@ -12,7 +12,7 @@ from bus.messages import LaserScan, TransformStamped, header, placed
 from gateway.driver import Driver
 from gateway.elements.simulated_laser import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
 from gateway.events import Event, SweepReceived
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 from p2os import RobotModel
 
 NEAREST = 0.01
@@ -22,7 +22,7 @@ FARTHEST = 32.0
 NS_PER_S = 1_000_000_000
 
 
-class SimulatedLaserFace(Face):
+class SimulatedLaserAdapter(BusAdapter):
     """Publishes `<robot>/scan` in `<robot>/laser`, which sits where the robot's model has its laser.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no reading.

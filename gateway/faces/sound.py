@@ -5,13 +5,13 @@ from typing import Any
 from bus import keys
 from gateway.commands import NOTHING, Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.sound import Sound
+from gateway.elements.sound import SoundElement
 from gateway.errors import CommandRefused
-from gateway.faces.face import Face
+from gateway.faces.face import BusAdapter
 
 
 def _sound(driver: Driver, arguments: Arguments, now: float) -> None:
-    sound = driver.element(Sound, now)
+    sound = driver.element(SoundElement, now)
     match {key: value for key, value in arguments.items() if key in ("notes", "number", "on")}:
         case {"notes": notes, **rest} if not rest:
             sound.play(notes)
@@ -23,7 +23,7 @@ def _sound(driver: Driver, arguments: Arguments, now: float) -> None:
             raise CommandRefused("say one of notes, number and on")
 
 
-class SoundFace(Face):
+class SoundAdapter(BusAdapter):
     """`command/sound`."""
 
     name = "sound"
@@ -31,9 +31,9 @@ class SoundFace(Face):
 
     def is_present(self, driver: Driver) -> bool:
         """Every robot has a buzzer."""
-        return driver.has(Sound)
+        return driver.has(SoundElement)
 
     def describe(self, driver: Driver) -> dict[str, Any]:
         """The sounds that an AmigoBot has answered."""
-        sounds = driver.lookup(Sound).sounds
+        sounds = driver.lookup(SoundElement).sounds
         return {"sounds": [{"number": number, "name": name} for number, name in sorted(sounds.items())]}

@@ -55,7 +55,7 @@ class JointModel:
 
 
 @dataclass(frozen=True, slots=True)
-class GripperModel:
+class ArmGripperModel:
     """Two fingers that part evenly; as a joint it counts behind all others, in m between the fingers.
 
     axis: along which the fingers part. offset_m: of their roots, from the last joint. finger_m: size of one.
@@ -147,7 +147,7 @@ class ArmModel:
     name: str
     base_m: Triple
     joints: tuple[JointModel, ...]
-    gripper: GripperModel
+    gripper: ArmGripperModel
     servos: tuple[ServoModel, ...] = ()
     finger_servo: GripperServo | None = None
     manual_order: bool = False

@@ -13,7 +13,7 @@ class HeadKind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class HeadAxis:
     """Pan or tilt, as the head's controller counts it.
 
     lowest, highest: counts at the ends. deg_per_count: below zero where the wire counts against REP 103 (pan to the
@@ -92,6 +92,6 @@ class HeadModel:
     starts_on: bool
     power_on_s: float
     initialise_s: float
-    pan: Axis
-    tilt: Axis
+    pan: HeadAxis
+    tilt: HeadAxis
     lens: Lens

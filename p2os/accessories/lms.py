@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from p2os.accessories.lms_framing import Telegram
+from p2os.accessories.lms_framing import LmsTelegram
 from p2os.errors import DecodeError
 
 PASSWORD = b"SICK_LMS"
@@ -20,7 +20,7 @@ MIRROR_PERIOD = 1 / 75
 BITS_PER_BYTE = 10
 
 
-class Request(IntEnum):
+class LmsRequestCode(IntEnum):
     """Codes of commands."""
 
     RESET = 0x10
@@ -32,7 +32,7 @@ class Request(IntEnum):
     SET_CONFIGURATION = 0x77
 
 
-class Answer(IntEnum):
+class LmsAnswerCode(IntEnum):
     """Codes of what the laser says."""
 
     POWER_ON = 0x90
@@ -47,8 +47,8 @@ class Answer(IntEnum):
     CONFIGURED = 0xF7
 
 
-class Mode(IntEnum):
-    """What follows `Request.MODE`, but for the rates in `BAUD_MODES`."""
+class LmsMode(IntEnum):
+    """What follows `LmsRequestCode.MODE`, but for the rates in `BAUD_MODES`."""
 
     INSTALLATION = 0x00
     CONTINUOUS = 0x24
@@ -62,7 +62,7 @@ MODE_OF_BAUD = {baud: mode for mode, baud in BAUD_MODES.items()}
 
 
 class ModeResult(IntEnum):
-    """The byte of `Answer.MODE`."""
+    """The byte of `LmsAnswerCode.MODE`."""
 
     OK = 0
     WRONG_PASSWORD = 1
@@ -136,8 +136,8 @@ VARIANTS = tuple(Variant(*each) for each in ((180, 100), (180, 50), (100, 100), 
 """Those that there are."""
 
 
-class Configuration(NamedTuple):
-    """The first part of what `Request.SET_CONFIGURATION` sets; `rest` is kept as it is."""
+class LmsConfiguration(NamedTuple):
+    """The first part of what `LmsRequestCode.SET_CONFIGURATION` sets; `rest` is kept as it is."""
 
     blanking: int = 0
     threshold: int = 70
@@ -164,7 +164,7 @@ class Configuration(NamedTuple):
         return front + self.rest
 
     @classmethod
-    def unpack(cls, data: bytes, before: "Configuration | None" = None) -> "Configuration":
+    def unpack(cls, data: bytes, before: "LmsConfiguration | None" = None) -> "LmsConfiguration":
         """Read at least the first seven bytes; what a shorter telegram leaves out is as before.
 
         Raises:
@@ -206,7 +206,7 @@ class Scan(NamedTuple):
         return np.right_shift(self.words, np.uint16(16 - flag_bits))
 
 
-def pack_values(ranges: NDArray[np.float64], flags: NDArray[np.uint16], configuration: Configuration) -> bytes:
+def pack_values(ranges: NDArray[np.float64], flags: NDArray[np.uint16], configuration: LmsConfiguration) -> bytes:
     """Distances and flags as the laser sends them.
 
     Args:
@@ -223,18 +223,18 @@ def pack_values(ranges: NDArray[np.float64], flags: NDArray[np.uint16], configur
 
 
 def scan_data(values: bytes, unit: Unit) -> bytes:
-    """What follows the code of `Answer.SCAN`."""
+    """What follows the code of `LmsAnswerCode.SCAN`."""
     return struct.pack("<H", len(values) // 2 | unit.bits) + values
 
 
 def partial_data(first: int, values: bytes, unit: Unit) -> bytes:
-    """What follows the code of `Answer.PARTIAL_SCAN`; beams count from 1 on the wire."""
+    """What follows the code of `LmsAnswerCode.PARTIAL_SCAN`; beams count from 1 on the wire."""
     last = first + len(values) // 2 - 1
     return struct.pack("<HH", first + 1, last + 1) + scan_data(values, unit)
 
 
 def segment_data(beams: range) -> bytes:
-    """What follows `Mode.CONTINUOUS_PARTIAL`."""
+    """What follows `LmsMode.CONTINUOUS_PARTIAL`."""
     return struct.pack("<HH", beams.start + 1, beams.stop)
 
 
@@ -247,19 +247,19 @@ def read_segment(data: bytes) -> range | None:
     return beams or None
 
 
-def read_scan(telegram: Telegram) -> Scan:
+def read_scan(telegram: LmsTelegram) -> Scan:
     """Read a whole or a partial scan.
 
     Raises:
         DecodeError: It is none, or its size is not what it says.
     """
     data, first = telegram.data, 0
-    if telegram.code == Answer.PARTIAL_SCAN:
+    if telegram.code == LmsAnswerCode.PARTIAL_SCAN:
         if len(data) < 4:
             raise DecodeError("a partial scan of the laser lacks its first and last beam")
         first = max(0, struct.unpack_from("<H", data)[0] - 1)
         data = data[4:]
-    elif telegram.code != Answer.SCAN:
+    elif telegram.code != LmsAnswerCode.SCAN:
         raise DecodeError(f"a telegram of code 0x{telegram.code:02X} is no scan")
     word = int.from_bytes(data[:2], "little")
     count, unit = word & _COUNT_BITS, _UNIT_OF_BITS.get(word & _UNIT_BITS)
@@ -276,7 +276,7 @@ _STATUS_VARIANT = 106
 
 
 def status_data(version: bytes, variant: Variant) -> bytes:
-    """What follows the code of `Answer.STATUS`; what no client reads is zero."""
+    """What follows the code of `LmsAnswerCode.STATUS`; what no client reads is zero."""
     data = bytearray(STATUS_SIZE)
     data[_STATUS_VERSION : _STATUS_VERSION + len(version)] = version
     struct.pack_into("<HH", data, _STATUS_VARIANT, *variant)
@@ -295,12 +295,12 @@ def read_status(data: bytes) -> Variant:
 
 
 def variant_data(variant: Variant) -> bytes:
-    """What follows the code of `Request.VARIANT`."""
+    """What follows the code of `LmsRequestCode.VARIANT`."""
     return struct.pack("<HH", *variant)
 
 
 def read_variant(data: bytes) -> tuple[bool, Variant]:
-    """Whether `Answer.VARIANT` accepts, and the beams that the laser has now.
+    """Whether `LmsAnswerCode.VARIANT` accepts, and the beams that the laser has now.
 
     Raises:
         DecodeError: Too short.

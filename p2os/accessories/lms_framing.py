@@ -39,7 +39,7 @@ LONGEST_TELEGRAM = _HEADER_SIZE + LONGEST_FROM_LASER + _CRC_SIZE
 _DISTANCES = np.arange(LONGEST_TELEGRAM)[::-1]  # of bytes from the end, the first byte first
 
 
-class Telegram(NamedTuple):
+class LmsTelegram(NamedTuple):
     """A telegram whose CRC is right.
 
     code: of the command or answer. data: what follows it. status: the laser's, 0 in a command.
@@ -78,7 +78,7 @@ def encode_answer(code: int, data: bytes, status: int) -> bytes:
     return _wrap(LASER, b"%c%b%c" % (code, data, status))
 
 
-class TelegramDecoder:
+class LmsTelegramDecoder:
     """Finds telegrams in a stream of bytes, whatever lies between and inside them.
 
     After a wrong CRC only the start byte is dropped and the search goes on behind it. How the stream is cut into calls
@@ -102,7 +102,7 @@ class TelegramDecoder:
         """A telegram has begun and may still end."""
         return bool(self._buffer)
 
-    def receive(self, data: bytes, now: float) -> list[Telegram | Acknowledged | Damaged]:
+    def receive(self, data: bytes, now: float) -> list[LmsTelegram | Acknowledged | Damaged]:
         """Take bytes from the line.
 
         Args:
@@ -111,7 +111,7 @@ class TelegramDecoder:
         Returns:
             What was found, in the order of the line.
         """
-        events: list[Telegram | Acknowledged | Damaged] = []
+        events: list[LmsTelegram | Acknowledged | Damaged] = []
         if (self._buffer or self._noise) and now - self._last_byte_at >= PARTIAL_TIMEOUT:
             self._give_up(events)
         if data:
@@ -121,7 +121,7 @@ class TelegramDecoder:
             self._scan(events)
         return events
 
-    def _scan(self, events: list[Telegram | Acknowledged | Damaged]) -> None:
+    def _scan(self, events: list[LmsTelegram | Acknowledged | Damaged]) -> None:
         """Take every event off the buffer that needs no further bytes."""
         buffer = self._buffer
         while buffer:
@@ -148,28 +148,28 @@ class TelegramDecoder:
             else:
                 self._damage(end, Damage.CHECKSUM, events)
 
-    def _telegram(self, end: int) -> Telegram:
+    def _telegram(self, end: int) -> LmsTelegram:
         inside = bytes(self._buffer[_HEADER_SIZE : end - _CRC_SIZE])
         began = self._reads[0][1]
         if self._has_status:
-            return Telegram(inside[0], inside[1:-1], inside[-1], began)
-        return Telegram(inside[0], inside[1:], 0, began)
+            return LmsTelegram(inside[0], inside[1:-1], inside[-1], began)
+        return LmsTelegram(inside[0], inside[1:], 0, began)
 
-    def _give_up(self, events: list[Telegram | Acknowledged | Damaged]) -> None:
+    def _give_up(self, events: list[LmsTelegram | Acknowledged | Damaged]) -> None:
         """The line fell silent: nothing begun will be completed, but a sound telegram may lie inside."""
         while self._buffer:
             self._damage(len(self._buffer), Damage.PARTIAL, events)
             self._scan(events)
         self._flush_noise(events)
 
-    def _damage(self, end: int, reason: Damage, events: list[Telegram | Acknowledged | Damaged]) -> None:
+    def _damage(self, end: int, reason: Damage, events: list[LmsTelegram | Acknowledged | Damaged]) -> None:
         if self._reported < end:
             self._flush_noise(events)
             events.append(Damaged(bytes(self._buffer[:end]), reason))
             self._reported = end
         self._drop(1)
 
-    def _skip(self, size: int, events: list[Telegram | Acknowledged | Damaged]) -> None:
+    def _skip(self, size: int, events: list[LmsTelegram | Acknowledged | Damaged]) -> None:
         """Bytes outside every telegram: acknowledgements, and noise."""
         for byte in self._buffer[self._reported : size]:
             if byte in (ACK, NAK):
@@ -181,7 +181,7 @@ class TelegramDecoder:
                 self._flush_noise(events)
         self._drop(size)
 
-    def _flush_noise(self, events: list[Telegram | Acknowledged | Damaged]) -> None:
+    def _flush_noise(self, events: list[LmsTelegram | Acknowledged | Damaged]) -> None:
         if self._noise:
             events.append(Damaged(bytes(self._noise), Damage.NOISE))
             self._noise.clear()

@@ -51,7 +51,7 @@ class CubeCommand(IntEnum):
     MOVE = 0x0B
 
 
-class Parameter(IntEnum):
+class ModuleParameter(IntEnum):
     """What SET and GET are about."""
 
     STATE = 0x27
@@ -91,22 +91,22 @@ class CubeState(IntFlag):
     SILENCE = 0x40
 
 
-class Outcome(IntEnum):
+class ModuleOutcome(IntEnum):
     """Last byte of an answer that carries nothing else."""
 
     DONE = 0x64
     REFUSED = 0x65
 
 
-class Telegram(NamedTuple):
-    """One telegram. module: 1 to 31, or EVERY_MODULE. is_answer: it comes from the module. data: see `Request`."""
+class ModuleTelegram(NamedTuple):
+    """One telegram. module: 1 to 31, or EVERY_MODULE. is_answer: it comes from the module. See `ModuleRequest`."""
 
     module: int
     is_answer: bool
     data: bytes
 
 
-class Request(NamedTuple):
+class ModuleRequest(NamedTuple):
     """What a host wants of a module.
 
     about: of SET and GET a parameter, of MOVE a kind of motion. value: rad, m, rad/s, m/s as it says. time: s, of a
@@ -119,7 +119,7 @@ class Request(NamedTuple):
     time: float = 0.0
 
 
-class Reply(NamedTuple):
+class ModuleReply(NamedTuple):
     """What a module answers.
 
     command, about: of the request. outcome: where it carries nothing else. value: asked for, or where the module is.
@@ -128,12 +128,12 @@ class Reply(NamedTuple):
 
     command: int
     about: int = 0
-    outcome: Outcome | None = None
+    outcome: ModuleOutcome | None = None
     value: float | None = None
     state: CubeState | None = None
 
 
-def encode_telegram(telegram: Telegram) -> bytes:
+def encode_telegram(telegram: ModuleTelegram) -> bytes:
     """Write a telegram with its framing.
 
     Raises:
@@ -149,7 +149,7 @@ def encode_telegram(telegram: Telegram) -> bytes:
     return bytes([STX]) + _stuff(content + bytes([sum(content) & 0xFF])) + bytes([ETX])
 
 
-def encode_request(module: int, request: Request) -> bytes:
+def encode_request(module: int, request: ModuleRequest) -> bytes:
     """Write what a host wants of a module, as a whole telegram.
 
     Raises:
@@ -169,10 +169,10 @@ def encode_request(module: int, request: Request) -> bytes:
                 data += bytes([about]) + _FLOAT.pack(value)
     except (struct.error, OverflowError, ValueError) as error:
         raise EncodeError(f"{request} does not fit a telegram: {error}") from error
-    return encode_telegram(Telegram(module, False, data))
+    return encode_telegram(ModuleTelegram(module, False, data))
 
 
-def decode_request(data: bytes) -> Request:
+def decode_request(data: bytes) -> ModuleRequest:
     """Read the data of a telegram from a host.
 
     Raises:
@@ -182,20 +182,20 @@ def decode_request(data: bytes) -> Request:
         command, rest = data[0], data[1:]
         match command:
             case CubeCommand.GET:
-                return Request(command, rest[0])
+                return ModuleRequest(command, rest[0])
             case CubeCommand.SET:
-                return Request(command, rest[0], *_FLOAT.unpack_from(rest, 1))
+                return ModuleRequest(command, rest[0], *_FLOAT.unpack_from(rest, 1))
             case CubeCommand.MOVE if rest[0] == MotionKind.STEP_ACKNOWLEDGED:
                 value, milliseconds = _STEP.unpack_from(rest, 1)
-                return Request(command, rest[0], value, milliseconds / 1000)
+                return ModuleRequest(command, rest[0], value, milliseconds / 1000)
             case CubeCommand.MOVE:
-                return Request(command, rest[0], *_FLOAT.unpack_from(rest, 1))
+                return ModuleRequest(command, rest[0], *_FLOAT.unpack_from(rest, 1))
     except (IndexError, struct.error) as error:
         raise DecodeError(f"a request of {len(data)} bytes, {data.hex(' ')}, ends too early") from error
-    return Request(command)
+    return ModuleRequest(command)
 
 
-def encode_reply(module: int, reply: Reply) -> bytes:
+def encode_reply(module: int, reply: ModuleReply) -> bytes:
     """Write a module's answer, as a whole telegram.
 
     Raises:
@@ -207,7 +207,7 @@ def encode_reply(module: int, reply: Reply) -> bytes:
     try:
         if reply.outcome is not None:
             data += bytes([reply.outcome])
-        elif reply.command == CubeCommand.GET and reply.about == Parameter.STATE:
+        elif reply.command == CubeCommand.GET and reply.about == ModuleParameter.STATE:
             data += _WORD.pack(reply.state or 0)
         elif reply.command == CubeCommand.GET:
             data += _FLOAT.pack(reply.value)
@@ -215,10 +215,10 @@ def encode_reply(module: int, reply: Reply) -> bytes:
             data += _ACKNOWLEDGED.pack(reply.value, (reply.state or 0) & 0xFF)
     except (struct.error, OverflowError) as error:
         raise EncodeError(f"{reply} does not fit a telegram: {error}") from error
-    return encode_telegram(Telegram(module, True, data))
+    return encode_telegram(ModuleTelegram(module, True, data))
 
 
-def decode_reply(data: bytes) -> Reply:
+def decode_reply(data: bytes) -> ModuleReply:
     """Read the data of a module's answer.
 
     Raises:
@@ -229,13 +229,13 @@ def decode_reply(data: bytes) -> Reply:
         about, rest = rest[0] if rest else 0, rest[1:]
     try:
         if len(rest) == 1:
-            return Reply(command, about, outcome=Outcome(rest[0]))
-        if command == CubeCommand.GET and about == Parameter.STATE:
-            return Reply(command, about, state=CubeState(*_WORD.unpack(rest)))
+            return ModuleReply(command, about, outcome=ModuleOutcome(rest[0]))
+        if command == CubeCommand.GET and about == ModuleParameter.STATE:
+            return ModuleReply(command, about, state=CubeState(*_WORD.unpack(rest)))
         if command == CubeCommand.GET:
-            return Reply(command, about, value=_FLOAT.unpack(rest)[0])
+            return ModuleReply(command, about, value=_FLOAT.unpack(rest)[0])
         position, state = _ACKNOWLEDGED.unpack(rest)
-        return Reply(command, about, value=position, state=CubeState(state))
+        return ModuleReply(command, about, value=position, state=CubeState(state))
     except (struct.error, ValueError) as error:
         raise DecodeError(f"{data.hex(' ')} is no answer of a module") from error
 
@@ -243,7 +243,7 @@ def decode_reply(data: bytes) -> Reply:
 _WITH_SUBJECT = frozenset({CubeCommand.SET, CubeCommand.GET, CubeCommand.MOVE})
 
 
-class TelegramDecoder:
+class ModuleTelegramDecoder:
     """Finds telegrams in a stream of bytes, however it is cut.
 
     damaged: how many beginnings had no sound end: noise, a wrong checksum or length.
@@ -253,7 +253,7 @@ class TelegramDecoder:
         self.damaged = 0
         self._content: bytearray | None = None  # since STX, still stuffed
 
-    def receive(self, data: bytes) -> list[Telegram]:
+    def receive(self, data: bytes) -> list[ModuleTelegram]:
         """Take bytes; the telegrams that they complete."""
         found = []
         for byte in data:
@@ -276,7 +276,7 @@ class TelegramDecoder:
         return found
 
 
-def _read(stuffed: bytes) -> Telegram | None:
+def _read(stuffed: bytes) -> ModuleTelegram | None:
     content = _unstuff(stuffed)
     if content is None or len(content) <= _HEADER.size or sum(content[:-1]) & 0xFF != content[-1]:
         return None
@@ -286,10 +286,10 @@ def _read(stuffed: bytes) -> Telegram | None:
     if length != len(data):
         return None
     if identifier == _TO_ALL:
-        return Telegram(EVERY_MODULE, False, data)
+        return ModuleTelegram(EVERY_MODULE, False, data)
     for base, is_answer in ((_TO_MODULE, False), (_FROM_MODULE, True)):
         if 1 <= identifier - base <= MOST_MODULES:
-            return Telegram(identifier - base, is_answer, data)
+            return ModuleTelegram(identifier - base, is_answer, data)
     return None
 
 

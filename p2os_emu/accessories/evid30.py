@@ -34,7 +34,7 @@ class Busy(Enum):
 
 
 @dataclass(slots=True)
-class _Motion:
+class _SocketCommand:
     """A command in a socket. time_left: s, where it is not the mechanics that say when it is over."""
 
     busy: Busy
@@ -54,7 +54,7 @@ class EviD30:
         self._model = model
         self._decoder = ViscaDecoder()
         self._out = bytearray()
-        self._sockets: dict[int, _Motion] = {}
+        self._sockets: dict[int, _SocketCommand] = {}
         self._commands: Mapping[bytes, tuple[Busy, Callable[[bytes], None]]] = {
             visca.MOVE: (Busy.TURNING, self._move),
             visca.DRIVE: (Busy.TURNING, self._drive),
@@ -94,7 +94,7 @@ class EviD30:
         self._out.clear()
         return out
 
-    def _goes_on(self, motion: _Motion) -> bool:
+    def _goes_on(self, motion: _SocketCommand) -> bool:
         match motion.busy:
             case Busy.TURNING:
                 return self.head.is_turning
@@ -153,7 +153,7 @@ class EviD30:
         for socket in replaced:
             self._complete(socket)
         self._say(visca.ACK | free[0])
-        self._sockets[free[0]] = _Motion(busy, self._model.power_on_s if self.is_on and not was_on else 0.0)
+        self._sockets[free[0]] = _SocketCommand(busy, self._model.power_on_s if self.is_on and not was_on else 0.0)
 
     def _cancel(self, socket: int) -> None:
         motion = self._sockets.pop(socket, None)

@@ -5,7 +5,7 @@ from math import inf
 from p2os.accessories.head_model import HeadModel
 
 
-class Servo:
+class HeadServo:
     """Something that moves at a set speed between two ends.
 
     position, target: in any unit. speed: of the motion, unit/s.
@@ -42,9 +42,9 @@ class Head:
 
     def __init__(self, model: HeadModel) -> None:
         self.model = model
-        self.pan = Servo(*model.pan.limits, model.pan.top_speed)
-        self.tilt = Servo(*model.tilt.limits, model.tilt.top_speed)
-        self.lens = Servo(0.0, model.lens.counts, model.lens.counts / model.lens.travel_s)
+        self.pan = HeadServo(*model.pan.limits, model.pan.top_speed)
+        self.tilt = HeadServo(*model.tilt.limits, model.tilt.top_speed)
+        self.lens = HeadServo(0.0, model.lens.counts, model.lens.counts / model.lens.travel_s)
 
     @property
     def zoom(self) -> float:

@@ -22,11 +22,11 @@ from p2os.accessories.lms import (
     STATUS_OK,
     STATUS_POLLUTED,
     VARIANTS,
-    Answer,
-    Configuration,
-    Mode,
+    LmsAnswerCode,
+    LmsConfiguration,
+    LmsMode,
+    LmsRequestCode,
     ModeResult,
-    Request,
     Variant,
     pack_values,
     partial_data,
@@ -35,8 +35,8 @@ from p2os.accessories.lms import (
     status_data,
     variant_data,
 )
-from p2os.accessories.lms_framing import ACK, NAK, Telegram, TelegramDecoder, encode_answer
-from p2os_emu.body import Beams, Body, Echoes
+from p2os.accessories.lms_framing import ACK, NAK, LmsTelegram, LmsTelegramDecoder, encode_answer
+from p2os_emu.body import Body, Echoes, ScanBeams
 
 _ACK, _NAK = bytes((ACK,)), bytes((NAK,))
 _REFLECTING_MODES = frozenset(REFLECTOR_MODE.values())
@@ -67,7 +67,7 @@ class ScannerModel:
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class BeamSegment:
     """The beams that are sent: index of the first, how many; whether as a partial scan."""
 
     first: int
@@ -94,7 +94,7 @@ class Lms200:
         """
         self.baud = model.baud
         self.dirt = 0.0
-        self.configuration = Configuration()
+        self.configuration = LmsConfiguration()
         self.variant = model.variant
         self._model = model
         self._mount = mount
@@ -102,23 +102,23 @@ class Lms200:
         self._has_power = has_power
         self._had_power = True
         self._time = 0.0
-        self._decoder = TelegramDecoder(from_laser=False)
+        self._decoder = LmsTelegramDecoder(from_laser=False)
         self._ready_at = model.boot_s
         self._is_new = True  # it has not yet said that it is there
         self._is_installing = False
-        self._segment: Segment | None = None  # while scans are sent unasked
+        self._segment: BeamSegment | None = None  # while scans are sent unasked
         self._scan_at = 0.0
         self._answers: deque[bytes] = deque()
         self._free_at = 0.0  # when the line has taken everything sent so far
         self._next_baud: int | None = None
         self._handlers: Mapping[int, Callable[[bytes], None]] = {
-            Request.RESET: self._reset,
-            Request.MODE: self._set_mode,
-            Request.STATUS: self._tell_status,
-            Request.TYPE: self._tell_type,
-            Request.VARIANT: self._set_variant,
-            Request.GET_CONFIGURATION: self._tell_configuration,
-            Request.SET_CONFIGURATION: self._configure,
+            LmsRequestCode.RESET: self._reset,
+            LmsRequestCode.MODE: self._set_mode,
+            LmsRequestCode.STATUS: self._tell_status,
+            LmsRequestCode.TYPE: self._tell_type,
+            LmsRequestCode.VARIANT: self._set_variant,
+            LmsRequestCode.GET_CONFIGURATION: self._tell_configuration,
+            LmsRequestCode.SET_CONFIGURATION: self._configure,
         }
 
     @property
@@ -147,7 +147,7 @@ class Lms200:
             return
         for found in self._decoder.receive(data, self._time):
             match found:
-                case Telegram(code, inside):
+                case LmsTelegram(code, inside):
                     self._handlers.get(code, self._refuse)(inside)
                 case Damaged(_, Damage.CHECKSUM):
                     self._answers.append(_NAK)
@@ -167,7 +167,7 @@ class Lms200:
             return b""
         if self._is_new:
             self._is_new = False
-            self._say(Answer.POWER_ON, self._model.type.encode())
+            self._say(LmsAnswerCode.POWER_ON, self._model.type.encode())
         sent = b""
         while self._answers and self._time >= self._free_at:
             sent += self._send(self._answers.popleft())
@@ -189,45 +189,45 @@ class Lms200:
     def _set_mode(self, inside: bytes) -> None:
         mode, rest = inside[:1], inside[1:]
         result = ModeResult.FAULT
-        if mode == bytes((Mode.INSTALLATION,)):
+        if mode == bytes((LmsMode.INSTALLATION,)):
             result = ModeResult.OK if rest == PASSWORD else ModeResult.WRONG_PASSWORD
             if result is ModeResult.OK:
                 self._measure(None, is_installing=True)
-        elif mode == bytes((Mode.CONTINUOUS,)):
+        elif mode == bytes((LmsMode.CONTINUOUS,)):
             result = ModeResult.OK
-            self._measure(Segment(0, self.variant.beams, is_partial=False))
-        elif mode == bytes((Mode.ON_REQUEST,)):
+            self._measure(BeamSegment(0, self.variant.beams, is_partial=False))
+        elif mode == bytes((LmsMode.ON_REQUEST,)):
             result = ModeResult.OK
             self._measure(None)
-        elif mode == bytes((Mode.CONTINUOUS_PARTIAL,)):
+        elif mode == bytes((LmsMode.CONTINUOUS_PARTIAL,)):
             segment = read_segment(rest)
             if segment is not None and segment.stop <= self.variant.beams:
                 result = ModeResult.OK
-                self._measure(Segment(segment.start, len(segment), is_partial=True))
+                self._measure(BeamSegment(segment.start, len(segment), is_partial=True))
         elif mode and mode[0] in BAUD_MODES:
             result = ModeResult.OK
             self._next_baud = BAUD_MODES[mode[0]]
-        self._say(Answer.MODE, bytes((result,)))
+        self._say(LmsAnswerCode.MODE, bytes((result,)))
 
-    def _measure(self, segment: Segment | None, *, is_installing: bool = False) -> None:
+    def _measure(self, segment: BeamSegment | None, *, is_installing: bool = False) -> None:
         """Send these beams from now on; whoever asks for scans leaves the installation mode."""
         self._segment = segment
         self._is_installing = is_installing
         self._scan_at = self._time
 
     def _tell_status(self, inside: bytes) -> None:
-        self._say(Answer.STATUS, status_data(self._model.version.encode(), self.variant))
+        self._say(LmsAnswerCode.STATUS, status_data(self._model.version.encode(), self.variant))
 
     def _tell_type(self, inside: bytes) -> None:
-        self._say(Answer.TYPE, self._model.type.encode())
+        self._say(LmsAnswerCode.TYPE, self._model.type.encode())
 
     def _set_variant(self, inside: bytes) -> None:
         wanted = self._wanted_variant(inside)
         if wanted in VARIANTS:
             self.variant = wanted
             if self._segment is not None:
-                self._segment = Segment(0, wanted.beams, is_partial=False)
-        self._say(Answer.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
+                self._segment = BeamSegment(0, wanted.beams, is_partial=False)
+        self._say(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
 
     def _wanted_variant(self, inside: bytes) -> Variant:
         """One widespread client sends a resolution of zero and means the one that there is, or one degree."""
@@ -238,21 +238,21 @@ class Lms200:
         return kept if kept in VARIANTS else Variant(angle)
 
     def _tell_configuration(self, inside: bytes) -> None:
-        self._say(Answer.CONFIGURATION, self.configuration.pack())
+        self._say(LmsAnswerCode.CONFIGURATION, self.configuration.pack())
 
     def _configure(self, inside: bytes) -> None:
         if not self._is_installing:
             self._refuse(inside)
             return
         try:
-            self.configuration = Configuration.unpack(inside, self.configuration)
+            self.configuration = LmsConfiguration.unpack(inside, self.configuration)
         except DecodeError:
-            self._say(Answer.CONFIGURED, b"\0" + self.configuration.pack())
+            self._say(LmsAnswerCode.CONFIGURED, b"\0" + self.configuration.pack())
             return
-        self._say(Answer.CONFIGURED, b"\1" + self.configuration.pack())
+        self._say(LmsAnswerCode.CONFIGURED, b"\1" + self.configuration.pack())
 
     def _refuse(self, inside: bytes) -> None:
-        self._say(Answer.NOT_UNDERSTOOD, b"")
+        self._say(LmsAnswerCode.NOT_UNDERSTOOD, b"")
 
     # Answers and scans.
 
@@ -262,26 +262,28 @@ class Lms200:
 
     def _say(self, code: int, data: bytes) -> None:
         """Answer as soon as the line is free; an unasked telegram is not acknowledged before."""
-        prefix = b"" if code == Answer.POWER_ON else _ACK
+        prefix = b"" if code == LmsAnswerCode.POWER_ON else _ACK
         self._answers.append(prefix + encode_answer(code, data, self._status))
 
     def _send(self, telegram: bytes) -> bytes:
         self._free_at = max(self._free_at, self._time) + len(telegram) * BITS_PER_BYTE / self.baud
         return telegram
 
-    def _send_scan(self, segment: Segment) -> bytes:
+    def _send_scan(self, segment: BeamSegment) -> bytes:
         values, unit = self._values(segment), self.configuration.unit
         if segment.is_partial:
-            telegram = encode_answer(Answer.PARTIAL_SCAN, partial_data(segment.first, values, unit), self._status)
+            telegram = encode_answer(
+                LmsAnswerCode.PARTIAL_SCAN, partial_data(segment.first, values, unit), self._status
+            )
         else:
-            telegram = encode_answer(Answer.SCAN, scan_data(values, unit), self._status)
+            telegram = encode_answer(LmsAnswerCode.SCAN, scan_data(values, unit), self._status)
         on_the_line = len(telegram) * BITS_PER_BYTE / self.baud
         period = max(self.variant.passes * MIRROR_PERIOD, on_the_line) + self._model.overhead_s
         # The mirror goes on turning: a scan that begins late does not put off the next one.
         self._scan_at = max(self._scan_at + period, self._time)
         return self._send(telegram)
 
-    def _values(self, segment: Segment) -> bytes:
+    def _values(self, segment: BeamSegment) -> bytes:
         """Measure: distances and flags as they are sent."""
         model = self._model
         echoes = self._body.scan(self._beams(segment))
@@ -301,11 +303,11 @@ class Lms200:
             return np.zeros(len(shines), np.uint16)
         return np.where(shines, np.ceil(strongest * echoes.cosines), 0).astype(np.uint16)
 
-    def _beams(self, segment: Segment) -> Beams:
+    def _beams(self, segment: BeamSegment) -> ScanBeams:
         mount, variant, model = self._mount, self.variant, self._model
         turn = -1.0 if mount.flipped else 1.0
         first = variant.first_bearing + segment.first * variant.resolution
-        return Beams(
+        return ScanBeams(
             x=mount.x,
             y=mount.y,
             height=model.height_m,

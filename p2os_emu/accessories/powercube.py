@@ -17,17 +17,17 @@ from p2os.accessories.powercube import (
     EVERY_MODULE,
     CubeCommand,
     CubeState,
+    ModuleOutcome,
+    ModuleParameter,
+    ModuleReply,
+    ModuleRequest,
+    ModuleTelegramDecoder,
     MotionKind,
-    Outcome,
-    Parameter,
-    Reply,
-    Request,
-    TelegramDecoder,
     decode_request,
     encode_reply,
 )
 from p2os.errors import DecodeError
-from p2os_emu.body import Arm
+from p2os_emu.body import ArmMechanism
 from p2os_emu.microcontroller.profile import approach, braking_speed
 
 SLACK = 1e-4
@@ -39,7 +39,7 @@ FAULTS = CubeState.ERROR | CubeState.HALTED | CubeState.LAGS | CubeState.SILENCE
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ModuleLimits:
     """Of one module: rad and rad/s, or m and m/s. lag: at which it gives up."""
 
     lower: float
@@ -56,7 +56,7 @@ class Cube:
     state: as it reports it. setpoint: where the joint should be now, along its ramp.
     """
 
-    def __init__(self, joint: int, limits: Limits, most_current: float) -> None:
+    def __init__(self, joint: int, limits: ModuleLimits, most_current: float) -> None:
         self.state = CubeState.BRAKED
         self.setpoint = limits.home
         self._joint = joint
@@ -67,9 +67,9 @@ class Cube:
         self._is_homing = False
         self._top = limits.speed
         self._settings = {
-            Parameter.RAMP_VELOCITY: limits.speed,
-            Parameter.RAMP_ACCELERATION: limits.acceleration / 2,
-            Parameter.MOST_CURRENT: most_current,
+            ModuleParameter.RAMP_VELOCITY: limits.speed,
+            ModuleParameter.RAMP_ACCELERATION: limits.acceleration / 2,
+            ModuleParameter.MOST_CURRENT: most_current,
         }
 
     @property
@@ -77,7 +77,7 @@ class Cube:
         """It is on its way."""
         return CubeState.MOVING in self.state
 
-    def answer(self, request: Request, arm: Arm) -> Reply:
+    def answer(self, request: ModuleRequest, arm: ArmMechanism) -> ModuleReply:
         """Do what a host asks."""
         command, about, value, time = request
         match command:
@@ -87,33 +87,33 @@ class Cube:
                 self.halt(arm, CubeState.HALTED)
             case CubeCommand.HOME if not self.state & CubeState.HALTED:
                 self._is_homing = True
-                self._begin(arm, self._limits.home, self._settings[Parameter.RAMP_VELOCITY])
+                self._begin(arm, self._limits.home, self._settings[ModuleParameter.RAMP_VELOCITY])
             case CubeCommand.GET:
                 return self._get(about, arm)
             case CubeCommand.SET if about in self._settings and isfinite(value) and value > 0.0:
-                self._settings[Parameter(about)] = value
+                self._settings[ModuleParameter(about)] = value
             case CubeCommand.MOVE if about in KINDS and self._may_move(about, value, time):
                 self._move(MotionKind(about), value, time, arm)
                 if about != MotionKind.RAMP:
-                    return Reply(command, about, value=arm.positions[self._joint], state=self.state)
+                    return ModuleReply(command, about, value=arm.positions[self._joint], state=self.state)
             case _:
-                return Reply(command, about, Outcome.REFUSED)
-        return Reply(command, about, Outcome.DONE)
+                return ModuleReply(command, about, ModuleOutcome.REFUSED)
+        return ModuleReply(command, about, ModuleOutcome.DONE)
 
-    def halt(self, arm: Arm, why: CubeState) -> None:
+    def halt(self, arm: ArmMechanism, why: CubeState) -> None:
         """Stop at once; the brake holds until RESET."""
         self.state = self.state & ~CubeState.MOVING | CubeState.BRAKED | CubeState.HALTED | why
         self._is_homing = False
         self._speed = 0.0
         arm.release(self._joint)
 
-    def advance(self, arm: Arm, position: float, dt: float) -> None:
+    def advance(self, arm: ArmMechanism, position: float, dt: float) -> None:
         """Take one step along the ramp. position: of the joint, rad or m."""
         if abs(self.setpoint - position) > self._limits.lag:
             self.halt(arm, CubeState.ERROR | CubeState.LAGS)
             return
         wanted = self._wanted_speed(dt)
-        acceleration = self._settings[Parameter.RAMP_ACCELERATION]
+        acceleration = self._settings[ModuleParameter.RAMP_ACCELERATION]
         self._speed = approach(self._speed, wanted, acceleration, self._limits.acceleration, dt)
         self.setpoint = min(max(self.setpoint + self._speed * dt, self._limits.lower), self._limits.upper)
         if wanted == self._speed == 0.0:
@@ -130,7 +130,7 @@ class Cube:
 
     @property
     def _braking(self) -> float:
-        return min(self._settings[Parameter.RAMP_ACCELERATION], self._limits.acceleration)
+        return min(self._settings[ModuleParameter.RAMP_ACCELERATION], self._limits.acceleration)
 
     def _arrive(self) -> None:
         self.state &= ~CubeState.MOVING
@@ -140,7 +140,7 @@ class Cube:
             self._is_homing = False
             self.state |= CubeState.HOMED
 
-    def _reset(self, arm: Arm) -> None:
+    def _reset(self, arm: ArmMechanism) -> None:
         if self.state & FAULTS:
             self.state &= ~FAULTS
             self.setpoint = arm.positions[self._joint]
@@ -157,7 +157,7 @@ class Cube:
             return abs(value) <= limits.speed + SLACK
         return limits.lower - SLACK <= value <= limits.upper + SLACK
 
-    def _move(self, kind: MotionKind, value: float, time: float, arm: Arm) -> None:
+    def _move(self, kind: MotionKind, value: float, time: float, arm: ArmMechanism) -> None:
         self._is_homing = False
         match kind:
             case MotionKind.VELOCITY_ACKNOWLEDGED:
@@ -167,9 +167,9 @@ class Cube:
                 way = abs(value - self.setpoint)
                 self._begin(arm, value, way / time if time > 0.0 else self._limits.speed)
             case _:
-                self._begin(arm, value, self._settings[Parameter.RAMP_VELOCITY])
+                self._begin(arm, value, self._settings[ModuleParameter.RAMP_VELOCITY])
 
-    def _begin(self, arm: Arm, target: float | None, speed: float) -> None:
+    def _begin(self, arm: ArmMechanism, target: float | None, speed: float) -> None:
         if CubeState.BRAKED in self.state:
             self.setpoint = arm.positions[self._joint]
         self.state = self.state & ~CubeState.BRAKED | CubeState.MOVING
@@ -177,25 +177,27 @@ class Cube:
         self._top = min(speed, self._limits.speed)
         self._cruise = 0.0
 
-    def _get(self, about: int, arm: Arm) -> Reply:
-        if about == Parameter.STATE:
-            return Reply(CubeCommand.GET, about, state=self.state)
+    def _get(self, about: int, arm: ArmMechanism) -> ModuleReply:
+        if about == ModuleParameter.STATE:
+            return ModuleReply(CubeCommand.GET, about, state=self.state)
         limits = self._limits
         values = {
-            Parameter.MINIMUM: limits.lower,
-            Parameter.MAXIMUM: limits.upper,
-            Parameter.MOST_VELOCITY: limits.speed,
-            Parameter.MOST_ACCELERATION: limits.acceleration,
+            ModuleParameter.MINIMUM: limits.lower,
+            ModuleParameter.MAXIMUM: limits.upper,
+            ModuleParameter.MOST_VELOCITY: limits.speed,
+            ModuleParameter.MOST_ACCELERATION: limits.acceleration,
             **self._settings,
         }
         match about:
-            case Parameter.POSITION:
+            case ModuleParameter.POSITION:
                 value: float | None = arm.positions[self._joint]
-            case Parameter.VELOCITY:
+            case ModuleParameter.VELOCITY:
                 value = arm.velocities[self._joint]
             case _:
-                value = values[Parameter(about)] if about in values else None
-        return Reply(CubeCommand.GET, about, value=value, outcome=Outcome.REFUSED if value is None else None)
+                value = values[ModuleParameter(about)] if about in values else None
+        return ModuleReply(
+            CubeCommand.GET, about, value=value, outcome=ModuleOutcome.REFUSED if value is None else None
+        )
 
 
 class PowerCubeArm:
@@ -204,7 +206,7 @@ class PowerCubeArm:
     cubes: in the order of the joints. baud: bit/s.
     """
 
-    def __init__(self, model: ArmModel, arm: Arm) -> None:
+    def __init__(self, model: ArmModel, arm: ArmMechanism) -> None:
         """Switch the modules on.
 
         Args:
@@ -221,7 +223,7 @@ class PowerCubeArm:
         self._arm = arm
         self._patience = model.cubes.watchdog_s
         self._silence = 0.0
-        self._decoder = TelegramDecoder()
+        self._decoder = ModuleTelegramDecoder()
         self._answers: list[bytes] = []
         for joint in range(len(self.cubes)):
             arm.release(joint)
@@ -260,9 +262,9 @@ class PowerCubeArm:
                 cube.advance(self._arm, position, dt)
 
 
-def _limits(model: ArmModel, cubes: CubeModel) -> list[Limits]:
+def _limits(model: ArmModel, cubes: CubeModel) -> list[ModuleLimits]:
     joints = [
-        Limits(
+        ModuleLimits(
             joint.lower,
             joint.upper,
             joint.home,
@@ -274,4 +276,4 @@ def _limits(model: ArmModel, cubes: CubeModel) -> list[Limits]:
     ]
     gripper = model.gripper
     acceleration = gripper.speed_m_s / cubes.acceleration_s
-    return [*joints, Limits(0.0, gripper.opening_m, gripper.home_m, gripper.speed_m_s, acceleration, cubes.lag_m)]
+    return [*joints, ModuleLimits(0.0, gripper.opening_m, gripper.home_m, gripper.speed_m_s, acceleration, cubes.lag_m)]

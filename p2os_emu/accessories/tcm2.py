@@ -26,7 +26,7 @@ class Tcm2Spec:
     temperature_deg_c: float
 
 
-class Field(NamedTuple):
+class MagneticField(NamedTuple):
     """Magnetic field in the robot's axes, T: forward, right, down."""
 
     forward: float
@@ -43,11 +43,11 @@ class Extent(NamedTuple):
     most_right: float
 
     @classmethod
-    def of(cls, field: Field) -> "Extent":
+    def of(cls, field: MagneticField) -> "Extent":
         """One field."""
         return cls(field.forward, field.forward, field.right, field.right)
 
-    def including(self, field: Field) -> "Extent":
+    def including(self, field: MagneticField) -> "Extent":
         """This and one more."""
         return Extent(
             min(self.least_forward, field.forward),
@@ -77,7 +77,7 @@ class Tcm2:
     def __init__(self, spec: Tcm2Spec, chance: Random) -> None:
         self.spec = spec
         self._chance = chance
-        self._hard_iron = Field(*(chance.gauss(0.0, spec.hard_iron_t) for _ in range(3)))
+        self._hard_iron = MagneticField(*(chance.gauss(0.0, spec.hard_iron_t) for _ in range(3)))
         self.reset()
 
     def reset(self) -> None:
@@ -137,13 +137,13 @@ class Tcm2:
             m_score=self._scores[2],
         )
 
-    def _field(self, heading: float, nearby: tuple[float, float]) -> Field:
+    def _field(self, heading: float, nearby: tuple[float, float]) -> MagneticField:
         """What the magnetometer sees, with the iron of the robot and noise."""
         spec, iron, chance = self.spec, self._hard_iron, self._chance
         north = radians(spec.north_deg)
         x, y = spec.horizontal_t * cos(north) + nearby[0], spec.horizontal_t * sin(north) + nearby[1]
         forward, left = x * cos(heading) + y * sin(heading), y * cos(heading) - x * sin(heading)
-        return Field(
+        return MagneticField(
             forward + iron.forward + chance.gauss(0.0, spec.field_noise_t),
             -left + iron.right + chance.gauss(0.0, spec.field_noise_t),
             spec.down_t + iron.down + chance.gauss(0.0, spec.field_noise_t),

@@ -11,7 +11,7 @@ its range with BAD_PARAMETER. Two clients' ways of asking for the zoom (0xA4 and
 
 from collections.abc import Callable, Mapping
 
-from p2os.accessories.head_model import Axis, HeadModel
+from p2os.accessories.head_model import HeadAxis, HeadModel
 from p2os.accessories.vcc4 import (
     Code,
     CommandDecoder,
@@ -23,7 +23,7 @@ from p2os.accessories.vcc4 import (
     number,
     read_pair,
 )
-from p2os_emu.accessories.head import Head, Servo
+from p2os_emu.accessories.head import Head, HeadServo
 
 PRODUCT = b"VC-C4"
 MAXIMUM = b"3"
@@ -139,7 +139,7 @@ class Vcc4:
         self.head.home()
         return _DONE
 
-    def _set_slew(self, given: bytes, servo: Servo, axis: Axis) -> _Answer:
+    def _set_slew(self, given: bytes, servo: HeadServo, axis: HeadAxis) -> _Answer:
         speed = number(given)
         if len(given) != 3 or speed is None or not axis.slowest <= speed <= axis.fastest:
             return _BAD

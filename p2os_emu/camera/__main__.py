@@ -15,7 +15,7 @@ from PIL import Image
 
 from p2os_emu.camera.feed import Feed
 from p2os_emu.camera.image_format import read_format
-from p2os_emu.camera.news import Moment, receive, report_watched
+from p2os_emu.camera.news import SceneMoment, receive, report_watched
 from p2os_emu.camera.server import CameraServer
 from p2os_emu.world.mirror import Mirror, choose_renderer
 from p2os_emu.world.view import View
@@ -27,16 +27,16 @@ LEAST_OFTEN = 1.0
 """
 
 
-class Inbox:
+class SceneInbox:
     """What the emulator has said since one looked last, put together."""
 
     def __init__(self, channel: socket.socket) -> None:
         self._channel = channel
-        self._moment: Moment | None = None
+        self._moment: SceneMoment | None = None
         self._come = threading.Condition()
         threading.Thread(target=self._read, daemon=True).start()
 
-    def take(self) -> Moment | None:
+    def take(self) -> SceneMoment | None:
         """The world's news, and the view now; None while nothing is new."""
         with self._come:
             moment, self._moment = self._moment, None
@@ -53,7 +53,7 @@ class Inbox:
                 with self._come:
                     if self._moment is not None:
                         self._moment.news.add(moment.news)
-                        moment = Moment(self._moment.news, moment.view)
+                        moment = SceneMoment(self._moment.news, moment.view)
                     self._moment = moment
                     self._come.notify_all()
         finally:
@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     image = read_format(image_format)
     mirror = Mirror(choose_renderer())
     channel = socket.socket(fileno=int(channel_fd))
-    inbox = Inbox(channel)
+    inbox = SceneInbox(channel)
     feed = Feed(partial(report_watched, channel))
     server = CameraServer(socket.socket(fileno=int(listener_fd)), feed, title)
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -91,7 +91,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         time.sleep(due - now)
 
 
-def _take(inbox: Inbox, mirror: Mirror, view: View | None) -> View | None:
+def _take(inbox: SceneInbox, mirror: Mirror, view: View | None) -> View | None:
     """Bring the mirror up to date; returns the view now."""
     moment = inbox.take()
     if moment is None:

@@ -7,7 +7,7 @@ from zlib import crc32
 
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.image_format import ImageFormat
-from p2os_emu.camera.news import Moment, send, watched_reports
+from p2os_emu.camera.news import SceneMoment, send, watched_reports
 from p2os_emu.world.sight import MOST_NEW
 
 FAREWELL = 2.0
@@ -70,7 +70,7 @@ class CameraProcess:
             return False
         return True
 
-    def tell(self, moment: Moment) -> bool:
+    def tell(self, moment: SceneMoment) -> bool:
         """Tell it what is new, if it can take it now; returns whether it lives."""
         try:
             if send(self._channel, moment):

@@ -7,7 +7,7 @@ import configs
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.camera_process import CameraProcess
 from p2os_emu.camera.image_format import read_format
-from p2os_emu.camera.news import Moment
+from p2os_emu.camera.news import SceneMoment
 from p2os_emu.fitting import plugged_head
 from p2os_emu.links.link import PortError
 from p2os_emu.world.view import View
@@ -98,7 +98,7 @@ class Cameras:
         process.leave()
         self._leaving.append(process)
 
-    def _moment(self, robot: "EmulatedRobot", process: CameraProcess) -> Moment:
+    def _moment(self, robot: "EmulatedRobot", process: CameraProcess) -> SceneMoment:
         """What is new to a camera, and where it looks now: along its head, if it is on one."""
         model = self._model
         assert model is not None  # there is a camera
@@ -112,4 +112,4 @@ class Cameras:
             head.tilt.position if head else 0.0,
             head.field_of_view if head else model.field_of_view,
         )
-        return Moment(self._world.sight.news(process.known), view)
+        return SceneMoment(self._world.sight.news(process.known), view)

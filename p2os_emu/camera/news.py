@@ -1,8 +1,8 @@
 """What the emulator and a camera's process send each other: packets on a pair of sockets.
 
 The process reports whether somebody looks, and while somebody does, the emulator sends it what is new as often as it
-can be taken. That packet is a pickled `Moment`: both ends are this program. A packet is sent whole or not at all, and
-what could not be sent is sent with the next one, so the emulator never waits.
+can be taken. That packet is a pickled `SceneMoment`: both ends are this program. A packet is sent whole or not at all,
+and what could not be sent is sent with the next one, so the emulator never waits.
 """
 
 import pickle
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import NamedTuple
 
-from p2os_emu.world.sight import News
+from p2os_emu.world.sight import SceneChanges
 from p2os_emu.world.view import View
 
 LARGEST = 1 << 20
@@ -20,14 +20,14 @@ WATCHED, UNWATCHED = b"\1", b"\0"
 """What a camera's process reports: somebody looks, or nobody does."""
 
 
-class Moment(NamedTuple):
+class SceneMoment(NamedTuple):
     """The world's news, and where the camera looks."""
 
-    news: News
+    news: SceneChanges
     view: View
 
 
-def send(channel: socket.socket, moment: Moment) -> bool:
+def send(channel: socket.socket, moment: SceneMoment) -> bool:
     """Send without waiting; returns whether it could be sent.
 
     Raises:
@@ -40,13 +40,13 @@ def send(channel: socket.socket, moment: Moment) -> bool:
     return True
 
 
-def receive(channel: socket.socket) -> Moment | None:
+def receive(channel: socket.socket) -> SceneMoment | None:
     """Wait for the next moment; None when there will be none."""
     data = channel.recv(LARGEST)
     if not data:
         return None
     moment = pickle.loads(data)
-    assert isinstance(moment, Moment)  # both ends are ours
+    assert isinstance(moment, SceneMoment)  # both ends are ours
     return moment
 
 

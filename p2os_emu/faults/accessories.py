@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, Need, Parameter
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Need
 
 _GYRO = Need("gyro", lambda robot: robot.fit.has("gyro"))
 _LASER = Need("laser", lambda robot: robot.fit.has("laser"))
@@ -34,7 +34,7 @@ KINDS = (
         "dirt on the window of the laser scanner",
         "somebody wipes it",
         _soil_laser,
-        {"dirt": Parameter("the part of the light that it takes, 0 to 1", parameters.number(1.0), "0.5")},
+        {"dirt": FaultParameter("the part of the light that it takes, 0 to 1", parameters.number(1.0), "0.5")},
         _LASER,
     ),
 )

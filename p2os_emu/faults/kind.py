@@ -10,7 +10,7 @@ Arguments = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class FaultParameter:
     """One parameter of a fault: its meaning for people, and how its text becomes a value.
 
     read: Raises ValueError with what it should be.
@@ -45,7 +45,7 @@ class FaultKind:
     meaning: str
     ending: str
     befall: Callable[[EmulatedRobot, Sequence[Arguments]], None]
-    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    parameters: Mapping[str, FaultParameter] = field(default_factory=dict)
     needs: Need | None = None
     is_momentary: bool = False
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, Parameter
-from p2os_emu.links.line import Line
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter
+from p2os_emu.links.line import EmulatedLine
 
 _ROBOTS = "robot"
 _MOST_NOISE = 0.5  # of the bits: more of it would only be less
@@ -25,12 +25,12 @@ def _toward(text: str, robot: EmulatedRobot) -> str:
     return text
 
 
-def _lines(robot: EmulatedRobot) -> Mapping[str, Line]:
+def _lines(robot: EmulatedRobot) -> Mapping[str, EmulatedLine]:
     return {_ROBOTS: robot.line, **{part: cable.line for part, cable in robot.cables.items()}}
 
 
 def _on_each_line(
-    treat: Callable[[Line, Sequence[Arguments]], None],
+    treat: Callable[[EmulatedLine, Sequence[Arguments]], None],
 ) -> Callable[[EmulatedRobot, Sequence[Arguments]], None]:
     """What befalls a robot when each of its lines is treated by the faults that are at work on it."""
 
@@ -41,19 +41,19 @@ def _on_each_line(
     return befall
 
 
-def _cut(line: Line, at_work: Sequence[Arguments]) -> None:
+def _cut(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
     line.is_cut = bool(at_work)
 
 
-def _freeze(line: Line, at_work: Sequence[Arguments]) -> None:
+def _freeze(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
     _impair(line, "frozen", bool(at_work))
 
 
-def _garble(line: Line, at_work: Sequence[Arguments]) -> None:
+def _garble(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
     _impair(line, "garbled", bool(at_work))
 
 
-def _silence(line: Line, at_work: Sequence[Arguments]) -> None:
+def _silence(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
     lost = {each["toward"] for each in at_work}
     if lost:
         line.impair("half-duplex", toward="both" if len(lost) > 1 else lost.pop())
@@ -61,30 +61,30 @@ def _silence(line: Line, at_work: Sequence[Arguments]) -> None:
         line.mend("half-duplex")
 
 
-def _disturb(line: Line, at_work: Sequence[Arguments]) -> None:
+def _disturb(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
     if at_work:
         line.impair("noisy", rate=max(each["rate"] for each in at_work))
     else:
         line.mend("noisy")
 
 
-def _impair(line: Line, name: str, is_wanted: bool) -> None:
+def _impair(line: EmulatedLine, name: str, is_wanted: bool) -> None:
     if is_wanted:
         line.impair(name)
     else:
         line.mend(name)
 
 
-def _pull_port(line: Line, at_work: Sequence[Arguments]) -> None:
+def _pull_port(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
     if at_work:
         line.link.unplug()
     else:
         line.link.plug_in()
 
 
-_CABLE = {"cable": Parameter("whose line: robot, or an accessory's such as laser or arm", _cable, _ROBOTS)}
-_TOWARD = {"toward": Parameter("the end that hears nothing, robot or host", _toward, "robot")}
-_RATE = {"rate": Parameter("of bits that arrive wrong", parameters.number(_MOST_NOISE), "0.001")}
+_CABLE = {"cable": FaultParameter("whose line: robot, or an accessory's such as laser or arm", _cable, _ROBOTS)}
+_TOWARD = {"toward": FaultParameter("the end that hears nothing, robot or host", _toward, "robot")}
+_RATE = {"rate": FaultParameter("of bits that arrive wrong", parameters.number(_MOST_NOISE), "0.001")}
 
 KINDS = (
     FaultKind(

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, Need, Parameter
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Need
 from p2os_emu.faulty_body import HEALTHY_SONAR, SonarFaults
 
 _LONGEST = 5.0  # m; what a disc can report
-_DISC = Parameter("numbers from 0 as SIPs count them, such as 3, 0-7, 3+5 or all", parameters.discs, "all")
+_DISC = FaultParameter("numbers from 0 as SIPs count them, such as 3, 0-7, 3+5 or all", parameters.discs, "all")
 _SONAR = Need("sonar", lambda robot: robot.model.sonar)
 _BUMPERS = Need("bumpers", lambda robot: robot.model.front_bumpers or robot.model.rear_bumpers)
 
@@ -65,7 +65,7 @@ KINDS = (
         "sonar discs report one range, whatever stands there",
         "they measure again",
         _stick_sonar,
-        {"disc": _DISC, "range": Parameter("what they report, m", parameters.number(_LONGEST, "metres"), "0.5")},
+        {"disc": _DISC, "range": FaultParameter("what they report, m", parameters.number(_LONGEST, "metres"), "0.5")},
         _SONAR,
     ),
     FaultKind(
@@ -73,7 +73,7 @@ KINDS = (
         "sonar discs report echoes that never were, at random ranges",
         "they report only what they hear",
         _disturb_sonar,
-        {"disc": _DISC, "share": Parameter("of the firings that go wrong, 0 to 1", parameters.number(1.0), "0.3")},
+        {"disc": _DISC, "share": FaultParameter("of the firings that go wrong, 0 to 1", parameters.number(1.0), "0.3")},
         _SONAR,
     ),
     FaultKind(
@@ -82,8 +82,10 @@ KINDS = (
         "they grip again; odometry keeps its error",
         _slip,
         {
-            "side": Parameter("left, right or both", parameters.side, "both"),
-            "factor": Parameter("how much of the turning arrives on the floor, 0 to 1", parameters.number(1.0), "0.5"),
+            "side": FaultParameter("left, right or both", parameters.side, "both"),
+            "factor": FaultParameter(
+                "how much of the turning arrives on the floor, 0 to 1", parameters.number(1.0), "0.5"
+            ),
         },
     ),
     FaultKind(
@@ -91,14 +93,14 @@ KINDS = (
         "something blocks wheels; their motors strive in vain and the stall bits follow",
         "they turn again; the robot goes on when the firmware's pause after a stall is over",
         _block,
-        {"side": Parameter("left, right or both", parameters.side, "both")},
+        {"side": FaultParameter("left, right or both", parameters.side, "both")},
     ),
     FaultKind(
         "bumper-stuck",
         "a bumper segment stays pressed",
         "the segment springs back",
         _hold_bumpers,
-        {"segment": Parameter("such as rear2, counted from 1, from right to left", parameters.segment, "front1")},
+        {"segment": FaultParameter("such as rear2, counted from 1, from right to left", parameters.segment, "front1")},
         _BUMPERS,
     ),
 )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, Parameter
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter
 
 _LOW = 0.9  # of the nominal voltage: a lead-acid battery that should be charged
 
@@ -50,7 +50,11 @@ KINDS = (
         "the battery shows a low voltage",
         "the battery's own voltage shows again",
         _drain,
-        {"volts": Parameter("what it shows, V; nine tenths of the nominal voltage if not given", parameters.volts)},
+        {
+            "volts": FaultParameter(
+                "what it shows, V; nine tenths of the nominal voltage if not given", parameters.volts
+            )
+        },
     ),
     FaultKind(
         "charger-plugged",

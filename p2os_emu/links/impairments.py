@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
-from p2os_emu.links.stage import Rates, Stage, split_frames
+from p2os_emu.links.stage import LinkStage, Rates, split_frames
 
 _ROUNDING = 1e-9  # s; times are sums of steps
 
@@ -37,7 +37,7 @@ class Impairments:
     damage: float = 0.0
     duplication: float = 0.0
 
-    def stages(self, seed: str) -> Iterator[Stage]:
+    def stages(self, seed: str) -> Iterator[LinkStage]:
         """Make the stages that are needed, in the order of a line; each draws by its own name."""
         if self.duplication:
             yield Duplication(self.duplication, Random(f"{seed} duplication"))
@@ -62,7 +62,7 @@ class Delay:
         self._last_due = 0.0
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         if data:
             self._last_due = max(self._last_due, now + self._delay + self._jitter * self._chance.random())
             self._on_its_way.append((self._last_due, data))
@@ -84,7 +84,7 @@ class Loss:
         self._in_burst = False
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         kept = bytearray()
         while data:
             change = self._changes[self._in_burst].first(len(data))
@@ -109,7 +109,7 @@ class BitErrors:
         self._hits = Hits(rate, chance)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         heard = bytearray(data)
         for bit in self._hits.among(8 * len(data)):
             heard[bit // 8] ^= 1 << bit % 8
@@ -124,7 +124,7 @@ class ByteDamage:
         self._chance = chance
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         heard = bytearray(data)
         for index in self._hits.among(len(data)):
             heard[index] ^= self._chance.randint(1, 255)
@@ -139,7 +139,7 @@ class Duplication:
         self._chance = chance
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         return b"".join(frame * (1 + (self._chance.random() < self._rate)) for frame in split_frames(data))
 
 
@@ -150,7 +150,7 @@ class Noise:
         self._chance = chance
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         return self._chance.randbytes(len(data)) if data else data
 
 
@@ -158,7 +158,7 @@ class Silence:
     """Nothing gets through, and nothing is kept."""
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         return b""
 
 
@@ -176,7 +176,7 @@ class Freeze:
         self.held = bytearray()
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`."""
+        """As `LinkStage.carry`."""
         self.held += data[: MOST_HELD - len(self.held)]
         return b""
 

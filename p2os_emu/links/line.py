@@ -14,9 +14,9 @@ from p2os_emu.links.link import Link
 from p2os_emu.links.modem import Dialling, Slot
 from p2os_emu.links.pacing import BaudCheck, HostQueue, RobotQueue
 from p2os_emu.links.profile import LinkProfile
-from p2os_emu.links.stage import Rates, Stage, split_frames
+from p2os_emu.links.stage import LinkStage, Rates, split_frames
 
-__all__ = ["LINE_FAULTS", "Line", "LinkProfile", "Source", "Toward", "split_frames"]
+__all__ = ["LINE_FAULTS", "EmulatedLine", "LinkProfile", "Source", "Toward", "split_frames"]
 
 Toward = Literal["robot", "host", "both"]
 """Which way bytes travel."""
@@ -32,8 +32,8 @@ class _Way:
     """
 
     def __init__(self) -> None:
-        self.stages: list[Stage] = []
-        self.faults: dict[str, Stage] = {}
+        self.stages: list[LinkStage] = []
+        self.faults: dict[str, LinkStage] = {}
         self.late = b""
 
     @property
@@ -42,7 +42,7 @@ class _Way:
         return not (self.stages or self.faults or self.late)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """As `Stage.carry`, through all of them."""
+        """As `LinkStage.carry`, through all of them."""
         for stage in self.stages:
             data = stage.carry(data, now, rates)
         data, self.late = self.late + data, b""
@@ -51,7 +51,7 @@ class _Way:
         return data
 
 
-class Line:
+class EmulatedLine:
     """One robot's line to its port.
 
     is_cut: while set, nothing gets through in either direction.
@@ -161,7 +161,7 @@ class Line:
             self._to_host.stages.append(Blocks(profile.adapter))
 
 
-LINE_FAULTS: Mapping[str, Callable[[Random, float], Stage]] = {
+LINE_FAULTS: Mapping[str, Callable[[Random, float], LinkStage]] = {
     "half-duplex": lambda chance, rate: Silence(),
     "frozen": lambda chance, rate: Freeze(),
     "noisy": lambda chance, rate: BitErrors(rate, chance),

@@ -15,7 +15,7 @@ class Rates(NamedTuple):
     client: int | None
 
 
-class Stage(Protocol):
+class LinkStage(Protocol):
     """One thing that happens to the bytes of one direction."""
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:

@@ -17,7 +17,7 @@ from functools import partial
 
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessory_packets import ArmInformation, ArmJoint, ArmReport, ArmStatus
-from p2os_emu.body import Arm
+from p2os_emu.body import ArmMechanism
 
 VERSION = "1.0"
 NO_ARM = "No arm"
@@ -48,7 +48,7 @@ class Power(Enum):
 
 
 @dataclass(slots=True)
-class Servo:
+class ArmServo:
     """One servo.
 
     figures: as ARMINFOpac says. place: rad or m at a count. top_speed: rad/s or m/s. position: where it is told to be,
@@ -81,7 +81,7 @@ class Servo:
         left = self.goal - self.position
         self.position = float(self.goal) if abs(left) <= step else self.position + (step if left > 0 else -step)
 
-    def drive(self, joint: int, arm: Arm) -> None:
+    def drive(self, joint: int, arm: ArmMechanism) -> None:
         """Tell the body's joint, if there is anything new: where to, and how fast."""
         if self.told != (self.goal, self.speed):
             self.told = self.goal, self.speed
@@ -99,7 +99,7 @@ class ArmServer:
     def __init__(self) -> None:
         self.follows_manual = False
         self.power = Power.OFF
-        self._servos: tuple[Servo, ...] = ()
+        self._servos: tuple[ArmServo, ...] = ()
         self._is_driven = False
         self._init_left = self._settling_left = 0.0
         self._autopark, self._gripper_park = AUTOPARK, 0.0
@@ -209,7 +209,7 @@ class ArmServer:
 
     # Time.
 
-    def advance(self, arm: Arm | None, dt: float, *, is_deserted: bool) -> None:
+    def advance(self, arm: ArmMechanism | None, dt: float, *, is_deserted: bool) -> None:
         """Take one step.
 
         Args:
@@ -262,7 +262,7 @@ class ArmServer:
             | (ArmStatus.HOMING if homing else 0)
         )
 
-    def _chosen(self, joint: int) -> Iterable[Servo]:
+    def _chosen(self, joint: int) -> Iterable[ArmServo]:
         """The servos that an order is for; nothing can be ordered without power, or on the last way home."""
         self.check()
         if self.power not in (Power.SETTLING, Power.ON):
@@ -281,7 +281,7 @@ class ArmServer:
             gripper = self._servos[GRIPPER - 1]
             gripper.aim(gripper.figures.home, homes=True)
 
-    def _hold(self, arm: Arm) -> None:
+    def _hold(self, arm: ArmMechanism) -> None:
         """Power makes every servo go to where it is told to be, as fast as it can."""
         if not self._is_driven:
             self._is_driven = True
@@ -289,7 +289,7 @@ class ArmServer:
                 servo.told = None
                 arm.move(joint, servo.place(servo.position), servo.top_speed)
 
-    def _release(self, arm: Arm) -> None:
+    def _release(self, arm: ArmMechanism) -> None:
         if self._is_driven:
             self._is_driven = False
             for joint in range(len(self._servos)):
@@ -301,17 +301,17 @@ class ArmServer:
             servo.aim(round(servo.position))
 
 
-def _servos(model: ArmModel) -> Iterable[Servo]:
+def _servos(model: ArmModel) -> Iterable[ArmServo]:
     """The servos of an arm, at home; the gripper's comes last."""
     for joint, servo in zip(model.joints, model.servos, strict=True):
         ends = sorted((servo.tick(joint.lower), servo.tick(joint.upper)))
         home = servo.tick(joint.home)
         figures = ArmJoint(servo.speed_ms, home, ends[0], servo.centre, ends[1], servo.ticks_per_90)
-        yield Servo(figures, servo.angle, joint.speed, float(home), home, servo.speed_ms)
+        yield ArmServo(figures, servo.angle, joint.speed, float(home), home, servo.speed_ms)
     gripper, fingers = model.gripper, model.finger_servo
     if fingers is not None:
         least, most = sorted((fingers.closed, fingers.open))
         home = fingers.tick(gripper.home_m, gripper.opening_m)
         figures = ArmJoint(fingers.speed_ms, home, least, (least + most) // 2, most, fingers.ticks_per_90)
         place = partial(fingers.opening, most=gripper.opening_m)
-        yield Servo(figures, place, gripper.speed_m_s, float(home), home, fingers.speed_ms)
+        yield ArmServo(figures, place, gripper.speed_m_s, float(home), home, fingers.speed_ms)

@@ -33,7 +33,7 @@ class ChargeState(IntEnum):
     UNKNOWN = 255
 
 
-class Battery:
+class BatteryModel:
     """State of charge and terminal voltage.
 
     charge: 1 full, 0 empty. voltage: V at the terminals.

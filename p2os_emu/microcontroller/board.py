@@ -11,23 +11,23 @@ from p2os_emu.body import Body, BodyState
 from p2os_emu.device import Device
 from p2os_emu.microcontroller.arm import ArmServer
 from p2os_emu.microcontroller.aux_port import AuxPort
-from p2os_emu.microcontroller.battery import Battery
+from p2os_emu.microcontroller.battery import BatteryModel
 from p2os_emu.microcontroller.buzzer import Buzzer
-from p2os_emu.microcontroller.charger import Charger
+from p2os_emu.microcontroller.charger import ChargerContacts
 from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.gripper import GripperServer
 from p2os_emu.microcontroller.gyro import GyroServer
 from p2os_emu.microcontroller.joystick import JoystickServer
-from p2os_emu.microcontroller.motion import Motion
+from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.motors import AT_REST, Motors
-from p2os_emu.microcontroller.odometry import Odometry
+from p2os_emu.microcontroller.odometry import OdometryIntegrator
 from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import Panel
 from p2os_emu.microcontroller.requests import Requests
 from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.sonar import SonarScheduler
-from p2os_emu.microcontroller.watchdog import Watchdog
+from p2os_emu.microcontroller.watchdog import ClientWatchdog
 
 STOPS_WHEN_DOCKED = 2
 """Argument of DOCK."""
@@ -67,12 +67,12 @@ class Board:
         self.name = name
         self.flash = flash
         self.panel = panel
-        self.odometry = Odometry(model)
-        self.motion = Motion(model, flash, self.odometry)
+        self.odometry = OdometryIntegrator(model)
+        self.motion = MotionController(model, flash, self.odometry)
         self.motors = Motors(self.motion, flash)
         self.sonar = SonarScheduler(model, flash)
-        self.battery = Battery(model.battery_nominal, seed)
-        self.watchdog = Watchdog(flash.watchdog)
+        self.battery = BatteryModel(model.battery_nominal, seed)
+        self.watchdog = ClientWatchdog(flash.watchdog)
         self.requests = Requests()
         self.gripper = GripperServer()
         self.arm = ArmServer()
@@ -81,7 +81,7 @@ class Board:
         self.aux = {port: AuxPort(port, flash.aux_baud, Random(f"{seed} AUX{port}")) for port in (1, 2, 3)}
         self._used_ports: tuple[AuxPort, ...] = ()
         self.buzzer = Buzzer(model.firmware)
-        self.charger = Charger()
+        self.charger = ChargerContacts()
         self.joystick = JoystickServer(flash)
         self.gyro: GyroServer | None = None
         self.compass: CompassServer | None = None

@@ -23,7 +23,7 @@ KEPT = 50
 """Notes that are remembered."""
 
 
-class Sound(NamedTuple):
+class PlaylistSound(NamedTuple):
     """A sound of the playlist. seconds: how long it is."""
 
     name: str
@@ -34,17 +34,17 @@ RATE = 8000
 """Bytes of a second of sound (assumed)."""
 SOUNDS = {
     Family.AMIGOS: (
-        Sound("~robot", 0.0),
-        Sound("hello", 0.8),
-        Sound("ready", 0.6),
-        Sound("~signals", 0.0),
-        Sound("beep", 0.2),
-        Sound("ouch", 0.5),
+        PlaylistSound("~robot", 0.0),
+        PlaylistSound("hello", 0.8),
+        PlaylistSound("ready", 0.6),
+        PlaylistSound("~signals", 0.0),
+        PlaylistSound("beep", 0.2),
+        PlaylistSound("ouch", 0.5),
     )
 }
 
 
-class Note(NamedTuple):
+class PlayedNote(NamedTuple):
     """Something that was played.
 
     time: when it began, s since power-on. frequency: Hz; None for a rest, and for a sound. seconds: how long.
@@ -66,7 +66,7 @@ class Buzzer:
     __slots__ = ("_ends", "_sounds", "notes", "on")
 
     def __init__(self, family: Family) -> None:
-        self.notes: deque[Note] = deque(maxlen=KEPT)
+        self.notes: deque[PlayedNote] = deque(maxlen=KEPT)
         self.on = True
         self._ends = 0.0
         self._sounds = SOUNDS.get(family, ())
@@ -98,7 +98,7 @@ class Buzzer:
         if self.on:
             begins = max(now, self._ends)
             self._ends = begins + seconds
-            self.notes.append(Note(begins, frequency, seconds, sound))
+            self.notes.append(PlayedNote(begins, frequency, seconds, sound))
 
 
 def frequency(tone: int) -> float | None:

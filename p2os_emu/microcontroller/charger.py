@@ -10,7 +10,7 @@ PATIENCE = 10.0
 """s that lowered contacts wait for power."""
 
 
-class Charger:
+class ChargerContacts:
     """The contacts.
 
     lowered: they are down, or on their way. docking: argument of DOCK: 0 off, 1 signals, 2 and stop when power comes.

@@ -15,7 +15,7 @@ from p2os_emu.microcontroller import simulator
 from p2os_emu.microcontroller.accessory_commands import ACCESSORY_HANDLERS
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.handler import Handler, requests
-from p2os_emu.microcontroller.motion import Motion
+from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.panel import ANALOG_PORTS
 from p2os_emu.microcontroller.sonar import ARRAYS
 from p2os_emu.microcontroller.telemetry import EXTRAS
@@ -39,7 +39,7 @@ def execute(board: Board, payload: bytes) -> None:
         handler(board, received.value)
 
 
-def _moves(act: Callable[[Motion, Any], None]) -> Handler:
+def _moves(act: Callable[[MotionController, Any], None]) -> Handler:
     """A motion command: it has no effect while the motors are disabled."""
 
     def handle(board: Board, value: Any) -> None:
@@ -162,13 +162,13 @@ def _reset(board: Board, _: None) -> None:
 HANDLERS: Mapping[int, Handler] = {
     Command.ENABLE: lambda board, on: board.enable_motors(on != 0),
     # motion
-    Command.VEL: _moves(Motion.translate),
-    Command.MOVE: _moves(Motion.move),
-    Command.RVEL: _moves(Motion.rotate),
-    Command.ROTATE: _moves(Motion.rotate),
-    Command.HEAD: _moves(Motion.head),
-    Command.DHEAD: _moves(Motion.turn),
-    Command.DCHEAD: _moves(Motion.turn_setpoint),
+    Command.VEL: _moves(MotionController.translate),
+    Command.MOVE: _moves(MotionController.move),
+    Command.RVEL: _moves(MotionController.rotate),
+    Command.ROTATE: _moves(MotionController.rotate),
+    Command.HEAD: _moves(MotionController.head),
+    Command.DHEAD: _moves(MotionController.turn),
+    Command.DCHEAD: _moves(MotionController.turn_setpoint),
     Command.VEL2: _vel2,
     Command.STOP: lambda board, _: board.motion.stop(),
     Command.ESTOP: _estop,

@@ -13,7 +13,7 @@ from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.cadence import Cadence
 
 
-class Mode(IntEnum):
+class CompassMode(IntEnum):
     """Arguments of TCM2."""
 
     OFF = 0
@@ -52,23 +52,23 @@ class CompassServer:
     def command(self, mode: int) -> None:
         """TCM2; other numbers are ignored."""
         match mode:
-            case Mode.OFF | Mode.BYTE:
+            case CompassMode.OFF | CompassMode.BYTE:
                 self._packets = 0
-            case Mode.ONE_PACKET:
+            case CompassMode.ONE_PACKET:
                 self._packets = 1
-            case Mode.CONTINUOUS:
+            case CompassMode.CONTINUOUS:
                 self._packets = 2
-            case Mode.USER_CALIBRATION | Mode.AUTO_CALIBRATION:
+            case CompassMode.USER_CALIBRATION | CompassMode.AUTO_CALIBRATION:
                 self._module.begin_calibration()
-            case Mode.END_CALIBRATION:
+            case CompassMode.END_CALIBRATION:
                 self._module.end_calibration()
                 self._packets = 1
-            case Mode.SOFT_RESET:
+            case CompassMode.SOFT_RESET:
                 self._module.reset()
                 self._packets = 0
             case _:
                 return
-        self._reads = mode != Mode.OFF
+        self._reads = mode != CompassMode.OFF
         if not self._reads:
             self.byte = 0
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from enum import IntEnum
 
 from p2os.accessory_packets import GripperReport
-from p2os_emu.body import Gripper, GripperState
+from p2os_emu.body import GripperMechanism, GripperMechanismState
 from p2os_emu.gripper_model import GripperModel
 
 INTERVAL = 0.02
@@ -28,7 +28,7 @@ _FAR, _NEAR, _MOVING, _FAILED = 1, 2, 4, 8
 _UNKNOWN = _FAR | _NEAR
 
 
-class Order(IntEnum):
+class GripperOrder(IntEnum):
     """Arguments of GRIPPER."""
 
     OPEN = 1
@@ -101,7 +101,7 @@ class GripperServer:
         self.kind = 0
         self._paddles = _Motor()
         self._lift = _Motor()
-        self._gripper: Gripper | None = None
+        self._gripper: GripperMechanism | None = None
         self.power_on()
 
     def fit(self, model: GripperModel) -> None:
@@ -117,7 +117,7 @@ class GripperServer:
         self._grasp_time = GRASP_TIME
         self._pressed = 0.0
         self._told: tuple[int, int] | None = None  # the machine may still do what it was told before
-        self._awaits_value: Order | None = None
+        self._awaits_value: GripperOrder | None = None
 
     @property
     def state(self) -> int:
@@ -155,15 +155,15 @@ class GripperServer:
         """GRIPPER; numbers that mean nothing are ignored."""
         if not self.kind or number not in _ORDERS:
             return
-        order = Order(number)
-        self._awaits_value = order if order in (Order.PRESS, Order.CARRY) else None
+        order = GripperOrder(number)
+        self._awaits_value = order if order in (GripperOrder.PRESS, GripperOrder.CARRY) else None
         _ORDERS[order](self)
 
     def value(self, number: int) -> None:
         """GRIPPERVAL, which belongs to the GRIPPER before it; out of its range it is ignored."""
-        if self._awaits_value is Order.PRESS and 1 <= number <= LONGEST_PRESS:
+        if self._awaits_value is GripperOrder.PRESS and 1 <= number <= LONGEST_PRESS:
             self._grasp_time = number * INTERVAL
-        elif self._awaits_value is Order.CARRY and 1 <= abs(number) <= LONGEST_CARRY:
+        elif self._awaits_value is GripperOrder.CARRY and 1 <= abs(number) <= LONGEST_CARRY:
             self._lift.start(1 if number > 0 else -1, abs(number) * INTERVAL)
         self._awaits_value = None
 
@@ -172,7 +172,7 @@ class GripperServer:
         self._paddles.stop()
         self._lift.stop()
 
-    def advance(self, gripper: Gripper | None, dt: float) -> None:
+    def advance(self, gripper: GripperMechanism | None, dt: float) -> None:
         """Take one step; without a machine to drive, motors run into their timeouts."""
         self._gripper = gripper
         if self._paddles.direction or self._lift.direction:
@@ -186,10 +186,10 @@ class GripperServer:
             gripper.drive(*wanted)
 
     @property
-    def _seen(self) -> GripperState:
-        return self._gripper.state if self._gripper else GripperState()
+    def _seen(self) -> GripperMechanismState:
+        return self._gripper.state if self._gripper else GripperMechanismState()
 
-    def _grasp(self, seen: GripperState, dt: float) -> None:
+    def _grasp(self, seen: GripperMechanismState, dt: float) -> None:
         """Paddles that press on something from both sides go on for the grasp time, and are closed then."""
         if self._paddles.direction < 0 and seen.left_contact and seen.right_contact:
             self._pressed += dt
@@ -219,16 +219,16 @@ class GripperServer:
         self._lower()
 
 
-_ORDERS: Mapping[Order, Callable[[GripperServer], None]] = {
-    Order.OPEN: GripperServer._open,
-    Order.CLOSE: GripperServer._close,
-    Order.STOP: lambda server: server._paddles.stop(),
-    Order.UP: GripperServer._raise,
-    Order.DOWN: GripperServer._lower,
-    Order.LIFT_STOP: lambda server: server._lift.stop(),
-    Order.STORE: GripperServer._store,
-    Order.DEPLOY: GripperServer._deploy,
-    Order.HALT: GripperServer.halt,
-    Order.PRESS: lambda server: None,
-    Order.CARRY: lambda server: None,
+_ORDERS: Mapping[GripperOrder, Callable[[GripperServer], None]] = {
+    GripperOrder.OPEN: GripperServer._open,
+    GripperOrder.CLOSE: GripperServer._close,
+    GripperOrder.STOP: lambda server: server._paddles.stop(),
+    GripperOrder.UP: GripperServer._raise,
+    GripperOrder.DOWN: GripperServer._lower,
+    GripperOrder.LIFT_STOP: lambda server: server._lift.stop(),
+    GripperOrder.STORE: GripperServer._store,
+    GripperOrder.DEPLOY: GripperServer._deploy,
+    GripperOrder.HALT: GripperServer.halt,
+    GripperOrder.PRESS: lambda server: None,
+    GripperOrder.CARRY: lambda server: None,
 }

@@ -8,7 +8,7 @@ overridden; the watchdog holds nothing that a hand drives.
 """
 
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.motion import Motion
+from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.motors import Motors
 from p2os_emu.microcontroller.panel import Stick
 
@@ -31,7 +31,9 @@ class JoystickServer:
         """The client has gone, and its leave with it."""
         self.allowed = False
 
-    def advance(self, stick: Stick, motors: Motors, motion: Motion, has_client: bool, may_enable: bool) -> None:
+    def advance(
+        self, stick: Stick, motors: Motors, motion: MotionController, has_client: bool, may_enable: bool
+    ) -> None:
         """Take one step.
 
         Args:

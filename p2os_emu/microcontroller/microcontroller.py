@@ -17,7 +17,7 @@ from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.microcontroller.battery import ChargeState
 from p2os_emu.microcontroller.board import Board
-from p2os_emu.microcontroller.buzzer import Note
+from p2os_emu.microcontroller.buzzer import PlayedNote
 from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.commands import execute
 from p2os_emu.microcontroller.compass import CompassServer
@@ -108,7 +108,7 @@ class Microcontroller:
         return self._board.outputs
 
     @property
-    def notes(self) -> tuple[Note, ...]:
+    def notes(self) -> tuple[PlayedNote, ...]:
         """What the buzzer played last, oldest first."""
         return tuple(self._board.buzzer.notes)
 

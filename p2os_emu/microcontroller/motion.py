@@ -12,15 +12,15 @@ from p2os.firmware import Family
 from p2os.robot_model import RobotModel
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.odometry import Odometry
-from p2os_emu.microcontroller.servo import Limits, Servo
+from p2os_emu.microcontroller.odometry import OdometryIntegrator
+from p2os_emu.microcontroller.servo import Servo, ServoLimits
 
 NEAR_ENOUGH = 0.0005
 """m at a wheel rim within which a place counts as reached."""
 RECOMPOSES_WHEELS = frozenset({Family.ARCOS, Family.UARCS})
 
 
-class Mode(Enum):
+class MotionMode(Enum):
     """Which servers have the wheels."""
 
     BODY = "translation and rotation"
@@ -28,7 +28,7 @@ class Mode(Enum):
     WHEELS = "independent wheels"
 
 
-class Motion:
+class MotionController:
     """Turns motion commands into wheel speeds.
 
     left, right: wanted speed of the wheel rims, m/s. halted: stand still, but keep the commands (the watchdog).
@@ -48,7 +48,7 @@ class Motion:
         "translation",
     )
 
-    def __init__(self, model: RobotModel, flash: Flash, odometry: Odometry) -> None:
+    def __init__(self, model: RobotModel, flash: Flash, odometry: OdometryIntegrator) -> None:
         """Stand still with the limits of `flash`."""
         self._odometry = odometry
         self._track = model.wheel_track
@@ -57,7 +57,7 @@ class Motion:
 
     def restore(self, flash: Flash) -> None:
         """Take the working limits from FLASH and forget every command."""
-        along = Limits(
+        along = ServoLimits(
             top=flash.velocity_top,
             fastest=flash.max_velocity,
             acceleration=flash.acceleration,
@@ -65,7 +65,7 @@ class Motion:
             acceleration_top=flash.acceleration_top,
             emergency=flash.emergency_deceleration,
         )
-        around = Limits(
+        around = ServoLimits(
             top=flash.rotation_top,
             fastest=flash.max_rotation,
             acceleration=flash.rotational_acceleration,
@@ -81,7 +81,7 @@ class Motion:
 
     def rest(self) -> None:
         """Forget every command and stand still."""
-        self._mode = Mode.BODY
+        self._mode = MotionMode.BODY
         self.halted = False
         self.left = self.right = 0.0
         for servo in (self.translation, self.rotation, self._left_servo, self._right_servo):
@@ -101,17 +101,17 @@ class Motion:
 
     def translate(self, speed: float) -> None:
         """VEL, m/s."""
-        self._enter(Mode.BODY)
+        self._enter(MotionMode.BODY)
         self.translation.run(speed)
 
     def move(self, distance: float) -> None:
         """MOVE, m from here."""
-        self._enter(Mode.BODY)
+        self._enter(MotionMode.BODY)
         self.translation.go(self._odometry.travelled, distance)
 
     def rotate(self, speed: float) -> None:
         """RVEL and ROTATE, rad/s."""
-        self._enter(Mode.BODY)
+        self._enter(MotionMode.BODY)
         self.rotation.run(speed)
 
     def head(self, heading: float) -> None:
@@ -120,7 +120,7 @@ class Motion:
 
     def turn(self, angle: float) -> None:
         """DHEAD: an angle from the present heading, rad; the whole of it, even if the other way round were shorter."""
-        self._enter(Mode.BODY)
+        self._enter(MotionMode.BODY)
         self.rotation.go(self._odometry.turned, angle)
 
     def turn_setpoint(self, angle: float) -> None:
@@ -130,11 +130,11 @@ class Motion:
     def wheels(self, left: float, right: float) -> None:
         """VEL2, m/s of each rim."""
         if self._recomposes:
-            self._enter(Mode.RECOMPOSED)
+            self._enter(MotionMode.RECOMPOSED)
             self.translation.run((left + right) / 2)
             self.rotation.run((right - left) / self._track)
         else:
-            self._enter(Mode.WHEELS)
+            self._enter(MotionMode.WHEELS)
             self._left_servo.run(left)
             self._right_servo.run(right)
 
@@ -165,7 +165,7 @@ class Motion:
         odometry = self._odometry
         left_speed = state.left_velocity
         right_speed = state.right_velocity
-        if self._mode is Mode.WHEELS:
+        if self._mode is MotionMode.WHEELS:
             self._left_servo.advance(odometry.left_travelled, left_speed, dt, self.halted)
             self._right_servo.advance(odometry.right_travelled, right_speed, dt, self.halted)
             self.left = self._left_servo.speed
@@ -178,7 +178,7 @@ class Motion:
         self.left = forward - difference
         self.right = forward + difference
 
-    def _enter(self, mode: Mode) -> None:
+    def _enter(self, mode: MotionMode) -> None:
         """Give the wheels to the servers of a mode; they begin at the present speeds, without a setpoint."""
         if mode is self._mode:
             return

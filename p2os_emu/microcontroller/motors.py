@@ -2,7 +2,7 @@
 
 from p2os_emu.body import Body, BodyState
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.motion import Motion
+from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.stall import StallDetector
 
 AT_REST = 0.005
@@ -17,7 +17,7 @@ class Motors:
 
     __slots__ = ("_braking", "_driven", "_motion", "_stall_count", "_waiting", "enabled", "stall")
 
-    def __init__(self, motion: Motion, flash: Flash) -> None:
+    def __init__(self, motion: MotionController, flash: Flash) -> None:
         self._motion = motion
         self.stall = StallDetector(flash)
         self._driven: tuple[float, float] | None = None

@@ -8,7 +8,7 @@ DRIFT_UNIT = 1 / 8192
 """DRIFTFACTOR counts this much of the left encoder."""
 
 
-class Odometry:
+class OdometryIntegrator:
     """Counts encoder ticks and integrates them, as the microcontroller does: all it knows of its motion is ticks.
 
     left_ticks, right_ticks: since power-on. x, y: m since the last reset. heading: rad since the last reset, unwrapped.

@@ -12,7 +12,7 @@ QUIET = 0.2
 """Of the tolerance: what is not even trimmed."""
 
 
-class Limits:
+class ServoLimits:
     """Working limits of one axis; m or rad, per second.
 
     top: what nothing exceeds. forward, backward: the most in either direction (SETV; SETRV, counter-clockwise and
@@ -73,7 +73,7 @@ class Servo:
 
     __slots__ = ("_anchor", "_cruise", "_emergency", "_goal", "_settled", "_tolerance", "limits", "speed", "target")
 
-    def __init__(self, limits: Limits, tolerance: float) -> None:
+    def __init__(self, limits: ServoLimits, tolerance: float) -> None:
         """Begin at rest.
 
         Args:

@@ -17,12 +17,12 @@ from p2os.packets import Packet, PacketType
 from p2os.robot_model import RobotModel
 from p2os.simulator_packets import (
     ExtendedLaser,
-    LaserReading,
     MapChanged,
     SimulatedLaser,
+    SimulatedLaserReading,
     SimulatorState,
 )
-from p2os_emu.body import Beams, Body
+from p2os_emu.body import Body, ScanBeams
 from p2os_emu.microcontroller.requests import STANDING
 
 OFF, PLAIN, EXTENDED = range(3)
@@ -63,7 +63,7 @@ OLD_NUMBERS: Mapping[int, Command] = {
 """What a client of an old simulator sends, and what it means by it; angles in degrees, of 38 in hundredths."""
 
 
-class Stage(Protocol):
+class SimulatorControl(Protocol):
     """What a simulator may do with a robot, as a hand from above."""
 
     @property
@@ -86,7 +86,7 @@ class Simulator:
     messages: what clients wanted to be known, and what was refused them, the latest last.
     """
 
-    def __init__(self, model: RobotModel, stage: Stage, body: Body) -> None:
+    def __init__(self, model: RobotModel, stage: SimulatorControl, body: Body) -> None:
         """Stand by.
 
         Args:
@@ -193,7 +193,7 @@ class Simulator:
         span = self._last - self._first
         count = int(abs(span) / self._step + 1e-6) + 1
         step = self._step if span >= 0.0 else -self._step
-        beams = Beams(self._x, self._y, LASER_HEIGHT, self._first, step, count, LASER_REACH, LASER_NOISE)
+        beams = ScanBeams(self._x, self._y, LASER_HEIGHT, self._first, step, count, LASER_REACH, LASER_NOISE)
         echoes = self._body.scan(beams)
         ranges = [min(LASER_REACH, float(distance)) for distance in echoes.ranges]
         if self._laser == PLAIN:
@@ -203,7 +203,7 @@ class Simulator:
                 yield SimulatedLaser(x, y, heading, count, first, tuple(ranges[first : first + READINGS_PLAIN]))
             return
         readings = [
-            LaserReading(distance, REFLECTANCE if reflects else 0)
+            SimulatedLaserReading(distance, REFLECTANCE if reflects else 0)
             for distance, reflects in zip(ranges, echoes.reflects, strict=True)
         ]
         for first in range(0, count, READINGS_EXTENDED):

@@ -6,7 +6,7 @@ from geometry import Pose2D
 from p2os.accessory_packets import BatteryReport, GyroReport, JoystickReport
 from p2os.configuration import Configuration
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family
-from p2os.packets import Encoders, InputsOutputs, Packet, PacketType
+from p2os.packets import Encoders, IoReport, Packet, PacketType
 from p2os.sip import GYRO_FAULT, SipFlag, StandardSip, stall_word
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.board import Board
@@ -126,7 +126,7 @@ def encoders(board: Board, state: BodyState) -> Encoders:
     return Encoders(_wrapped(odometry.left_ticks), _wrapped(odometry.right_ticks))
 
 
-def inputs_outputs(board: Board, state: BodyState) -> InputsOutputs:
+def inputs_outputs(board: Board, state: BodyState) -> IoReport:
     """IOpac: user inputs, bumpers and, on ARCOS, infrared sensors; the battery's A/D port comes last."""
     panel = board.panel
     digital_in = [_user_inputs(board, state), *_bumpers(board, state)]
@@ -134,7 +134,7 @@ def inputs_outputs(board: Board, state: BodyState) -> InputsOutputs:
         digital_in.append(panel.infrared & state.infrared & 0xFF)
     divided = board.battery_voltage * PIONEER_BATTERY / board.model.battery_nominal / BATTERY_DIVIDER
     analog = (*map(_clip, panel.analog), _clip(divided))
-    return InputsOutputs(bytes(digital_in), bytes([board.digital_out]), analog)
+    return IoReport(bytes(digital_in), bytes([board.digital_out]), analog)
 
 
 def gyro(board: Board, state: BodyState) -> GyroReport:

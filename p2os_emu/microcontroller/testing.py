@@ -10,7 +10,7 @@ from p2os.framing import Frame, FrameDecoder
 from p2os.packets import Packet, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec, StandardSip
-from p2os_emu.body import Arm, Beams, BodyState, Echoes, GripperState
+from p2os_emu.body import ArmMechanism, BodyState, Echoes, GripperMechanismState, ScanBeams
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.microcontroller import Microcontroller
@@ -54,10 +54,10 @@ class PlainGripper:
         self._wanted = 0.0, 0.0
 
     @property
-    def state(self) -> GripperState:
+    def state(self) -> GripperMechanismState:
         """The gripper after the last step."""
         touches = self._opening <= self.thing
-        return GripperState(
+        return GripperMechanismState(
             opening=self._opening,
             lift=self._lift,
             outer_beam=self.thing > 0.0,
@@ -123,7 +123,7 @@ class PlainBody:
     """
 
     gripper: PlainGripper | None = None
-    arm: Arm | None = None
+    arm: ArmMechanism | None = None
 
     def __init__(self, lag: float = 0.0) -> None:
         self.lag = lag
@@ -187,7 +187,7 @@ class PlainBody:
         self.pings.append(tuple(discs))
         return [self.ranges(disc) for disc in discs]
 
-    def scan(self, beams: Beams) -> Echoes:
+    def scan(self, beams: ScanBeams) -> Echoes:
         """See nothing."""
         return Echoes.nothing(beams.count)
 
@@ -215,7 +215,7 @@ class Sent(NamedTuple):
     packet: Packet
 
 
-class Bench:
+class MicrocontrollerBench:
     """A microcontroller, its body and a client that pulses; virtual time only.
 
     time: s since power-on. pulsing: the client keeps the watchdog fed.
@@ -282,7 +282,7 @@ class Bench:
         """The next SIP."""
         return self.sips(0.2)[-1]
 
-    def connect(self, *, motors: bool = False) -> "Bench":
+    def connect(self, *, motors: bool = False) -> "MicrocontrollerBench":
         """Shake hands and OPEN; with `motors` ENABLE as well."""
         for command in (Command.SYNC0, Command.SYNC1, Command.SYNC2, Command.OPEN):
             self.send(command)

@@ -1,7 +1,7 @@
 """The watchdog: a robot whose client has fallen silent stops, and remembers where it was going."""
 
 
-class Watchdog:
+class ClientWatchdog:
     """Counts the silence of the client.
 
     barking: no valid packet for `timeout` seconds; the wheels stand until one comes. A timeout of zero never barks.

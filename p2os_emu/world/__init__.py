@@ -12,7 +12,7 @@ from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block, WorldSpec
 from p2os_emu.world.touches import Touch, Touches
-from p2os_emu.world.truth import Outline, Truth
+from p2os_emu.world.truth import Truth, WorldOutline
 from p2os_emu.world.walkers import PersonPlace
 from p2os_emu.world.world import World
 
@@ -21,7 +21,6 @@ __all__ = [
     "Block",
     "DoorState",
     "MovingDoor",
-    "Outline",
     "Person",
     "PersonPlace",
     "RobotBody",
@@ -30,6 +29,7 @@ __all__ = [
     "Truth",
     "World",
     "WorldError",
+    "WorldOutline",
     "WorldSpec",
     "load_world",
 ]

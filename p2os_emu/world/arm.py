@@ -1,4 +1,4 @@
-"""An arm on a robot: its parts as links, and the servos that move them; implements `p2os_emu.body.Arm`.
+"""An arm on a robot: its parts as links, and the servos that move them; implements `p2os_emu.body.ArmMechanism`.
 
 The engine's own motors hold and move the joints, with no more torque than the model gives them: a joint that is asked
 for more lags or sinks. Nothing is computed here in a step.
@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from p2os.accessories.arm_model import ArmModel, GripperModel
+from p2os.accessories.arm_model import ArmGripperModel, ArmModel
 from p2os_emu.world.engine import engine
-from p2os_emu.world.links import Joint, Link, Triple
+from p2os_emu.world.links import BodyLink, Joint, Triple
 
 GAIN = 0.5
 """Of what is left to go, the part that a servo wants to be rid of in one step; its speed bounds it before."""
@@ -107,10 +107,10 @@ class JointedArm:
         return [*row[:-FINGERS], sum(row[-FINGERS:])]
 
 
-def arm_links(model: ArmModel) -> tuple[Link, ...]:
+def arm_links(model: ArmModel) -> tuple[BodyLink, ...]:
     """The parts of an arm, each carried by the one before, and the two fingers, which slide apart."""
     parts = [
-        Link(
+        BodyLink(
             mass=joint.mass_kg,
             size=joint.size_m,
             centre=joint.centre_m,
@@ -127,10 +127,10 @@ def arm_links(model: ArmModel) -> tuple[Link, ...]:
     return (*parts, *(_finger(model.gripper, len(parts) - 1, side) for side in (1.0, -1.0)))
 
 
-def _finger(gripper: GripperModel, parent: int, side: float) -> Link:
+def _finger(gripper: ArmGripperModel, parent: int, side: float) -> BodyLink:
     """One finger, on one side of the middle: at zero both touch there."""
     outward = _scaled(gripper.axis, side)
-    return Link(
+    return BodyLink(
         mass=gripper.mass_kg,
         size=gripper.finger_m,
         centre=_sum(gripper.centre_m, _scaled(outward, _along(gripper.finger_m, gripper.axis) / 2)),

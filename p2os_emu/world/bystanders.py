@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from p2os_emu.world.leaves import DoorState, Leaves
 from p2os_emu.world.look import Look, leaf_look, person_look
-from p2os_emu.world.objects import Moving
-from p2os_emu.world.presence import Presence
+from p2os_emu.world.objects import MovingObject
+from p2os_emu.world.presence import Footprint
 from p2os_emu.world.spec import WorldSpec
 from p2os_emu.world.walkers import PersonPlace, Walkers
 
@@ -34,7 +34,7 @@ class Bystanders:
             body: each.name for bodies in (self._people.bodies, self._leaves.bodies) for body, each in bodies.items()
         }
 
-    def step(self, robots: Callable[[], Iterable[Presence]], things: Callable[[], Iterable[Presence]]) -> None:
+    def step(self, robots: Callable[[], Iterable[Footprint]], things: Callable[[], Iterable[Footprint]]) -> None:
         """Move them all; the engine sees it in its next step. Who is in the way is only asked where it matters."""
         self._leaves.step(lambda: (*robots(), *self._people.presences().values(), *things()))
         if self._people:
@@ -44,12 +44,12 @@ class Bystanders:
         """Let people stand still, or walk on."""
         self._people.stand_still = on
 
-    def moving(self) -> Iterator[Moving]:
+    def moving(self) -> Iterator[MovingObject]:
         """Each at its present place."""
         yield from self._leaves.moving()
         yield from self._people.moving()
 
-    def presences(self) -> dict[str, Presence]:
+    def presences(self) -> dict[str, Footprint]:
         """Where no robot can be put: people, and doors that are not wide open."""
         return self._people.presences() | self._leaves.in_gaps()
 

@@ -20,7 +20,7 @@ from p2os_emu.world.chassis import (
     Chassis,
 )
 from p2os_emu.world.engine import engine
-from p2os_emu.world.links import FIRST, Joint, Link
+from p2os_emu.world.links import FIRST, BodyLink, Joint
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.spec import Block
 
@@ -144,7 +144,7 @@ def build_object(client: int, movable: Movable) -> int:
     return body
 
 
-def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[Link] = ()) -> int:
+def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[BodyLink] = ()) -> int:
     """A hull on casters with two driven wheels, and the links of its accessories; returns its body id.
 
     Its base frame lies in the centre of mass, right above or below the middle of the axle. Wheels collide as spheres,
@@ -189,7 +189,7 @@ def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[Lin
     return body
 
 
-def _link_shape(client: int, link: Link) -> int:
+def _link_shape(client: int, link: BodyLink) -> int:
     """The box of a link; -1 where there is nothing to touch."""
     if not link.collides:
         return -1
@@ -202,7 +202,7 @@ def _link_shape(client: int, link: Link) -> int:
     return shape
 
 
-def _finish_link(client: int, body: int, index: int, link: Link) -> None:
+def _finish_link(client: int, body: int, index: int, link: BodyLink) -> None:
     """Give a link what its creation could not: inertia of an even box and a rotor, friction, ends, and no motor."""
     x, y, z = (edge**2 for edge in link.size)
     box = (link.mass / 12 * edges for edges in (y + z, x + z, x + y))

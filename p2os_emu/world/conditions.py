@@ -14,7 +14,7 @@ from p2os_emu.world.errors import WorldError
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.moving_doors import MovingDoor
-from p2os_emu.world.people import BODY_RADIUS, Person, Route
+from p2os_emu.world.people import BODY_RADIUS, Person, PersonRoute
 from p2os_emu.world.shortest_path import Path, are_connected, path_in
 from p2os_emu.world.spec import WorldSpec
 
@@ -143,7 +143,7 @@ def _is_passable(spec: WorldSpec, places: Sequence[Point], radius: float) -> boo
 
 def _person(number: int, ways: Sequence[Path], clear: Sequence[Point], random: Random) -> Person:
     for way in (random.choice(ways) for _ in range(TRIES)):
-        route = Route(way.points, loops=False)
+        route = PersonRoute(way.points, loops=False)
         begin = random.uniform(0.0, route.length)
         here = route.at(begin)
         if all(dist((here.x, here.y), place) >= APART for place in clear):
@@ -154,7 +154,7 @@ def _person(number: int, ways: Sequence[Path], clear: Sequence[Point], random: R
 
 
 def _somewhere(way: Path, random: Random) -> Point:
-    here = Route(way.points, loops=False).at(random.uniform(0.0, way.length))
+    here = PersonRoute(way.points, loops=False).at(random.uniform(0.0, way.length))
     return here.x, here.y
 
 

@@ -1,4 +1,4 @@
-"""A gripper on a robot: paddles and lift as links of its body; implements `p2os_emu.body.Gripper`.
+"""A gripper on a robot: paddles and lift as links of its body; implements `p2os_emu.body.GripperMechanism`.
 
 Paddles close with the force that triggers their contact switches. Once both press on one object it is gripped: friction
 that holds is a constraint between lift and object, no stronger than friction would be at the force that the paddles
@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from math import cos, dist, sin
 from typing import Any
 
-from p2os_emu.body import GripperState
+from p2os_emu.body import GripperMechanismState
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, SEEN_BY_RAYS, heading_of
 from p2os_emu.world.engine import STEP, engine
-from p2os_emu.world.links import Joint, Link
+from p2os_emu.world.links import BodyLink, Joint
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.rays import Place
 
@@ -30,11 +30,11 @@ PADDLE_FORCE = 50.0  # N; opens paddles, and holds them where they are
 GAIN = 0.3  # of what is left to go, that a motor wants to be rid of in one step; its speed bounds it before
 
 
-def gripper_links(model: GripperModel, chassis: Chassis) -> tuple[Link, ...]:
+def gripper_links(model: GripperModel, chassis: Chassis) -> tuple[BodyLink, ...]:
     """The lift's carriage and both paddles, left first, all down and open."""
     half = model.opening_m / 2
     size = model.paddle_length_m, model.paddle_thickness_m, model.paddle_height_m
-    lift = Link(
+    lift = BodyLink(
         mass=model.lift_mass_kg,
         size=(CARRIAGE, model.opening_m, model.paddle_height_m / 2),
         centre=(-CARRIAGE / 2, 0.0, 0.0),
@@ -43,7 +43,7 @@ def gripper_links(model: GripperModel, chassis: Chassis) -> tuple[Link, ...]:
         upper=model.lift_travel_m,
     )
     paddles = (
-        Link(
+        BodyLink(
             mass=model.paddle_mass_kg,
             size=size,
             centre=(model.paddle_length_m / 2, side * model.paddle_thickness_m / 2, 0.0),
@@ -97,12 +97,12 @@ class RobotGripper:
         self._lift, self._left, self._right = range(first, first + 3)
         self._objects = objects
         self._grip: _Grip | None = None
-        self._state: GripperState | None = None
+        self._state: GripperMechanismState | None = None
         self._paddles = self._raising = 0.0
         self._hold(self._left, self._right, self._lift)
 
     @property
-    def state(self) -> GripperState:
+    def state(self) -> GripperMechanismState:
         """The gripper after the last physics step."""
         if self._state is None:
             self._state = self._look()
@@ -258,13 +258,13 @@ class RobotGripper:
         )
         return state[0], state[1]
 
-    def _look(self) -> GripperState:
+    def _look(self) -> GripperMechanismState:
         lift, left, right = self._joints(self._lift, self._left, self._right)
         model = self.model
         opening = 1.0 - (left[0] + right[0]) / model.opening_m
         is_closed = opening < CLOSED
         outer, inner = self._beams(left[0], right[0])
-        return GripperState(
+        return GripperMechanismState(
             opening=min(max(opening, 0.0), 1.0),
             lift=min(max(lift[0] / model.lift_travel_m, 0.0), 1.0),
             opening_speed=-(left[1] + right[1]) / model.opening_m,

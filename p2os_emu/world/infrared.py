@@ -36,7 +36,7 @@ def sensors_of(model: RobotModel) -> Sequence[InfraredSensor]:
     return FIRST_GENERATION if on_user_inputs and not model.irs else model.irs
 
 
-class Infrared:
+class InfraredRays:
     """The infrared sensors of one robot."""
 
     def __init__(self, client: int, body: int, model: RobotModel, chassis: Chassis) -> None:

@@ -11,14 +11,14 @@ from p2os_emu.world.collision import build_leaf, put
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.moving_doors import LEAF_HEIGHT, LEAF_THICKNESS, MovingDoor
-from p2os_emu.world.objects import Moving
-from p2os_emu.world.presence import Presence, is_met
+from p2os_emu.world.objects import MovingObject
+from p2os_emu.world.presence import Footprint, is_met
 from p2os_emu.world.spec import rectangle
 
 MARGIN = 0.1
 """m that a leaf which shuts keeps from whatever stands in the gap."""
 
-Others = Callable[[], Iterable[Presence]]
+Others = Callable[[], Iterable[Footprint]]
 
 
 class DoorState(NamedTuple):
@@ -38,7 +38,7 @@ class Leaf:
         (x1, y1), (x2, y2) = door.jamb, door.post
         self._width = door.width
         self._jamb = Pose2D(x1, y1, math.atan2(y2 - y1, x2 - x1))
-        self._gap = Presence.of(rectangle(self._jamb, door.width, 0.0, LEAF_THICKNESS + 2 * MARGIN))
+        self._gap = Footprint.of(rectangle(self._jamb, door.width, 0.0, LEAF_THICKNESS + 2 * MARGIN))
         self._wants_open = door.is_open
         self._left = self._time_in_this_state()
         self.opening = self._width if door.is_open else 0.0
@@ -82,7 +82,7 @@ class Leaf:
         place = Pose2D(x, y, self._jamb.heading)
         put(self._client, self.body, place, LEAF_HEIGHT)
         half = self._width / 2
-        self.moving = Moving(self.door.name, rectangle(place, half, half, LEAF_THICKNESS), 0.0, LEAF_HEIGHT)
+        self.moving = MovingObject(self.door.name, rectangle(place, half, half, LEAF_THICKNESS), 0.0, LEAF_HEIGHT)
 
     def _time_in_this_state(self) -> float:
         span = self.door.open_time if self._wants_open else self.door.shut_time
@@ -125,12 +125,12 @@ class Leaves:
             if leaf.is_still:
                 self._busy = [other for other in self._busy if other is not leaf]
 
-    def moving(self) -> Iterator[Moving]:
+    def moving(self) -> Iterator[MovingObject]:
         """Each leaf where it is now."""
         return (leaf.moving for leaf in self._leaves.values())
 
-    def in_gaps(self) -> dict[str, Presence]:
+    def in_gaps(self) -> dict[str, Footprint]:
         """The leaves that somebody would walk into."""
         return {
-            name: Presence.of(leaf.moving.footprint) for name, leaf in self._leaves.items() if not leaf.is_wide_open
+            name: Footprint.of(leaf.moving.footprint) for name, leaf in self._leaves.items() if not leaf.is_wide_open
         }

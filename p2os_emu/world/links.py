@@ -21,7 +21,7 @@ class Joint(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class BodyLink:
     """One part, a box of even density, and the joint that carries it; at zero its axes are the robot's.
 
     mass: kg. size: of the box, m. centre: of the box, m from the joint.
@@ -46,9 +46,9 @@ class Link:
     collides: bool = True
 
 
-def joined(accessories: Iterable[Sequence[Link]]) -> tuple[Link, ...]:
+def joined(accessories: Iterable[Sequence[BodyLink]]) -> tuple[BodyLink, ...]:
     """The links of several accessories in one row, their parents counted anew."""
-    row: list[Link] = []
+    row: list[BodyLink] = []
     for links in accessories:
         before = len(row)
         row += [link if link.parent is None else replace(link, parent=link.parent + before) for link in links]

@@ -13,7 +13,7 @@ from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, MASS_HEIGHT, Chassis
 from p2os_emu.world.collision import HULL, WHEELS
 from p2os_emu.world.colours import COLOURS, Colour
 from p2os_emu.world.floor import Floor
-from p2os_emu.world.links import FIRST, Link
+from p2os_emu.world.links import FIRST, BodyLink
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.moving_doors import LEAF_HEIGHT, LEAF_THICKNESS, MovingDoor
 from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
@@ -45,7 +45,7 @@ class Form(Enum):
     SPHERE = "sphere"
 
 
-class Part(NamedTuple):
+class ShapePart(NamedTuple):
     """One part of a thing, in the thing's own frame.
 
     size: of a box along x, y, z; of a cylinder diameter, diameter, height along its own z; of a sphere its diameter, m.
@@ -60,7 +60,7 @@ class Part(NamedTuple):
     floor: Floor | None = None
 
 
-Look = tuple[Part, ...]
+Look = tuple[ShapePart, ...]
 
 
 def floor_look(spec: WorldSpec) -> Look:
@@ -68,56 +68,58 @@ def floor_look(spec: WorldSpec) -> Look:
     x, y, extent = spec.middle
     edge = max(LEAST_FLOOR, extent + 2 * FLOOR_MARGIN)
     size = edge, edge, FLOOR_DEPTH
-    return (Part(Form.BOX, size, COLOURS["white"], (x, y, -FLOOR_DEPTH / 2), floor=spec.floor),)
+    return (ShapePart(Form.BOX, size, COLOURS["white"], (x, y, -FLOOR_DEPTH / 2), floor=spec.floor),)
 
 
 def wall_look(block: Block) -> Look:
     """A wall with a skirting board, seen from its middle."""
     board = block.length + 2 * SKIRTING_DEPTH, block.width + 2 * SKIRTING_DEPTH, SKIRTING_HEIGHT
     place = 0.0, 0.0, (SKIRTING_HEIGHT - block.height) / 2
-    return (*furniture_look(block), Part(Form.BOX, board, COLOURS["dark grey"], place))
+    return (*furniture_look(block), ShapePart(Form.BOX, board, COLOURS["dark grey"], place))
 
 
 def furniture_look(block: Block) -> Look:
     """A piece of furniture, seen from its middle."""
-    return (Part(Form.BOX, (block.length, block.width, block.height), COLOURS[block.colour]),)
+    return (ShapePart(Form.BOX, (block.length, block.width, block.height), COLOURS[block.colour]),)
 
 
 def movable_look(movable: Movable) -> Look:
     """A movable object, seen from its middle."""
     form = Form.CYLINDER if movable.shape is Shape.CYLINDER else Form.BOX
-    return (Part(form, (movable.length, movable.width, movable.height), COLOURS[movable.colour]),)
+    return (ShapePart(form, (movable.length, movable.width, movable.height), COLOURS[movable.colour]),)
 
 
 def leaf_look(door: MovingDoor) -> Look:
     """The leaf of a door, seen from its middle."""
-    return (Part(Form.BOX, (door.width, LEAF_THICKNESS, LEAF_HEIGHT), COLOURS[door.colour]),)
+    return (ShapePart(Form.BOX, (door.width, LEAF_THICKNESS, LEAF_HEIGHT), COLOURS[door.colour]),)
 
 
 def person_look(person: Person) -> Look:
     """Somebody seen from the middle of their height: legs, body and head. In pictures the legs do not step."""
     trunk, waist = HEIGHT - HEAD - LEG_HEIGHT, LEG_HEIGHT - HEIGHT
     legs = [
-        Part(Form.CYLINDER, (2 * LEG_RADIUS, 2 * LEG_RADIUS, LEG_HEIGHT), COLOURS["dark grey"], (0.0, side, waist / 2))
+        ShapePart(
+            Form.CYLINDER, (2 * LEG_RADIUS, 2 * LEG_RADIUS, LEG_HEIGHT), COLOURS["dark grey"], (0.0, side, waist / 2)
+        )
         for side in (HIP, -HIP)
     ]
     body = (
-        Part(
+        ShapePart(
             Form.CYLINDER,
             (2 * BODY_RADIUS, 2 * BODY_RADIUS, trunk),
             COLOURS[person.colour],
             (0.0, 0.0, LEG_HEIGHT + (trunk - HEIGHT) / 2),
         ),
-        Part(Form.SPHERE, (HEAD, HEAD, HEAD), SKIN, (0.0, 0.0, (HEIGHT - HEAD) / 2)),
+        ShapePart(Form.SPHERE, (HEAD, HEAD, HEAD), SKIN, (0.0, 0.0, (HEIGHT - HEAD) / 2)),
     )
     return (*legs, *body)
 
 
-def robot_looks(name: str, chassis: Chassis, links: Sequence[Link]) -> dict[int, Look]:
+def robot_looks(name: str, chassis: Chassis, links: Sequence[BodyLink]) -> dict[int, Look]:
     """A robot by its links: hull, wheels, and what its accessories add; each seen from its centre of mass."""
     wheel = 2 * chassis.wheel_radius, 2 * chassis.wheel_radius, WHEEL_WIDTH
-    wheels = {link: (Part(Form.CYLINDER, wheel, COLOURS["black"], turn=ON_ITS_SIDE),) for link in WHEELS}
-    others = {number: (Part(Form.BOX, link.size, COLOURS["grey"]),) for number, link in enumerate(links, FIRST)}
+    wheels = {link: (ShapePart(Form.CYLINDER, wheel, COLOURS["black"], turn=ON_ITS_SIDE),) for link in WHEELS}
+    others = {number: (ShapePart(Form.BOX, link.size, COLOURS["grey"]),) for number, link in enumerate(links, FIRST)}
     return {HULL: _hull(name, chassis), **wheels, **others}
 
 
@@ -127,9 +129,11 @@ def _hull(name: str, chassis: Chassis) -> Look:
     length, middle = chassis.front + chassis.rear, (chassis.front - chassis.rear) / 2
     top = HULL_TOP - DECK
     return (
-        Part(Form.BOX, (length, chassis.width, top - HULL_BOTTOM), colour, _seen(middle, 0.0, (top + HULL_BOTTOM) / 2)),
-        Part(Form.BOX, (length, chassis.width, DECK), COLOURS["black"], _seen(middle, 0.0, HULL_TOP - DECK / 2)),
-        Part(Form.BOX, (NOSE / 2, 2 * NOSE, NOSE), COLOURS["white"], _seen(chassis.front, 0.0, top - NOSE)),
+        ShapePart(
+            Form.BOX, (length, chassis.width, top - HULL_BOTTOM), colour, _seen(middle, 0.0, (top + HULL_BOTTOM) / 2)
+        ),
+        ShapePart(Form.BOX, (length, chassis.width, DECK), COLOURS["black"], _seen(middle, 0.0, HULL_TOP - DECK / 2)),
+        ShapePart(Form.BOX, (NOSE / 2, 2 * NOSE, NOSE), COLOURS["white"], _seen(chassis.front, 0.0, top - NOSE)),
     )
 
 

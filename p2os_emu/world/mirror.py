@@ -18,8 +18,8 @@ from PIL import Image
 
 from p2os_emu.world.engine import engine
 from p2os_emu.world.floor import Floor, picture
-from p2os_emu.world.look import Form, Part
-from p2os_emu.world.sight import News, Placed
+from p2os_emu.world.look import Form, ShapePart
+from p2os_emu.world.sight import Placed, SceneChanges
 from p2os_emu.world.view import View
 
 NEAR, FAR = 0.05, 60.0
@@ -53,8 +53,8 @@ def choose_renderer() -> Renderer:
 
 def _draws_with_hardware() -> bool:
     mirror = Mirror(Renderer.HARDWARE)
-    cube = (Part(Form.BOX, (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0)),)
-    mirror.apply(News({0: (cube, Placed((2.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))}))
+    cube = (ShapePart(Form.BOX, (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0)),)
+    mirror.apply(SceneChanges({0: (cube, Placed((2.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))}))
     drawn = mirror.draw(View(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 32, 24)
     return bool(drawn[12, 16, 0] > drawn[12, 16, 1])
 
@@ -65,7 +65,7 @@ class Mirror:
     def __init__(self, renderer: Renderer = Renderer.SOFTWARE) -> None:
         self._renderer = renderer
         self._client = engine.connect(engine.DIRECT)
-        self._things: dict[int, list[tuple[int, Part]]] = {}
+        self._things: dict[int, list[tuple[int, ShapePart]]] = {}
         if renderer is Renderer.HARDWARE:
             plugin = find_spec(EGL)
             assert plugin is not None  # or it would not have been chosen
@@ -75,7 +75,7 @@ class Mirror:
         """Forget everything."""
         engine.disconnect(physicsClientId=self._client)
 
-    def apply(self, news: News) -> None:
+    def apply(self, news: SceneChanges) -> None:
         """Take in what has changed."""
         for number in news.gone:
             for body, _ in self._things.pop(number, ()):
@@ -105,7 +105,7 @@ class Mirror:
         colours[np.reshape(drawn[3], (height, width)) >= 1.0] = SKY
         return colours
 
-    def _build(self, part: Part) -> int:
+    def _build(self, part: ShapePart) -> int:
         x, y, z = part.size
         match part.form:
             case Form.BOX:
@@ -128,7 +128,7 @@ class Mirror:
             texture = engine.loadTexture(str(file), physicsClientId=self._client)
         engine.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
 
-    def _place(self, parts: Iterable[tuple[int, Part]], placed: Placed) -> None:
+    def _place(self, parts: Iterable[tuple[int, ShapePart]], placed: Placed) -> None:
         for body, part in parts:
             place, turn = engine.multiplyTransforms(placed.place, placed.turn, part.place, part.turn)
             engine.resetBasePositionAndOrientation(body, place, turn, physicsClientId=self._client)

@@ -9,7 +9,7 @@ from p2os_emu.world.engine import engine
 from p2os_emu.world.movable import Movable
 
 
-class Moving(NamedTuple):
+class MovingObject(NamedTuple):
     """Something that may be elsewhere after the next step, as planar sensors meet it.
 
     name: of a robot or an object. footprint: its outline seen from above, m. bottom, top: m above the floor. reflector:
@@ -57,13 +57,13 @@ class Objects:
         """Coefficient of friction between an object and a surface of the engine's friction `other`."""
         return self._by_id[body_id].friction * other
 
-    def moving(self) -> Iterator[Moving]:
+    def moving(self) -> Iterator[MovingObject]:
         """Each object as it stands or hangs now; one that has fallen over keeps the outline it had upright."""
         for body, movable in self._by_id.items():
             place = self._place(body)
             half = movable.height / 2
             footprint = movable.footprint(Pose2D(place.x, place.y, place.heading))
-            yield Moving(movable.name, footprint, place.z - half, place.z + half, movable.reflector)
+            yield MovingObject(movable.name, footprint, place.z - half, place.z + half, movable.reflector)
 
     def circles(self) -> Iterator[tuple[float, float, float]]:
         """What each object takes up on the floor: x, y, radius, m."""

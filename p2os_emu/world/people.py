@@ -41,7 +41,7 @@ class Person:
     colour: str = "blue"
 
 
-class Route:
+class PersonRoute:
     """A line of waypoints, by the way along it.
 
     length: of the whole way, m; a route that loops begins again there.
@@ -98,7 +98,7 @@ class PersonEntry:
             raise ValueError(f"speed_m_s must be from {LEAST_SPEED} to {MOST_SPEED}, not {self.speed_m_s}")
         check_span("pause_s", self.pause_s)
         check_span("patience_s", self.patience_s)
-        length = Route(self.route_m, loops=self.loop).length
+        length = PersonRoute(self.route_m, loops=self.loop).length
         if not 0.0 <= self.begin_m <= length:
             raise ValueError(f"begin_m must be from 0 to {length:.2f}, the length of the route, not {self.begin_m}")
         check_colour(self.colour)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Polygon, Pose2D
-from p2os_emu.body import Beams, Echoes
-from p2os_emu.world.objects import Moving
+from p2os_emu.body import Echoes, ScanBeams
+from p2os_emu.world.objects import MovingObject
 from p2os_emu.world.spec import Block
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,7 @@ class Edges(NamedTuple):
 class PlanarScene:
     """Everything in one world that a planar sensor can meet."""
 
-    def __init__(self, blocks: Iterable[Block], moving: Callable[[], Sequence[Moving]]) -> None:
+    def __init__(self, blocks: Iterable[Block], moving: Callable[[], Sequence[MovingObject]]) -> None:
         """Prepare what stands still.
 
         Args:
@@ -47,9 +47,9 @@ class PlanarScene:
         self._blocks = tuple(blocks)
         self._moving = moving
         self._still: dict[float, Edges] = {}
-        self._cut: dict[float, tuple[Sequence[Moving], Edges]] = {}
+        self._cut: dict[float, tuple[Sequence[MovingObject], Edges]] = {}
 
-    def cast(self, beams: Beams, pose: Pose2D, own: str) -> Echoes:
+    def cast(self, beams: ScanBeams, pose: Pose2D, own: str) -> Echoes:
         """Follow beams to the first surface.
 
         Args:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from geometry import Polygon, polygons_overlap
 
 
-class Presence(NamedTuple):
+class Footprint(NamedTuple):
     """Something on the floor: the circle that it stands in, m, and its convex outline."""
 
     x: float
@@ -15,7 +15,7 @@ class Presence(NamedTuple):
     reach: float
     outline: Polygon
 
-    def meets(self, other: "Presence") -> bool:
+    def meets(self, other: "Footprint") -> bool:
         """Tell whether two share a point of the floor."""
         return self.is_near(other.x, other.y, other.reach) and polygons_overlap(self.outline, other.outline)
 
@@ -24,13 +24,13 @@ class Presence(NamedTuple):
         return hypot(self.x - x, self.y - y) <= self.reach + reach
 
     @classmethod
-    def of(cls, outline: Polygon) -> "Presence":
+    def of(cls, outline: Polygon) -> "Footprint":
         """Of an outline: the circle is about the mean of its corners."""
         x = sum(corner[0] for corner in outline) / len(outline)
         y = sum(corner[1] for corner in outline) / len(outline)
         return cls(x, y, max(hypot(corner[0] - x, corner[1] - y) for corner in outline), outline)
 
 
-def is_met(area: Presence, others: Iterable[Presence]) -> bool:
+def is_met(area: Footprint, others: Iterable[Footprint]) -> bool:
     """Tell whether any of the others is on an area."""
     return any(area.meets(other) for other in others)

@@ -10,7 +10,7 @@ from configs import load
 from geometry import Point, Pose2D
 from p2os.accessories.arm_model import ArmModel
 from p2os.robot_model import RobotModel
-from p2os_emu.body import Arm, Beams, BodyState, Echoes, Gripper
+from p2os_emu.body import ArmMechanism, BodyState, Echoes, GripperMechanism, ScanBeams
 from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world.arm import JointedArm, arm_links
@@ -19,14 +19,14 @@ from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
 from p2os_emu.world.engine import engine
 from p2os_emu.world.gripper import RobotGripper, gripper_links
-from p2os_emu.world.infrared import Infrared, sensors_of
+from p2os_emu.world.infrared import InfraredRays, sensors_of
 from p2os_emu.world.ledges import LedgeModel, Ledges
 from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.magnets import Magnet, field_at
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import cast
-from p2os_emu.world.sonar import Sonar
+from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block
 
 STANDING = 0.002
@@ -41,7 +41,7 @@ class RobotBody:
     """
 
     is_resting = False
-    arm: Arm | None = None
+    arm: ArmMechanism | None = None
     touched: Collection[int] = ()
 
     def __init__(
@@ -50,7 +50,7 @@ class RobotBody:
         floor_id: int,
         model: RobotModel,
         chassis: Chassis,
-        sonar: Sonar,
+        sonar: SonarRays,
         pose: Pose2D,
         fit: Fit,
         objects: Objects,
@@ -76,7 +76,7 @@ class RobotBody:
             self.arm = JointedArm(client, self.body_id, FIRST, arm, self.wake)
         first = FIRST + len(arm_parts)
         self._gripper = RobotGripper(client, self.body_id, first, gripper, objects, self.wake) if gripper else None
-        self._infrared = Infrared(client, self.body_id, model, chassis) if sensors_of(model) else None
+        self._infrared = InfraredRays(client, self.body_id, model, chassis) if sensors_of(model) else None
         ledge = load(LedgeModel, "accessories", "ledge") if fit.has("ledge") else None
         self._ledges = Ledges(client, self.body_id, drops, chassis.front, ledge) if drops else None
         self._magnets = magnets if fit.has("compass") else ()
@@ -100,7 +100,7 @@ class RobotBody:
         return self._state
 
     @property
-    def gripper(self) -> Gripper | None:
+    def gripper(self) -> GripperMechanism | None:
         """The gripper, where one is fitted."""
         return self._gripper
 
@@ -148,7 +148,7 @@ class RobotBody:
         starts, ends = self._sonar.rays(discs, self.pose)
         return self._sonar.hear(discs, ends, cast(self._client, starts, ends, self.body_id))
 
-    def scan(self, beams: Beams) -> Echoes:
+    def scan(self, beams: ScanBeams) -> Echoes:
         """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""
         echoes = self._scene.cast(beams, self.pose, self._name)
         if self._chance is None or not beams.noise:

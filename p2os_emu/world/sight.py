@@ -30,14 +30,14 @@ class Thing(NamedTuple):
 
 
 @dataclass(slots=True)
-class News:
+class SceneChanges:
     """What has changed since the news before, by the number of the thing."""
 
     new: dict[int, tuple[Look, Placed]] = field(default_factory=dict)
     gone: set[int] = field(default_factory=set)
     moved: dict[int, Placed] = field(default_factory=dict)
 
-    def add(self, later: "News") -> None:
+    def add(self, later: "SceneChanges") -> None:
         """Take in what has changed since."""
         for number in later.gone:
             self.moved.pop(number, None)
@@ -64,10 +64,10 @@ class Sight:
         """A body has gone."""
         self._things = {number: thing for number, thing in self._things.items() if thing.body != body}
 
-    def news(self, known: set[int]) -> News:
+    def news(self, known: set[int]) -> SceneChanges:
         """What somebody has to hear who knows some things already, and where all that can move are now."""
         unknown = [number for number in self._things if number not in known][:MOST_NEW]
-        return News(
+        return SceneChanges(
             {number: (self._things[number].look, self._placed(self._things[number])) for number in unknown},
             known - self._things.keys(),
             {n: self._placed(thing) for n, thing in self._things.items() if n in known and not thing.is_fixed},

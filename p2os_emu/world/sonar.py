@@ -28,7 +28,7 @@ _LENGTH = SETBACK + MAX_RANGE
 _LEAST_COSINE = cos(MAX_INCIDENCE)
 
 
-class Sonar:
+class SonarRays:
     """The discs of one robot: where their rays run, and what a disc makes of what its rays meet."""
 
     def __init__(self, discs: Sequence[SonarDisc], random: Random | None) -> None:

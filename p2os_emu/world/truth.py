@@ -13,7 +13,7 @@ class Truth(NamedTuple):
     angular: float
 
 
-class Outline(NamedTuple):
+class WorldOutline(NamedTuple):
     """What a picture of the world shows, m."""
 
     walls: tuple[Polygon, ...]

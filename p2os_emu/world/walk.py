@@ -2,7 +2,7 @@
 
 from random import Random
 
-from p2os_emu.world.people import STEP_LENGTH, Person, Route
+from p2os_emu.world.people import STEP_LENGTH, Person, PersonRoute
 
 
 class Walk:
@@ -14,7 +14,7 @@ class Walk:
     def __init__(self, person: Person, random: Random) -> None:
         self._person = person
         self._random = random
-        self._route = Route(person.route, loops=person.loops)
+        self._route = PersonRoute(person.route, loops=person.loops)
         self._along = person.begin
         self._sense = 1
         self._rest = 0.0

@@ -11,9 +11,9 @@ from p2os_emu.world.collision import build_person, put
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.free_space import FreeSpace
-from p2os_emu.world.objects import Moving
+from p2os_emu.world.objects import MovingObject
 from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
-from p2os_emu.world.presence import Presence
+from p2os_emu.world.presence import Footprint
 from p2os_emu.world.spec import WorldSpec, rectangle
 from p2os_emu.world.walk import Walk
 
@@ -55,7 +55,7 @@ class Walker:
         """Where they are, heading the way they walk."""
         return self._walk.place
 
-    def look(self, others: Sequence[Presence]) -> None:
+    def look(self, others: Sequence[Footprint]) -> None:
         """See whether others are in the way."""
         self._is_blocked = self._meets(others)
 
@@ -66,16 +66,16 @@ class Walker:
         if self.walks:
             self._put()
 
-    def moving(self) -> Iterator[Moving]:
+    def moving(self) -> Iterator[MovingObject]:
         """Two legs and what is above them."""
         pose, ahead = self.place, self._walk.stride
         for along, side in ((ahead, HIP), (-ahead, -HIP)):
-            yield Moving(self.person.name, _disc(pose.transform(along, side), LEG_RADIUS), 0.0, LEG_HEIGHT)
-        yield Moving(self.person.name, _disc((pose.x, pose.y), BODY_RADIUS), LEG_HEIGHT, HEIGHT)
+            yield MovingObject(self.person.name, _disc(pose.transform(along, side), LEG_RADIUS), 0.0, LEG_HEIGHT)
+        yield MovingObject(self.person.name, _disc((pose.x, pose.y), BODY_RADIUS), LEG_HEIGHT, HEIGHT)
 
-    def presence(self) -> Presence:
+    def presence(self) -> Footprint:
         """What they take up on the floor."""
-        return Presence(self.place.x, self.place.y, BODY_RADIUS, _disc((self.place.x, self.place.y), BODY_RADIUS))
+        return Footprint(self.place.x, self.place.y, BODY_RADIUS, _disc((self.place.x, self.place.y), BODY_RADIUS))
 
     @property
     def _room_wanted(self) -> tuple[float, float]:
@@ -84,7 +84,7 @@ class Walker:
             return LOOK_AHEAD, ELBOW_ROOM
         return (0.0 if self.walks else STEP_BACK), 0.0
 
-    def _meets(self, others: Sequence[Presence]) -> bool:
+    def _meets(self, others: Sequence[Footprint]) -> bool:
         ahead, beside = self._room_wanted
         front, width = BODY_RADIUS + ahead, 2 * (BODY_RADIUS + beside)
         x, y = self.place.transform(front / 2, 0.0)
@@ -123,7 +123,7 @@ class Walkers:
             for walker in self._walkers
         }
 
-    def step(self, others: Callable[[], Iterable[Presence]]) -> None:
+    def step(self, others: Callable[[], Iterable[Footprint]]) -> None:
         """Let `STEP` seconds pass among robots and doors; people walk through each other."""
         if self.stand_still:
             return
@@ -135,12 +135,12 @@ class Walkers:
         for walker in self._walkers:
             walker.step()
 
-    def moving(self) -> Iterator[Moving]:
+    def moving(self) -> Iterator[MovingObject]:
         """Each leg and each body where it is now."""
         for walker in self._walkers:
             yield from walker.moving()
 
-    def presences(self) -> dict[str, Presence]:
+    def presences(self) -> dict[str, Footprint]:
         """What each takes up on the floor."""
         return {walker.person.name: walker.presence() for walker in self._walkers}
 

@@ -19,17 +19,17 @@ from p2os_emu.world.engine import STEP, engine
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.leaves import DoorState
 from p2os_emu.world.look import Look, floor_look, furniture_look, movable_look, robot_looks, wall_look
-from p2os_emu.world.objects import Moving, ObjectPlace, Objects
+from p2os_emu.world.objects import MovingObject, ObjectPlace, Objects
 from p2os_emu.world.physics import open_physics, solve_chains
 from p2os_emu.world.placement import Obstacles, free_pose, overlapping
 from p2os_emu.world.planar import PlanarScene
-from p2os_emu.world.presence import Presence
+from p2os_emu.world.presence import Footprint
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sight import Sight
-from p2os_emu.world.sonar import Sonar
+from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block, WorldSpec
 from p2os_emu.world.touches import Touches, TouchLog
-from p2os_emu.world.truth import Outline, Truth
+from p2os_emu.world.truth import Truth, WorldOutline
 from p2os_emu.world.walkers import PersonPlace, check_routes
 
 LOOK_AT_PARKED = 12
@@ -57,14 +57,14 @@ class World:
         check_routes(spec)
         self.spec = spec
         self.steps = 0
-        self.outline = Outline(
+        self.outline = WorldOutline(
             tuple(block.footprint for block in spec.walls), tuple(block.footprint for block in spec.furniture)
         )
         self._seed = seed
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture, *spec.drops))
         self._robots: dict[str, RobotBody] = {}
-        self._moving: tuple[Moving, ...] | None = None
+        self._moving: tuple[MovingObject, ...] | None = None
         self._has_window = gui
         self._client = open_physics(gui)
         self._floor_id = build_floor(self._client)
@@ -101,11 +101,11 @@ class World:
         return tuple(self._robots)
 
     @property
-    def moving(self) -> Sequence[Moving]:
+    def moving(self) -> Sequence[MovingObject]:
         """Everything that may be elsewhere after the next step, where it is now: objects, robots, doors, people."""
         if self._moving is None:
             robots = (
-                Moving(name, robot.chassis.hull(robot.pose), HULL_BOTTOM, HULL_TOP)
+                MovingObject(name, robot.chassis.hull(robot.pose), HULL_BOTTOM, HULL_TOP)
                 for name, robot in self._robots.items()
             )
             self._moving = (*self.objects.moving(), *robots, *self._bystanders.moving())
@@ -137,7 +137,7 @@ class World:
             self._floor_id,
             model,
             chassis,
-            Sonar(model.sonar, random),
+            SonarRays(model.sonar, random),
             pose,
             fit,
             self.objects,
@@ -173,8 +173,8 @@ class World:
         """Let `STEP` seconds pass."""
         if self._bystanders:
             self._bystanders.step(
-                lambda: (Presence.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()),
-                lambda: (Presence.of(thing.footprint) for thing in self.objects.moving()),
+                lambda: (Footprint.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()),
+                lambda: (Footprint.of(thing.footprint) for thing in self.objects.moving()),
             )
         engine.stepSimulation(physicsClientId=self._client)
         self.steps += 1

@@ -10,7 +10,7 @@ import pytest
 from acromovi import ps, yellow_pages
 from acromovi.__main__ import main
 from acromovi.known_agents import advice
-from agents.platform import Agent, AgentName, State, request, subscription
+from agents.platform import Agent, AgentName, AgentState, request, subscription
 from agents.platform.directory import Description
 from bus import Refused
 from tests.acromovi.agents_alive import living
@@ -128,7 +128,9 @@ def test_advice_is_the_nearest_name_or_the_robots_own_agents_or_a_command() -> N
 
 
 def test_lists_are_for_people_too() -> None:
-    base = Description(AgentName("base", "happy"), State.ACTIVE, "happy", ("base", "component"), ("move",), {"x": [1]})
+    base = Description(
+        AgentName("base", "happy"), AgentState.ACTIVE, "happy", ("base", "component"), ("move",), {"x": [1]}
+    )
     shown = io.StringIO()
     ps.show([base], False, shown)
     assert shown.getvalue().splitlines() == [

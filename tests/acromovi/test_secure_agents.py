@@ -11,7 +11,7 @@ import pytest
 from acromovi.__main__ import main
 from acromovi.team.host_control import control_key
 from agents import Refused, Team
-from agents.components.component import Component
+from agents.components.component import ElementAgent
 from agents.platform import AclMessage, AgentName, Performative, asker, request
 from agents.platform.names import ContainerName
 from apps.indoor_navigation.component import push_key, query_key, send_key
@@ -69,7 +69,7 @@ ALLOWED = {
 }
 
 
-class Base(Component):
+class Base(ElementAgent):
     """The base of a robot that is as fast as a thought."""
 
     results: ClassVar[Mapping[str, str]] = {"x": "m"}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.container import start_services
-from agents.platform import AgentName, Container, State
+from agents.platform import AgentName, AgentState, Container
 from agents.services.all_services import SERVICES
 from bus import MemoryBus
 from configs import ConfigError
@@ -20,7 +20,7 @@ def test_services_live_on_the_teams_platform_with_the_properties_they_are_given(
             async with Container(bus, "services") as container:
                 await start_services(container, "dwarfs", {"arbiter.audit_file": str(file)})
                 states = {local: container.agent(AgentName(local, "dwarfs")).state for local in SERVICES}
-                assert states == dict.fromkeys(SERVICES, State.ACTIVE)
+                assert states == dict.fromkeys(SERVICES, AgentState.ACTIVE)
 
     asyncio.run(main())
     assert file.exists()

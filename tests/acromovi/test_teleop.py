@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from acromovi.presence import Presence, UnknownRobot
+from acromovi.presence import RobotPresence, UnknownRobot
 from acromovi.teleop import Teleop
 from bus import KeyNotValid, MemoryBus, MemoryNetwork, Refused, Sample
 from bus.messages import (
@@ -219,7 +219,7 @@ def battery(voltage: float) -> BatteryState:
 
 
 def test_robots_come_and_go(network: MemoryNetwork, robot: Robot) -> None:
-    presence = Presence(MemoryBus(network))
+    presence = RobotPresence(MemoryBus(network))
     presence.expect("happy", 0.0)
     assert presence.robots == ["happy"]
     robot.bus.close()
@@ -227,7 +227,7 @@ def test_robots_come_and_go(network: MemoryNetwork, robot: Robot) -> None:
 
 
 def test_a_robot_that_is_not_there_is_told_in_one_sentence(network: MemoryNetwork, robot: Robot) -> None:
-    presence = Presence(MemoryBus(network))
+    presence = RobotPresence(MemoryBus(network))
     with pytest.raises(UnknownRobot, match=r"no robot 'hapy' is seen; did you mean 'happy'\?"):
         presence.expect("hapy", 0.0)
     with pytest.raises(UnknownRobot, match="the robots seen are happy"):

@@ -15,7 +15,7 @@ from acromovi.__main__ import main
 from acromovi.wire import Tap
 from gateway.serial_port import open_port
 from p2os import Command, encode_command, encode_frame
-from p2os.wire_log import Entry, Source, WireLog
+from p2os.wire_log import FrameSource, WireLog, WireLogEntry
 from p2os_emu.cassette import read
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.poller import Poller
@@ -84,7 +84,7 @@ class Board:
         self.port = open_port(self.robot.port)
         self.client = MemoryLink(client_rate=rate)
         self.heard = b""
-        self.shown: list[Entry] = []
+        self.shown: list[WireLogEntry] = []
         self.kept: list[tuple[float, str, bytes]] = []
         self.tap = Tap(
             self.port, self.client, WireLog(P3DX), self.shown.extend, lambda *moment: self.kept.append(moment)
@@ -116,7 +116,7 @@ def test_bytes_go_both_ways_untouched_and_are_noted(board: Board, until: Until) 
 
     def answered() -> bool:
         board.tap.from_robot(2.0)
-        return any(entry.source is Source.ROBOT for entry in board.shown)
+        return any(entry.source is FrameSource.ROBOT for entry in board.shown)
 
     until(answered)
     assert board.client.client_read() == SIP

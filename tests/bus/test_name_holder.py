@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 
 from bus import Bus, MemoryBus, MemoryNetwork, MessageError, NameTaken, Refused, TimedOut
-from bus.name_holder import Process, check_name_free
+from bus.name_holder import BusProgram, check_name_free
 
 KEY = "happy/description"
-MINE, OTHER = Process(1, "lab", "mine", 100.0), Process(2, "lab", "other", 99.0)
+MINE, OTHER = BusProgram(1, "lab", "mine", 100.0), BusProgram(2, "lab", "other", 99.0)
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_who_has_a_name_is_told_with_its_process_and_machine(network: MemoryNetw
         check_name_free(asker, "happy", KEY)
     assert str(caught.value) == "happy is on this bus already, in process 2 on lab"
     check_name_free(asker, "happy", KEY)  # now that the other has ended
-    assert str(Process.here()).endswith(" on this machine")
+    assert str(BusProgram.here()).endswith(" on this machine")
 
 
 @pytest.mark.parametrize("description", [{}, {"process": "x"}, {**OTHER.told(), "since": None}])

@@ -7,13 +7,13 @@ import pytest
 
 from configs import load
 from gateway.accelerations import known
-from gateway.settings import Limits, Settings
+from gateway.settings import DriveLimits, Settings
 from p2os import Command, Configuration, RobotModel
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import Bench, MakeBench
 
-BRISK = Limits(acceleration_m_s2=0.6, deceleration_m_s2=0.5, angular_acceleration_rad_s2=radians(200))
+BRISK = DriveLimits(acceleration_m_s2=0.6, deceleration_m_s2=0.5, angular_acceleration_rad_s2=radians(200))
 ACCELERATING = {Command.SETA, Command.SETRA}
 
 
@@ -61,6 +61,6 @@ def test_nothing_is_said_of_them_as_long_as_the_robot_may_still_say_it(make_benc
 def test_of_a_robot_that_never_says_them_the_least_is_believed(wanted: float | None, believed: float) -> None:
     model = load(RobotModel, "robots", "p2dx")
     assert model.flash.deceleration == 0.3
-    assert known(Limits(deceleration_m_s2=wanted), model, None)["deceleration"] == believed
-    assert known(Limits(deceleration_m_s2=wanted), model, Configuration())["deceleration"] == believed
-    assert known(Limits(deceleration_m_s2=wanted), model, Configuration(deceleration=0.5))["deceleration"] == 0.5
+    assert known(DriveLimits(deceleration_m_s2=wanted), model, None)["deceleration"] == believed
+    assert known(DriveLimits(deceleration_m_s2=wanted), model, Configuration())["deceleration"] == believed
+    assert known(DriveLimits(deceleration_m_s2=wanted), model, Configuration(deceleration=0.5))["deceleration"] == 0.5

@@ -28,7 +28,7 @@ def office(make_bench: "MakeBench") -> Office:
     bench = make_bench("p3dx-sh")
     bench.body.arm = PlainArm(6)
     model = load(RobotModel, "robots", "p3dx-sh")
-    fitting.plug_in("arm", fitting.Bench(model, Fit({"arm": "pioneer"}), bench.robot, bench.body, Random(1)))
+    fitting.plug_in("arm", fitting.FittingContext(model, Fit({"arm": "pioneer"}), bench.robot, bench.body, Random(1)))
     office = Office(bench, Settings())
     office.run(0.5)
     return office

@@ -10,11 +10,11 @@ import pytest
 
 from bus import keys
 from cameras.errors import CameraLost
-from cameras.source import PATIENCE, Source
+from cameras.source import PATIENCE, CameraSource
 from gateway.camera_thread import CameraState, CameraThread
 from gateway.events import Event, PictureTaken
-from gateway.faces.cable_face import CableFace
-from gateway.faces.camera import CameraFace
+from gateway.faces.cable_face import CableAdapter
+from gateway.faces.camera import CameraAdapter
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import CameraSettings, Settings
 from tests.waiting import patience
@@ -56,9 +56,9 @@ class Robot:
         self.events += events
 
 
-def joined(open_camera: Callable[[str], Source], has_listeners: bool = True) -> tuple[CameraThread, Robot]:
+def joined(open_camera: Callable[[str], CameraSource], has_listeners: bool = True) -> tuple[CameraThread, Robot]:
     thread, robot = CameraThread("somewhere", open_camera), Robot(has_listeners)
-    thread.join(cast(RobotOnBus, robot), cast("CableFace[Any]", None))
+    thread.join(cast(RobotOnBus, robot), cast("CableAdapter[Any]", None))
     thread.start()
     return thread, robot
 
@@ -75,7 +75,7 @@ def test_pictures_reach_the_bus_as_they_are_and_what_is_none_is_counted(until: C
 def test_camera_that_is_not_there_is_a_fault_and_tried_again(until: Callable[..., None]) -> None:
     tries = 0
 
-    def open_camera(where: str) -> Source:
+    def open_camera(where: str) -> CameraSource:
         nonlocal tries
         tries += 1
         if tries == 1:
@@ -137,7 +137,7 @@ def test_camera_that_goes_while_nobody_looks_is_missed_and_found_again(
         monkeypatch.setattr(f"cameras.reader.{name}", 0.02)
     is_there = True
 
-    def open_camera(where: str) -> Source:
+    def open_camera(where: str) -> CameraSource:
         if not is_there:
             raise CameraLost("nobody answers")
         return Stream()
@@ -187,7 +187,7 @@ def test_face_publishes_the_jpeg_and_describes_its_size() -> None:
     state = CameraState(lambda: 0.0)
     state.take((160, 120))
     settings = Settings(camera=CameraSettings(field_of_view_rad=0.8))
-    face = CameraFace("happy", cast(Any, None), settings, state, cast(Any, None))
+    face = CameraAdapter("happy", cast(Any, None), settings, state, cast(Any, None))
     [(topic, message)] = face.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000)
     assert topic is keys.CAMERA
     image = cast(Any, message)

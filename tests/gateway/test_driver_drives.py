@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gateway.elements.ports import UserPorts
-from gateway.elements.sonar import Sonar
+from gateway.elements.sonar import SonarElement
 from gateway.errors import CommandRefused
-from gateway.events import End, MotionEnded
-from gateway.settings import Limits, Settings
+from gateway.events import MotionEnd, MotionEnded
+from gateway.settings import DriveLimits, Settings
 from p2os import Command
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def test_velocity_that_is_no_number_is_refused(bench: "Bench", velocity: tuple[f
 
 
 def test_velocity_is_clipped_to_what_model_robot_and_user_allow(make_bench: "MakeBench") -> None:
-    bench = make_bench(settings=Settings(limits=Limits(linear_m_s=0.3)))
+    bench = make_bench(settings=Settings(limits=DriveLimits(linear_m_s=0.3)))
     bench.connect()
     bench.run(0.3)
     bench.driver.set_velocity(99.0, -99.0, bench.now)
@@ -250,7 +250,7 @@ def test_move_ends_reached_where_it_was_to_go(bench: "Bench", distance: float) -
     motion = bench.driver.move(distance, bench.now)
     bench.run_until(lambda: bool(ended(bench)), limit=20.0)
     end = ended(bench)[0]
-    assert (end.motion_id, end.kind, end.end) == (motion, "move", End.REACHED)
+    assert (end.motion_id, end.kind, end.end) == (motion, "move", MotionEnd.REACHED)
     assert end.done == pytest.approx(distance, abs=0.03)
 
 
@@ -260,7 +260,7 @@ def test_turn_of_any_size_ends_reached(bench: "Bench", angle: float) -> None:
     motion = bench.driver.turn(angle, bench.now)
     bench.run_until(lambda: bool(ended(bench)), limit=40.0)
     end = ended(bench)[0]
-    assert (end.motion_id, end.kind, end.end) == (motion, "turn", End.REACHED)
+    assert (end.motion_id, end.kind, end.end) == (motion, "turn", MotionEnd.REACHED)
     assert end.done == pytest.approx(angle, abs=radians(3))
 
 
@@ -288,7 +288,7 @@ def test_long_motion_ends_replaced_stopped_or_lost_as_it_happens(bench: "Bench")
     bench.run(0.2)
     bench.cut = True
     bench.run(2.0)
-    assert [event.end for event in ended(bench)] == [End.REPLACED, End.STOPPED, End.LOST]
+    assert [event.end for event in ended(bench)] == [MotionEnd.REPLACED, MotionEnd.STOPPED, MotionEnd.LOST]
 
 
 def test_move_against_a_wall_ends_stalled_and_the_robot_is_stopped(bench: "Bench") -> None:
@@ -298,7 +298,7 @@ def test_move_against_a_wall_ends_stalled_and_the_robot_is_stopped(bench: "Bench
     bench.body.wall = bench.body.travel
     at = bench.now
     bench.run_until(lambda: bool(ended(bench)))
-    assert ended(bench)[0].end is End.STALLED
+    assert ended(bench)[0].end is MotionEnd.STALLED
     assert Command.STOP in bench.commands(since=at)
 
 
@@ -312,7 +312,7 @@ def test_outputs_and_sonar_are_set_and_set_again_after_a_reset(bench: "Bench") -
     bench.connect()
     bench.driver.element(UserPorts, bench.now).set_outputs(0b0011, 0b0001)
     bench.driver.element(UserPorts, bench.now).set_outputs(0b0100, 0b0100)
-    bench.driver.element(Sonar, bench.now).switch(False)
+    bench.driver.element(SonarElement, bench.now).switch(False)
     bench.run(0.3)
     assert bench.robot.digital_out & 0b0111 == 0b0101
     assert bench.sips[-1].sip.sonar_arrays == 0

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from gateway.camera_thread import CameraThread
-from gateway.element_news import PATIENCE, ElementNews, News
+from gateway.element_news import PATIENCE, ElementChange, ElementNews
 
 
 def camera(clock: Callable[[], float] = lambda: 0.0) -> CameraThread:
@@ -18,7 +18,9 @@ def test_element_that_never_answers_is_told_once_and_with_the_reason() -> None:
     element.driver.lose("camera does not answer: refused")
     assert not [*news.since(0.0), *news.since(PATIENCE - 0.1)]
     [first] = news.since(PATIENCE)
-    assert first == News("camera", False, False, ("the camera gives no pictures: camera does not answer: refused",))
+    assert first == ElementChange(
+        "camera", False, False, ("the camera gives no pictures: camera does not answer: refused",)
+    )
     assert not list(news.since(2 * PATIENCE))
 
 
@@ -41,4 +43,4 @@ def test_element_that_answers_late_is_found_all_the_same() -> None:
     assert not list(news.since(5.0))
     assert len(list(news.since(5.0 + PATIENCE))) == 1
     element.driver.take((4, 3))
-    assert list(news.since(6.0 + PATIENCE)) == [News("camera", True, True, ())]
+    assert list(news.since(6.0 + PATIENCE)) == [ElementChange("camera", True, True, ())]

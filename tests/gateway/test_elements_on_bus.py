@@ -13,7 +13,7 @@ from configs import load
 from gateway.settings import Calibration, Fitted, Settings
 from p2os import Command, RobotModel
 from p2os_emu.fit import read_fit
-from p2os_emu.fitting import Bench, plug_in
+from p2os_emu.fitting import FittingContext, plug_in
 from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.microcontroller.panel import Stick
 from p2os_emu.microcontroller.testing import PlainGripper
@@ -37,7 +37,7 @@ def make_fitted(make_bench: "MakeBench") -> MakeFitted:
         if fit.has("gripper"):
             bench.body.gripper = PlainGripper()
         for part in fit.parts:
-            plug_in(part, Bench(fitted, fit, bench.robot, bench.body, Random(3)))
+            plug_in(part, FittingContext(fitted, fit, bench.robot, bench.body, Random(3)))
         return Office(bench, settings or Settings())
 
     return make

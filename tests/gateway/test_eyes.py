@@ -10,7 +10,7 @@ from acromovi.children import emulator, gateway
 from bus import Bus, Sample, keys, messages
 from cameras import picture_size
 from configs import load
-from gateway.elements.ptz import Ptz
+from gateway.elements.ptz import PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import HeadSeen
 from p2os.accessories.head_model import HeadModel
@@ -30,9 +30,9 @@ def test_head_is_steered_through_the_firmware_while_the_robot_drives(
     head = kind(load(HeadModel, "accessories", name))
     bench.robot.plug(1, lambda: head)
     bench.connect()
-    bench.run_until(lambda: bench.driver.has(Ptz))
+    bench.run_until(lambda: bench.driver.has(PtzElement))
     bench.run(5.0)
-    bench.driver.element(Ptz, bench.now).look(0.5, -0.2, None, bench.now)
+    bench.driver.element(PtzElement, bench.now).look(0.5, -0.2, None, bench.now)
     began = bench.now
 
     def drive() -> None:
@@ -53,7 +53,7 @@ def test_robot_without_a_head_refuses_to_look(make_bench: "MakeBench") -> None:
     bench.connect()
     bench.run(3.0)
     with pytest.raises(CommandRefused, match="this robot has no ptz"):
-        bench.driver.element(Ptz, bench.now)
+        bench.driver.element(PtzElement, bench.now)
 
 
 def test_pictures_and_head_are_on_the_bus_and_the_head_turns_when_asked(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.events import End, MotionEnded
+from gateway.events import MotionEnd, MotionEnded
 from p2os import Command, FrameDecoder, encode_frame
 from p2os.framing import Frame
 from tests.gateway.simulator_peer import SimulatorPeer
@@ -46,10 +46,11 @@ def end_of(factor: float, kind: str, amount: float) -> MotionEnded:
 
 @pytest.mark.parametrize(("kind", "amount", "unit"), [("move", 1.0, "m"), ("move", -0.5, "m"), ("turn", 2.0, "rad")])
 @pytest.mark.parametrize(
-    ("factor", "end"), [(1.2, End.OVERSHOOT), (0.8, End.UNDERSHOOT), (0.0, End.NOT_STARTED), (1.0, End.REACHED)]
+    ("factor", "end"),
+    [(1.2, MotionEnd.OVERSHOOT), (0.8, MotionEnd.UNDERSHOOT), (0.0, MotionEnd.NOT_STARTED), (1.0, MotionEnd.REACHED)],
 )
 def test_motion_that_ends_elsewhere_says_on_which_side_and_how_far(
-    factor: float, end: End, kind: str, amount: float, unit: str
+    factor: float, end: MotionEnd, kind: str, amount: float, unit: str
 ) -> None:
     ended = end_of(factor, kind, amount)
     assert ended.end is end
@@ -58,12 +59,14 @@ def test_motion_that_ends_elsewhere_says_on_which_side_and_how_far(
 
 
 def test_sentence_and_json_carry_the_distance_and_its_unit() -> None:
-    over = MotionEnded("move-1", "move", End.OVERSHOOT, 1.06, 1.0, "m")
+    over = MotionEnded("move-1", "move", MotionEnd.OVERSHOOT, 1.06, 1.0, "m")
     assert over.sentence == "overshoot by 0.06 m: 1.06 of 1.00 m"
-    assert MotionEnded("turn-2", "turn", End.UNDERSHOOT, -0.9, -1.0, "rad").sentence == (
+    assert MotionEnded("turn-2", "turn", MotionEnd.UNDERSHOOT, -0.9, -1.0, "rad").sentence == (
         "undershoot by 0.10 rad: -0.90 of -1.00 rad"
     )
-    assert MotionEnded("turn-3", "turn", End.STALLED, 0.5, 1.0, "rad").sentence == "stalled after 0.50 of 1.00 rad"
+    assert (
+        MotionEnded("turn-3", "turn", MotionEnd.STALLED, 0.5, 1.0, "rad").sentence == "stalled after 0.50 of 1.00 rad"
+    )
     assert over.as_json() == {
         "id": "move-1",
         "command": "move",
@@ -82,4 +85,4 @@ def test_stop_button_ends_a_motion_as_stopped_by_the_robot(bench: "Bench") -> No
     bench.run(1.0)
     bench.robot.panel.stop_button = True
     bench.run_until(lambda: bool(bench.of(MotionEnded)), 5.0)
-    assert bench.of(MotionEnded)[0].end is End.STOPPED_BY_ROBOT
+    assert bench.of(MotionEnded)[0].end is MotionEnd.STOPPED_BY_ROBOT

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from configs import load
-from gateway.odometry import Odometry
+from gateway.odometry import OdometryTracker
 from gateway.plausibility import Plausibility
 from gateway.settings import Calibration, OdometryErrors
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
@@ -24,7 +24,7 @@ def heard(pose: Pose2D) -> StandardSip:
     return CODEC.decode(CODEC.encode(StandardSip(x=pose.x, y=pose.y, heading=pose.heading)))
 
 
-def driven(odometry: Odometry, start: Pose2D, twists: list[Twist2D]) -> Pose2D:
+def driven(odometry: OdometryTracker, start: Pose2D, twists: list[Twist2D]) -> Pose2D:
     pose = start
     odometry.update(heard(pose), MODEL)
     for twist in twists:
@@ -40,7 +40,7 @@ def driven(odometry: Odometry, start: Pose2D, twists: list[Twist2D]) -> Pose2D:
 def test_pose_follows_the_robot_from_where_it_was_first_heard(
     start: tuple[float, float, float], twists: list[tuple[float, float]]
 ) -> None:
-    odometry = Odometry(Calibration(), OdometryErrors())
+    odometry = OdometryTracker(Calibration(), OdometryErrors())
     origin = Pose2D(*start)
     end = driven(odometry, origin, [Twist2D(*twist) for twist in twists]).relative_to(origin)
     assert hypot(odometry.pose.x - end.x, odometry.pose.y - end.y) < 0.002 + 0.001 * len(twists)
@@ -51,7 +51,7 @@ def test_pose_follows_the_robot_from_where_it_was_first_heard(
 
 
 def test_calibration_scales_distances_and_turns() -> None:
-    odometry = Odometry(Calibration(distance=1.02, heading=0.5), OdometryErrors())
+    odometry = OdometryTracker(Calibration(distance=1.02, heading=0.5), OdometryErrors())
     driven(odometry, Pose2D(5.0, 5.0, 0.0), [Twist2D(1.0, 0.0)] * 10)
     assert odometry.pose.x == pytest.approx(1.02, abs=0.001)
     driven(odometry, Pose2D(6.0, 5.0, 0.0), [Twist2D(0.0, pi / 2)] * 10)
@@ -59,7 +59,7 @@ def test_calibration_scales_distances_and_turns() -> None:
 
 
 def test_turns_of_a_gyro_are_believed_against_the_wheels() -> None:
-    odometry = Odometry(Calibration(heading=0.5), OdometryErrors())
+    odometry = OdometryTracker(Calibration(heading=0.5), OdometryErrors())
     odometry.update(heard(Pose2D()), MODEL)
     for step in range(1, 11):  # the wheels slip: they claim a radian where the robot turned a quarter turn
         odometry.update(heard(Pose2D(0.0, 0.0, step / 10)), MODEL, pi / 20)
@@ -70,13 +70,13 @@ def test_turns_of_a_gyro_are_believed_against_the_wheels() -> None:
 
 
 def test_turns_add_up_beyond_a_full_turn() -> None:
-    odometry = Odometry(Calibration(), OdometryErrors())
+    odometry = OdometryTracker(Calibration(), OdometryErrors())
     driven(odometry, Pose2D(), [Twist2D(0.0, 2 * pi)] * 25)
     assert odometry.turned == pytest.approx(5 * pi, abs=0.01)
 
 
 def test_uncertainty_grows_with_the_way_and_not_with_time() -> None:
-    odometry = Odometry(Calibration(), OdometryErrors())
+    odometry = OdometryTracker(Calibration(), OdometryErrors())
     driven(odometry, Pose2D(), [Twist2D(0.0, 0.0)] * 10)
     assert odometry.covariance == (0.0,) * 9
     driven(odometry, Pose2D(), [Twist2D(0.5, 0.2)] * 10)

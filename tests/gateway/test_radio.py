@@ -11,7 +11,7 @@ import configs
 from gateway.dialler import FIRST_PATIENCE, LONGEST_PATIENCE, Dialler
 from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
-from gateway.elements.ptz import Ptz
+from gateway.elements.ptz import PtzElement
 from gateway.events import Event, LinkLost, SipReceived
 from gateway.line import DIAL, RADIO, RADIO_BAUD
 from gateway.settings import Settings
@@ -19,7 +19,7 @@ from p2os import Command, Frame, FrameDecoder, Identity, RobotModel, decode_comm
 from p2os.accessories.head_model import HeadModel
 from p2os_emu.accessories.evid30 import EviD30
 from p2os_emu.accessories.vcc4 import Vcc4
-from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.microcontroller.testing import STEP, PlainBody
@@ -40,7 +40,7 @@ class Radio(VirtualTime):
         self.body = PlainBody()
         self.robot = Microcontroller(configs.load(RobotModel, "robots", model), "happy")
         self.link = MemoryLink(client_rate=RADIO_BAUD)
-        self.line = Line(self.link, profile, seed)
+        self.line = EmulatedLine(self.link, profile, seed)
         settings = Settings(radio=True, encoders=True, inputs_outputs=True, raise_baud_to=38400)
         self.driver = Driver(find_model, (RADIO_BAUD,), settings, random.Random(seed))
         self.sent: list[tuple[float, bytes]] = []
@@ -83,9 +83,9 @@ def test_camera_head_is_found_and_steered_through_the_modems(kind: type[Vcc4 | E
     device = kind(configs.load(HeadModel, "accessories", name))
     radio.robot.plug(1, lambda: device)
     radio.connect()
-    radio.run_until(lambda: radio.driver.has(Ptz))
+    radio.run_until(lambda: radio.driver.has(PtzElement))
     radio.run(15.0)
-    radio.driver.element(Ptz, radio.now).look(0.5, None, None, radio.now)
+    radio.driver.element(PtzElement, radio.now).look(0.5, None, None, radio.now)
     radio.run(5.0)
     assert device.head.pan.position == pytest.approx(0.5, abs=0.01)
     assert radio.rate_sent(radio.now - 5.0) < 0.25 * RADIO_BAUD / 10
@@ -106,7 +106,7 @@ def test_modem_is_dialled_before_the_robot_is_told_stop_and_close(auto_connect: 
 
 def test_robot_on_a_plain_cable_is_found_although_no_modem_answers() -> None:
     radio = Radio()
-    radio.line = Line(radio.link, LinkProfile("a cable"))
+    radio.line = EmulatedLine(radio.link, LinkProfile("a cable"))
     assert radio.connect() < 3.0
 
 

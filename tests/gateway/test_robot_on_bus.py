@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import pytest
 
 from bus import MemoryBus, NoAnswer, Refused, Sample, keys, messages
-from bus.exchange import Reply, sorted_out
+from bus.exchange import RawReply, sorted_out
 from configs import load
 from gateway.driver import Driver
 from gateway.robot_on_bus import RobotOnBus
@@ -255,7 +255,7 @@ def test_command_that_makes_no_sense_is_refused_in_one_sentence(
     # As a foreign program may write it: our own encoder has no infinity to send.
     payload = json.dumps(arguments).encode()
     serving = next(entry for entry in office.bus.network.queryables if str(entry.key) == f"happy/{suffix}")
-    replies: list[Reply] = []
+    replies: list[RawReply] = []
     serving.call(payload, replies.append, lambda: None)
     with pytest.raises(Refused, match=why):
         sorted_out(suffix, replies)

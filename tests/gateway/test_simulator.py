@@ -15,7 +15,7 @@ from configs import load
 from gateway.bridge import LONGEST_BACKOFF, Backoff
 from gateway.connector import AS_IT_IS, CLOSE, STOP
 from gateway.driver import Driver
-from gateway.events import End, Event, HandshakeCompleted, MotionEnded, SweepFailed, SweepReceived
+from gateway.events import Event, HandshakeCompleted, MotionEnd, MotionEnded, SweepFailed, SweepReceived
 from gateway.settings import Fitted, Settings
 from p2os import Command, RobotModel, encode_command
 from tests.gateway.conftest import MakeBench, find_model
@@ -186,7 +186,7 @@ def test_turn_over_170_degrees_is_reached_though_the_simulator_knows_no_dchead(a
     turned = line.peer.turned
     line.driver.turn(angle, line.now)
     line.run_until(lambda: bool(line.of(MotionEnded)), 60.0)
-    assert line.of(MotionEnded)[0].end is End.REACHED
+    assert line.of(MotionEnded)[0].end is MotionEnd.REACHED
     assert line.peer.turned - turned == pytest.approx(angle, abs=radians(3))
 
 

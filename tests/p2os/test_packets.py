@@ -10,7 +10,7 @@ from p2os import (
     DecodeError,
     EncodeError,
     Encoders,
-    InputsOutputs,
+    IoReport,
     RobotModel,
     StandardSip,
     UnknownPacket,
@@ -136,19 +136,19 @@ def test_a_value_that_does_not_fit_a_configuration_is_refused(p3dx: RobotModel) 
 def test_inputs_and_outputs_are_read_and_written(p3dx: RobotModel, near: Callable[[object], Any]) -> None:
     payload = bytes.fromhex("F0  04 FF 01 02 0F  01 80  02 00 00 FF 03")  # analog: 0 and 1023, which is 5 V
     packet = decode_packet(payload, p3dx)
-    assert packet == near(InputsOutputs(b"\xff\x01\x02\x0f", b"\x80", (0.0, 5.0)))
+    assert packet == near(IoReport(b"\xff\x01\x02\x0f", b"\x80", (0.0, 5.0)))
     assert encode_packet(packet, p3dx) == payload
 
 
 def test_lists_longer_than_their_packet_end_with_it(p3dx: RobotModel, near: Callable[[object], Any]) -> None:
-    assert decode_packet(bytes.fromhex("F0 09 01 02"), p3dx) == InputsOutputs(b"\x01\x02", b"", ())
+    assert decode_packet(bytes.fromhex("F0 09 01 02"), p3dx) == IoReport(b"\x01\x02", b"", ())
     half_an_analog = decode_packet(bytes.fromhex("F0 00 00 05 01 00 02"), p3dx)
-    assert half_an_analog == near(InputsOutputs(b"", b"", (5 / 1023,)))
+    assert half_an_analog == near(IoReport(b"", b"", (5 / 1023,)))
 
 
 def test_more_items_than_a_list_counts_are_refused(p3dx: RobotModel) -> None:
     with pytest.raises(EncodeError, match="digital_in has 256 items, a packet carries at most 255"):
-        encode_packet(InputsOutputs(bytes(256), b"", ()), p3dx)
+        encode_packet(IoReport(bytes(256), b"", ()), p3dx)
 
 
 @pytest.mark.parametrize("packet_type", range(0x30, 0x35))
@@ -183,8 +183,8 @@ def test_encoders_come_back(p3dx: RobotModel, left: int, right: int) -> None:
 def test_inputs_and_outputs_come_back_within_a_count(
     p3dx: RobotModel, digital_in: bytes, digital_out: bytes, analog: list[float]
 ) -> None:
-    back = decode_packet(encode_packet(InputsOutputs(digital_in, digital_out, tuple(analog)), p3dx), p3dx)
-    assert isinstance(back, InputsOutputs)
+    back = decode_packet(encode_packet(IoReport(digital_in, digital_out, tuple(analog)), p3dx), p3dx)
+    assert isinstance(back, IoReport)
     assert back[:2] == (digital_in, digital_out)
     assert list(back.analog) == pytest.approx(analog, abs=5 / 1023 / 2 + 1e-9)
 

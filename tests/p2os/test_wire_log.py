@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import configs
 from p2os import Command, RobotModel, encode_command, encode_frame
-from p2os.wire_log import Entry, Source, WireLog, as_json, as_text
+from p2os.wire_log import FrameSource, WireLog, WireLogEntry, as_json, as_text
 
 P3DX = configs.load(RobotModel, "robots", "p3dx-sh")
 POWERBOT = configs.load(RobotModel, "robots", "powerbot-sh")
@@ -33,13 +33,13 @@ def log() -> WireLog:
     return WireLog(P3DX, {"powerbot-sh": POWERBOT}.get)
 
 
-def host(log: WireLog, data: bytes) -> Entry:
-    (entry,) = log.receive(Source.HOST, data, 1.0)
+def host(log: WireLog, data: bytes) -> WireLogEntry:
+    (entry,) = log.receive(FrameSource.HOST, data, 1.0)
     return entry
 
 
-def robot(log: WireLog, data: bytes) -> Entry:
-    (entry,) = log.receive(Source.ROBOT, data, 1.0)
+def robot(log: WireLog, data: bytes) -> WireLogEntry:
+    (entry,) = log.receive(FrameSource.ROBOT, data, 1.0)
     return entry
 
 
@@ -110,13 +110,13 @@ def test_damaged_frame_is_shown_with_the_reason(log: WireLog) -> None:
 
 
 def test_plain_words_between_the_frames_can_be_read(log: WireLog) -> None:
-    dial, _ = log.receive(Source.HOST, b"WMS2\r" + SYNC0, 1.0)
+    dial, _ = log.receive(FrameSource.HOST, b"WMS2\r" + SYNC0, 1.0)
     assert as_text(dial) == "    1.0000 -> damaged (noise, 5 bytes): 57 4d 53 32 0d 'WMS2\\r'"
 
 
 def test_half_a_frame_is_given_up_when_time_passes(log: WireLog) -> None:
-    assert log.receive(Source.ROBOT, SIP[:7], 1.0) == []
-    (entry,) = log.receive(Source.ROBOT, b"", 2.0)
+    assert log.receive(FrameSource.ROBOT, SIP[:7], 1.0) == []
+    (entry,) = log.receive(FrameSource.ROBOT, b"", 2.0)
     assert (entry.name, entry.problem, entry.raw) == ("damaged", "partial", SIP[:7])
 
 
@@ -143,7 +143,7 @@ def test_scales_are_those_of_the_model() -> None:
 def test_whatever_a_frame_holds_it_is_shown_both_ways(number: int, argument: bytes) -> None:
     log = WireLog(P3DX)
     frame = encode_frame(bytes([number]) + argument)
-    shown = log.receive(Source.HOST, frame, 0.0) + log.receive(Source.ROBOT, frame, 0.0)
+    shown = log.receive(FrameSource.HOST, frame, 0.0) + log.receive(FrameSource.ROBOT, frame, 0.0)
     assert all(as_text(entry) and json.dumps(as_json(entry), allow_nan=False) for entry in shown)
 
 

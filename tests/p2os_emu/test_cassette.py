@@ -7,8 +7,8 @@ import pytest
 
 import configs
 from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encode_frame
-from p2os.wire_log import Source
-from p2os_emu.cassette import Cassette, CassetteError, Moment, Player, Recorder, exchanges, read
+from p2os.wire_log import FrameSource
+from p2os_emu.cassette import Cassette, CassetteError, Player, RecordedBytes, Recorder, exchanges, read
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
@@ -20,14 +20,14 @@ CONFIGURATION = encode_frame(b"\x20configuration")
 SIP = [encode_frame(bytes([0x32, number])) for number in range(5)]
 
 
-def host(time: float, command: Command, value: int | None = None) -> Moment:
+def host(time: float, command: Command, value: int | None = None) -> RecordedBytes:
     """What a client sent."""
-    return Moment(time, Source.HOST, encode_command(command, value))
+    return RecordedBytes(time, FrameSource.HOST, encode_command(command, value))
 
 
-def robot(time: float, *frames: bytes) -> Moment:
+def robot(time: float, *frames: bytes) -> RecordedBytes:
     """What a robot sent."""
-    return Moment(time, Source.ROBOT, b"".join(frames))
+    return RecordedBytes(time, FrameSource.ROBOT, b"".join(frames))
 
 
 def drive() -> Cassette:
@@ -151,8 +151,8 @@ def test_what_was_recorded_is_read_again(tmp_path: Path) -> None:
     recording = read(tmp_path / "tape")  # not yet closed: every line is in the file as soon as it is written
     recorder.close()
     assert (recording.name, recording.model) == ("happy", "p3dx-sh")
-    assert b"".join(moment.data for moment in recording.of(Source.ROBOT)) == link.client_read()
-    assert [moment.data for moment in recording.of(Source.HOST)] == [
+    assert b"".join(moment.data for moment in recording.of(FrameSource.ROBOT)) == link.client_read()
+    assert [moment.data for moment in recording.of(FrameSource.HOST)] == [
         encode_command(command) for command in (*HANDSHAKE, Command.OPEN)
     ]
     assert recording.identity == ("happy", "Pioneer", "p3dx-sh")
@@ -161,7 +161,7 @@ def test_what_was_recorded_is_read_again(tmp_path: Path) -> None:
 def test_recording_of_others_needs_no_header(tmp_path: Path) -> None:
     path = tmp_path / "tape"
     path.write_text('{"t": 0.5, "from": "host", "hex": "fafb03000000"}\n')
-    assert read(path).moments == (Moment(0.5, Source.HOST, encode_command(Command.SYNC0)),)
+    assert read(path).moments == (RecordedBytes(0.5, FrameSource.HOST, encode_command(Command.SYNC0)),)
 
 
 @pytest.mark.parametrize(

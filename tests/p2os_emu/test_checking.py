@@ -8,8 +8,8 @@ import pytest
 import configs
 from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encode_frame
 from p2os.sip import SIP_TYPES
-from p2os.wire_log import Source
-from p2os_emu.cassette import Cassette, Moment, read
+from p2os.wire_log import FrameSource
+from p2os_emu.cassette import Cassette, RecordedBytes, read
 from p2os_emu.checking import Parting, compare, replay
 from p2os_emu.flat_world import FlatWorld
 
@@ -31,36 +31,38 @@ Change = Callable[[float, bytes], bytes | None]
 
 
 @pytest.fixture(scope="module")
-def recorded() -> list[Moment]:
+def recorded() -> list[RecordedBytes]:
     """A drive of the emulated robot, both directions."""
-    host = [Moment(5.0 + time, Source.HOST, encode_command(command, value)) for time, command, value in SCRIPT]
+    host = [
+        RecordedBytes(5.0 + time, FrameSource.HOST, encode_command(command, value)) for time, command, value in SCRIPT
+    ]
     return sorted([*host, *replay(Cassette(tuple(host)), P3DX, FlatWorld())])
 
 
-def changed(recorded: list[Moment], change: Change) -> list[Parting]:
+def changed(recorded: list[RecordedBytes], change: Change) -> list[Parting]:
     """Where the emulator parts from a recording in which the robot's payloads were changed; None leaves one out."""
     moments = []
     for time, source, data in recorded:
         payloads = [event.payload for event in FrameDecoder().receive(data, time) if isinstance(event, Frame)]
-        if source is Source.ROBOT:
+        if source is FrameSource.ROBOT:
             kept = [new for payload in payloads if (new := change(time, payload)) is not None]
             data = b"".join(map(encode_frame, kept))
-        moments.append(Moment(time, source, data))
+        moments.append(RecordedBytes(time, source, data))
     return compare(moments, replay(Cassette(tuple(moments)), P3DX, FlatWorld()), P3DX)
 
 
-def test_emulator_agrees_with_itself(recorded: list[Moment]) -> None:
+def test_emulator_agrees_with_itself(recorded: list[RecordedBytes]) -> None:
     assert changed(recorded, lambda time, payload: payload) == []
 
 
-def test_missing_and_extra_packets_are_named(recorded: list[Moment]) -> None:
+def test_missing_and_extra_packets_are_named(recorded: list[RecordedBytes]) -> None:
     (parting,) = changed(recorded, lambda time, payload: None if payload[0] == 0x90 else payload)
     assert (parting.kind, parting.aspect, parting.recorded, parting.emulated) == ("ENCODERS", "number of packets", 0, 1)
     (parting,) = changed(recorded, lambda time, payload: b"\xd0" + bytes(26) if payload[0] == 0x90 else payload)[-1:]
     assert (parting.kind, parting.recorded, parting.emulated) == ("PLAYLIST", 1, 0)
 
 
-def test_field_that_differs_is_shown_with_both_values(recorded: list[Moment]) -> None:
+def test_field_that_differs_is_shown_with_both_values(recorded: list[RecordedBytes]) -> None:
     def of_another_model(time: float, payload: bytes) -> bytes:
         return payload.replace(b"p3dx-sh", b"p3at-sh", 1) if payload[0] == 0x20 else payload
 
@@ -69,7 +71,7 @@ def test_field_that_differs_is_shown_with_both_values(recorded: list[Moment]) ->
     assert str(parting) == "CONFIGURATION: subtype differs: recorded p3at-sh, emulated p3dx-sh"
 
 
-def test_sips_that_differ_are_counted(recorded: list[Moment]) -> None:
+def test_sips_that_differ_are_counted(recorded: list[RecordedBytes]) -> None:
     def stalled(time: float, payload: bytes) -> bytes:
         stall = slice(12, 14)  # source: protocol sheet, standard SIP
         if payload[0] not in SIP_TYPES or time < 7.0:
@@ -82,7 +84,7 @@ def test_sips_that_differ_are_counted(recorded: list[Moment]) -> None:
     assert parting.time >= 7.0
 
 
-def test_odometry_that_starts_elsewhere_is_the_same(recorded: list[Moment]) -> None:
+def test_odometry_that_starts_elsewhere_is_the_same(recorded: list[RecordedBytes]) -> None:
     def moved(time: float, payload: bytes) -> bytes:
         x = int.from_bytes(payload[1:3], "little") + 32700
         moved = payload[:1] + (x % 32768).to_bytes(2, "little") + payload[3:]
@@ -91,16 +93,16 @@ def test_odometry_that_starts_elsewhere_is_the_same(recorded: list[Moment]) -> N
     assert changed(recorded, moved) == []
 
 
-def test_other_pace_of_sips_is_found(recorded: list[Moment]) -> None:
+def test_other_pace_of_sips_is_found(recorded: list[RecordedBytes]) -> None:
     count = iter(range(1000))
     partings = changed(recorded, lambda time, sip: None if sip[0] in SIP_TYPES and next(count) % 2 else sip)
     assert {parting.aspect for parting in partings} == {"number of packets", "period"}
 
 
-def test_late_answer_is_found(recorded: list[Moment]) -> None:
+def test_late_answer_is_found(recorded: list[RecordedBytes]) -> None:
     late = [
         moment._replace(time=moment.time + 0.4)
-        if moment.source is Source.ROBOT and b"\xfa\xfb\x0b\x90" in moment.data
+        if moment.source is FrameSource.ROBOT and b"\xfa\xfb\x0b\x90" in moment.data
         else moment
         for moment in recorded
     ]
@@ -108,8 +110,8 @@ def test_late_answer_is_found(recorded: list[Moment]) -> None:
     assert (parting.kind, parting.aspect) == ("ENCODERS", "time")
 
 
-def test_damaged_frame_of_the_recording_is_a_kind_of_its_own(recorded: list[Moment]) -> None:
-    noise = Moment(6.0, Source.ROBOT, b"\xfa\xfb\x03\x00\x00\x01")
+def test_damaged_frame_of_the_recording_is_a_kind_of_its_own(recorded: list[RecordedBytes]) -> None:
+    noise = RecordedBytes(6.0, FrameSource.ROBOT, b"\xfa\xfb\x03\x00\x00\x01")
     (parting,) = compare(sorted([*recorded, noise]), recorded, P3DX)
     assert parting.kind == "damaged (checksum)"
 

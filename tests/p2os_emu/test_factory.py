@@ -14,7 +14,7 @@ from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.options import MOBILESIM_PORT, parse
 from p2os_emu.ports import Ports
-from p2os_emu.team import Team
+from p2os_emu.team import EmulatedTeam
 
 
 class Hall:
@@ -23,7 +23,7 @@ class Hall:
     def __init__(self) -> None:
         self.poller = Poller()
         self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-        team = Team(self.emulator, Ports(self.poller), "ideal", {}, "")
+        team = EmulatedTeam(self.emulator, Ports(self.poller), "ideal", {}, "")
         self.factory = Factory(self.poller, team, "p3dx", 0)
         self.number = int(self.factory.port.rpartition(":")[2])
 

@@ -8,7 +8,14 @@ import pytest
 
 import configs
 from p2os import Command, RobotModel, encode_command
-from p2os.accessories.powercube import CubeCommand, CubeState, MotionKind, Parameter, Request, encode_request
+from p2os.accessories.powercube import (
+    CubeCommand,
+    CubeState,
+    ModuleParameter,
+    ModuleRequest,
+    MotionKind,
+    encode_request,
+)
 from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fit import FitError, read_fit
@@ -46,11 +53,11 @@ class Rig:
     def pulse(self) -> None:
         self.tell(Command.PULSE)
 
-    def ask(self, module: int, request: Request) -> None:
+    def ask(self, module: int, request: ModuleRequest) -> None:
         self.cable.client_write(encode_request(module, request))
 
     def poll(self) -> None:
-        self.ask(1, Request(CubeCommand.GET, Parameter.STATE))
+        self.ask(1, ModuleRequest(CubeCommand.GET, ModuleParameter.STATE))
 
     @property
     def positions(self) -> list[float]:
@@ -95,9 +102,9 @@ def test_pioneers_commands_turn_its_joints_and_a_lost_client_brings_them_home(ma
 
 def test_powerbots_modules_turn_its_joints_and_power_that_fails_puts_the_brakes_on(make_rig: MakeRig) -> None:
     rig = make_rig("powerbot")
-    rig.ask(0, Request(CubeCommand.HOME))
+    rig.ask(0, ModuleRequest(CubeCommand.HOME))
     rig.run(0.5, rig.poll)
-    rig.ask(2, Request(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, 1.2))
+    rig.ask(2, ModuleRequest(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, 1.2))
     rig.run(1.0, rig.poll)
     rig.robot.power_off()
     rig.run(0.5)

@@ -20,43 +20,43 @@ from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.ports import Ports
-from p2os_emu.requests import REQUESTS, Desk
+from p2os_emu.requests import REQUESTS, ControlRequestHandler
 from p2os_emu.runner import Runner
-from p2os_emu.team import Team
+from p2os_emu.team import EmulatedTeam
 from p2os_emu.world import World, load_world
 
 
 @pytest.fixture(scope="module")
-def desk() -> Iterator[Desk]:
+def desk() -> Iterator[ControlRequestHandler]:
     yield from make_desk()
 
 
 @pytest.fixture
-def fresh() -> Iterator[Desk]:
+def fresh() -> Iterator[ControlRequestHandler]:
     """A desk that a test may empty."""
     yield from make_desk()
 
 
-def make_desk() -> Iterator[Desk]:
+def make_desk() -> Iterator[ControlRequestHandler]:
     poller = Poller()
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", ["grumpy=joystick"])
+    team = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "", ["grumpy=joystick"])
     team.add("p3dx:happy")
     team.add("p3dx-sh:grumpy")
     faults = FaultBoard(emulator.robots)
     emulator.before_step = faults.advance
-    yield Desk(team, faults, Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None))
+    yield ControlRequestHandler(team, faults, Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None))
     emulator.close()
     poller.close()
 
 
-def ask(desk: Desk, do: str, **fields: Any) -> dict[str, Any]:
+def ask(desk: ControlRequestHandler, do: str, **fields: Any) -> dict[str, Any]:
     answer = dict(desk.answer({"do": do, **fields}))
     json.dumps(answer, allow_nan=False)
     return answer
 
 
-def test_truth_of_all_and_of_one(desk: Desk) -> None:
+def test_truth_of_all_and_of_one(desk: ControlRequestHandler) -> None:
     assert ask(desk, "pose", robot="happy", x=1.0, y=2, heading=0.5) == {
         "robot": "happy",
         "x": 1.0,
@@ -71,7 +71,7 @@ def test_truth_of_all_and_of_one(desk: Desk) -> None:
     assert (one["late_dropped"], one["lost"], one["degraded"]) == (0, 0.0, [])
 
 
-def test_truth_tells_touches_people_and_doors(desk: Desk) -> None:
+def test_truth_tells_touches_people_and_doors(desk: ControlRequestHandler) -> None:
     truth = ask(desk, "truth", robot="happy")
     assert (truth["people"], truth["doors"]) == ({}, {})
     assert (truth["robots"]["happy"]["touches"], truth["robots"]["happy"]["touched"]) == (0, [])
@@ -80,8 +80,8 @@ def test_truth_tells_touches_people_and_doors(desk: Desk) -> None:
 def test_people_touches_and_doors_of_a_real_world_can_be_asked_and_doors_told() -> None:
     with closing(Poller()) as poller, World(load_world("people-lab"), seed=1) as world:
         emulator = Emulator(world, LinkProfile("ideal"))
-        lab = Desk(
-            Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", []),
+        lab = ControlRequestHandler(
+            EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "", []),
             FaultBoard(emulator.robots),
             Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None),
         )
@@ -101,12 +101,12 @@ def test_people_touches_and_doors_of_a_real_world_can_be_asked_and_doors_told() 
         emulator.close()
 
 
-def test_pose_without_a_place_only_tells(desk: Desk) -> None:
+def test_pose_without_a_place_only_tells(desk: ControlRequestHandler) -> None:
     before = ask(desk, "pose", robot="grumpy")
     assert ask(desk, "pose", robot="grumpy") == before
 
 
-def test_fault_is_listed_until_it_is_cleared(desk: Desk) -> None:
+def test_fault_is_listed_until_it_is_cleared(desk: ControlRequestHandler) -> None:
     asked = ask(desk, "fault", fault="line-cut:robot=happy@5+10")
     assert asked["end"] - asked["start"] == 10
     assert asked in ask(desk, "faults")["faults"]
@@ -114,7 +114,7 @@ def test_fault_is_listed_until_it_is_cleared(desk: Desk) -> None:
     assert ask(desk, "faults")["faults"] == []
 
 
-def test_joystick_stays_where_it_is_put(desk: Desk) -> None:
+def test_joystick_stays_where_it_is_put(desk: ControlRequestHandler) -> None:
     pushed = ask(desk, "joystick", robot="grumpy", y=1.0, button1=True)
     assert pushed == {
         "robot": "grumpy",
@@ -134,7 +134,7 @@ def test_joystick_stays_where_it_is_put(desk: Desk) -> None:
     assert ask(desk, "truth", robot="grumpy")["robots"]["grumpy"]["linear"] == 0.0
 
 
-def test_truth_shows_what_the_board_plays_shows_and_switches(desk: Desk) -> None:
+def test_truth_shows_what_the_board_plays_shows_and_switches(desk: ControlRequestHandler) -> None:
     controller = desk.emulator.robots["grumpy"].microcontroller
     for command, value in (
         (Command.SYNC0, None),
@@ -156,13 +156,13 @@ def test_truth_shows_what_the_board_plays_shows_and_switches(desk: Desk) -> None
     assert not truth["power"]["lrf"]
 
 
-def test_clear_without_a_number_clears_all(desk: Desk) -> None:
+def test_clear_without_a_number_clears_all(desk: ControlRequestHandler) -> None:
     ask(desk, "fault", fault="line-cut@1")
     ask(desk, "fault", fault="stop-pressed@1")
     assert len(ask(desk, "clear")["cleared"]) == 2
 
 
-def test_paused_emulator_moves_by_steps(desk: Desk) -> None:
+def test_paused_emulator_moves_by_steps(desk: ControlRequestHandler) -> None:
     with pytest.raises(RequestError, match="pause"):
         ask(desk, "step", n=1)
     before = ask(desk, "pause")["time"]
@@ -171,13 +171,13 @@ def test_paused_emulator_moves_by_steps(desk: Desk) -> None:
     assert ask(desk, "pause", on=False)["paused"] is False
 
 
-def test_speed_is_told_and_changed(desk: Desk) -> None:
+def test_speed_is_told_and_changed(desk: ControlRequestHandler) -> None:
     assert ask(desk, "speed", factor=2)["speed"] == 2.0
     assert ask(desk, "speed")["speed"] == 2.0
     ask(desk, "speed", factor=1.0)
 
 
-def test_robots_come_and_go(fresh: Desk) -> None:
+def test_robots_come_and_go(fresh: ControlRequestHandler) -> None:
     entry = ask(fresh, "add", model="p2dx", x=5, y=5)["robot"]
     assert entry["name"] == "p2dx"
     assert entry["port"].startswith("socket://127.0.0.1:")
@@ -189,18 +189,18 @@ def test_robots_come_and_go(fresh: Desk) -> None:
     assert "p2dx" not in ask(fresh, "truth")["robots"]
 
 
-def test_only_robot_need_not_be_named(fresh: Desk) -> None:
+def test_only_robot_need_not_be_named(fresh: ControlRequestHandler) -> None:
     ask(fresh, "remove", robot="grumpy")
     assert ask(fresh, "pose", x=3)["robot"] == "happy"
 
 
-def test_reset_carries_home(desk: Desk) -> None:
+def test_reset_carries_home(desk: ControlRequestHandler) -> None:
     ask(desk, "pose", robot="grumpy", x=9)
     assert ask(desk, "reset", robot="grumpy") == {"reset": ["grumpy"]}
     assert ask(desk, "pose", robot="grumpy")["x"] == 0.0
 
 
-def test_quit_ends_the_run(fresh: Desk) -> None:
+def test_quit_ends_the_run(fresh: ControlRequestHandler) -> None:
     ask(fresh, "quit")
     fresh.runner.run()
     assert fresh.emulator.time == 0.0
@@ -244,7 +244,7 @@ def test_quit_ends_the_run(fresh: Desk) -> None:
     ],
 )
 def test_request_that_cannot_be_met_is_refused_with_what_can(
-    desk: Desk, request_: dict[str, Any], complaint: str
+    desk: ControlRequestHandler, request_: dict[str, Any], complaint: str
 ) -> None:
     with pytest.raises(RequestError, match=complaint):
         desk.answer(request_)
@@ -262,6 +262,6 @@ HARMLESS = sorted(REQUESTS.keys() - {"quit", "add", "remove"})
 
 
 @given(do=st.sampled_from(HARMLESS), fields=st.dictionaries(st.sampled_from(KEYS), JSON))
-def test_any_request_is_met_or_refused(desk: Desk, do: str, fields: dict[str, Any]) -> None:
+def test_any_request_is_met_or_refused(desk: ControlRequestHandler, do: str, fields: dict[str, Any]) -> None:
     with contextlib.suppress(RequestError):  # the one that is allowed
         json.dumps(desk.answer({"do": do, **fields}), allow_nan=False)

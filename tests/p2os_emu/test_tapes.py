@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from p2os.wire_log import Source
+from p2os.wire_log import FrameSource
 from p2os_emu.__main__ import main
 from p2os_emu.cassette import read
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS
@@ -43,7 +43,9 @@ def record(path: Path) -> None:
 
 def keeps_time(tape: Path) -> bool:
     """Whether the SIPs came every 0.1 s: an emulator that the machine holds up answers later than a robot does."""
-    sips = [each.time for each in read(tape).moments if each.source is Source.ROBOT and each.data[3:4] in (b"2", b"3")]
+    sips = [
+        each.time for each in read(tape).moments if each.source is FrameSource.ROBOT and each.data[3:4] in (b"2", b"3")
+    ]
     return len(sips) > 3 and all(abs(after - before - 0.1) < HELD_UP for before, after in pairwise(sips))
 
 

@@ -14,7 +14,7 @@ from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.ports import Ports
-from p2os_emu.team import Team, TeamError, read_robot
+from p2os_emu.team import EmulatedTeam, TeamError, read_robot
 
 
 @pytest.fixture
@@ -94,14 +94,14 @@ def _number(ports: Ports, name: str, expected: int) -> int:
 
 def test_flash_parameter_that_does_not_exist_is_reported_with_its_file(poller: Poller) -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-    team = Team(emulator, Ports(poller, tcp=0), "ideal", {"host_bored": 1}, "my.toml")
+    team = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {"host_bored": 1}, "my.toml")
     with pytest.raises(ConfigError, match=r"my\.toml: FLASH has no parameter 'host_bored'"):
         team.add("p3dx")
 
 
 def test_flash_parameters_reach_the_robot(poller: Poller) -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-    robot = Team(emulator, Ports(poller, tcp=0), "ideal", {"host_baud": 38400}, "my.toml").add("p3dx")
+    robot = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {"host_baud": 38400}, "my.toml").add("p3dx")
     assert robot.microcontroller.host_baud == 38400
     emulator.close()
 
@@ -109,7 +109,7 @@ def test_flash_parameters_reach_the_robot(poller: Poller) -> None:
 @pytest.mark.parametrize("error", [CassetteError("the disk is full"), PortError("there is no port for a camera")])
 def test_robot_that_cannot_be_completed_is_taken_away_again(poller: Poller, error: Exception) -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "")
+    team = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "")
 
     def complain(robot: EmulatedRobot) -> None:
         raise error
@@ -122,10 +122,10 @@ def test_robot_that_cannot_be_completed_is_taken_away_again(poller: Poller, erro
 
 def test_robot_named_has_a_line_of_its_own(poller: Poller) -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
-    team = Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"doc": "rs232"})
+    team = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"doc": "rs232"})
     happy, doc = team.add("p3dx:happy"), team.add("p3dx:doc")
     assert (team.entry(happy)["link"], team.entry(doc)["link"]) == ("ideal", "rs232")
     team.check_fits()
     with pytest.raises(TeamError, match=r"--link dock=.*there is no robot 'dock'"):
-        Team(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"dock": "rs232"}).check_fits()
+        EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"dock": "rs232"}).check_fits()
     emulator.close()

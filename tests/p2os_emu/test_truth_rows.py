@@ -9,7 +9,7 @@ import pytest
 
 import configs
 from p2os import Command, RobotModel, encode_command
-from p2os.accessories.lms import Mode, Request
+from p2os.accessories.lms import LmsMode, LmsRequestCode
 from p2os.accessories.lms_framing import encode
 from p2os_emu.accessories.lms200 import ScannerModel
 from p2os_emu.emulator import STEP, EmulatedRobot, Emulator
@@ -130,7 +130,7 @@ def test_a_laser_reports_where_it_sits_and_whether_it_scans(world: World) -> Non
     assert (row["x"], row["y"], row["heading"], row["flipped"]) == (mount.x, mount.y, mount.heading, mount.flipped)
     assert (row["field_of_view"], row["resolution"], row["beams"]) == (pytest.approx(pi), radians(1.0), 181)
     assert (row["powered"], row["scanning"], row["baud"]) == (True, False, 9600)
-    rig.cables["laser"].client_write(encode(Request.MODE, bytes([Mode.CONTINUOUS])))
+    rig.cables["laser"].client_write(encode(LmsRequestCode.MODE, bytes([LmsMode.CONTINUOUS])))
     rig.run(0.2)
     assert rig.row()["laser"]["scanning"] is True
     rig.robot.power_off()

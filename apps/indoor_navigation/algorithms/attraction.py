@@ -12,7 +12,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline, runs_into
 from apps.indoor_navigation.algorithms.smoothing import Smooth, SmoothNumbers
-from apps.indoor_navigation.data import Floats, Odometry, Place, WorldCoord
+from apps.indoor_navigation.data import Floats, Place, RobotOdometry, WorldCoord
 from geometry import wrap_angle
 
 # Directions about the target's, rad: close together where they are likely.
@@ -79,7 +79,7 @@ class Attraction:
         self._chosen: float | None = None  # direction in odom, rad
         self._course: float | None = None  # in odom, on which it passes the target
 
-    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+    def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         """Say how to go on.
 
         Args:
@@ -98,12 +98,12 @@ class Attraction:
             self._angular.step(odometry.stamp, speeds.angular, odometry.angular),
         )
 
-    def _is_there(self, odometry: Odometry, target: WorldCoord, distance: float, direction: float) -> bool:
+    def _is_there(self, odometry: RobotOdometry, target: WorldCoord, distance: float, direction: float) -> bool:
         """Whether it has reached its target, or has just passed it by so little that it had better not turn back."""
         is_behind = abs(wrap_angle(direction - odometry.heading)) > pi / 2.0
         return distance <= self._numbers.there or (target.is_last and is_behind and distance < PASSED)
 
-    def _to_target(self, odometry: Odometry, target: WorldCoord) -> tuple[float, float]:
+    def _to_target(self, odometry: RobotOdometry, target: WorldCoord) -> tuple[float, float]:
         """How far it is and in which direction, in odom; for one that is to be passed, of a place behind it."""
         x, y = target.x - odometry.x, target.y - odometry.y
         distance, direction = hypot(x, y), atan2(y, x)
@@ -121,7 +121,7 @@ class Attraction:
 
     def _towards(
         self,
-        odometry: Odometry,
+        odometry: RobotOdometry,
         target: WorldCoord,
         distance: float,
         direction: float,

@@ -11,7 +11,7 @@ STILL_THERE = 0.15  # m from where something moved to what is seen now; nobody w
 APART = 0.1  # m between places that are remembered
 
 
-class Bystanders:
+class MovedPlaces:
     """Places in odom where something moved last."""
 
     def __init__(self) -> None:

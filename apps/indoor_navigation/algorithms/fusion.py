@@ -24,7 +24,7 @@ class Unsound(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class CommandSource:
     """What a source's commands are worth.
 
     max_age: s from its reading for which a command is used. weight: with which its own weights are multiplied.
@@ -42,7 +42,7 @@ class FusionNumbers:
 
     linear, angular: the fastest, m/s and rad/s. acceleration, braking: m/s², towards more and less speed, either way.
     angular_acceleration, angular_braking: likewise, rad/s². sources: by their names; one that is not named is worth
-    what `Source` says.
+    what `CommandSource` says.
     """
 
     linear: float = 0.75
@@ -51,16 +51,16 @@ class FusionNumbers:
     braking: float = 1.0
     angular_acceleration: float = 2.0
     angular_braking: float = 4.0
-    sources: dict[str, Source] = field(default_factory=dict)
+    sources: dict[str, CommandSource] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class SourceCommand:
     """The last command of a source. read_at: when its reading was made, s of the fuser's own clock."""
 
     command: MotionCmd
     read_at: float
-    source: Source
+    source: CommandSource
 
     def age(self, now: float) -> float:
         """Of the reading, s."""
@@ -81,12 +81,12 @@ class Fusion:
 
     def __init__(self, numbers: FusionNumbers) -> None:
         self._numbers = numbers
-        self._heard: dict[str, Heard] = {}
+        self._heard: dict[str, SourceCommand] = {}
         self._linear = self._angular = 0.0
         self._fused_at = -inf
 
     @property
-    def heard(self) -> Mapping[str, Heard]:
+    def heard(self) -> Mapping[str, SourceCommand]:
         """The last command of each source, young or not."""
         return self._heard
 
@@ -106,10 +106,10 @@ class Fusion:
         before = self._heard.get(command.source)
         if before is not None and before.command.stamp == command.stamp:
             read_at = min(read_at, before.read_at)
-        source = self._numbers.sources.get(command.source) or Source()
-        self._heard[command.source] = Heard(command, read_at, source)
+        source = self._numbers.sources.get(command.source) or CommandSource()
+        self._heard[command.source] = SourceCommand(command, read_at, source)
 
-    def young(self, now: float) -> list[Heard]:
+    def young(self, now: float) -> list[SourceCommand]:
         """The commands that may be used."""
         return [heard for heard in self._heard.values() if heard.is_young(now)]
 
@@ -132,11 +132,11 @@ class Fusion:
         told = (each if isfinite(each) else None for each in limits)
         return MotionCmd(stamp, FUSED, self._linear, self._angular, float(bool(young)), *told)
 
-    def _is_blind(self, young: list[Heard]) -> bool:
+    def _is_blind(self, young: list[SourceCommand]) -> bool:
         here = {one.command.source for one in young}
         return any(source.required and name not in here for name, source in self._numbers.sources.items())
 
-    def _wanted(self, young: list[Heard]) -> tuple[float, float]:
+    def _wanted(self, young: list[SourceCommand]) -> tuple[float, float]:
         """What they want, m/s and rad/s, whatever the robot does now."""
         weight = sum(one.weight for one in young)
         if weight == 0.0:
@@ -177,7 +177,7 @@ def check(command: MotionCmd) -> None:
             raise Unsound(f"{name} of a command of {command.source} must not be below 0, as {value:g} is")
 
 
-def _least(young: list[Heard], name: str) -> float:
+def _least(young: list[SourceCommand], name: str) -> float:
     """The smallest of the limits of one name."""
     return min((limit for one in young if (limit := getattr(one.command, name)) is not None), default=inf)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import copysign, sqrt
 
-from apps.indoor_navigation.data import Odometry
+from apps.indoor_navigation.data import RobotOdometry
 from geometry import wrap_angle
 
 
@@ -18,7 +18,7 @@ class OrientationNumbers:
     reaction: float = 0.2
 
 
-def turn(numbers: OrientationNumbers, odometry: Odometry, heading: float) -> float:
+def turn(numbers: OrientationNumbers, odometry: RobotOdometry, heading: float) -> float:
     """How fast to turn, rad/s.
 
     It slows down so that it could stop where it wants to, seen from where it will be when the wheels have heard of it.

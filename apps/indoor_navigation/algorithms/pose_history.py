@@ -4,7 +4,7 @@ from collections import deque
 from itertools import pairwise
 from math import hypot
 
-from apps.indoor_navigation.data import Odometry
+from apps.indoor_navigation.data import RobotOdometry
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
 KEPT = 64  # odometries
@@ -20,16 +20,16 @@ class PoseHistory:
     """The last few odometries, in the order of their stamps."""
 
     def __init__(self) -> None:
-        self._seen: deque[Odometry] = deque(maxlen=KEPT)
+        self._seen: deque[RobotOdometry] = deque(maxlen=KEPT)
 
-    def add(self, odometry: Odometry) -> None:
+    def add(self, odometry: RobotOdometry) -> None:
         """There is a new one. After a jump, and after a clock was set back, what was before says nothing."""
         if self._seen and (odometry.jumps != self._seen[-1].jumps or odometry.stamp < self._seen[-1].stamp):
             self._seen.clear()
         self._seen.append(odometry)
 
     @property
-    def newest(self) -> Odometry | None:
+    def newest(self) -> RobotOdometry | None:
         """The last that was added."""
         return self._seen[-1] if self._seen else None
 
@@ -50,12 +50,12 @@ class PoseHistory:
         return pose_of(self._seen[0])
 
 
-def pose_of(odometry: Odometry) -> Pose2D:
+def pose_of(odometry: RobotOdometry) -> Pose2D:
     """Its pose, in odom."""
     return Pose2D(odometry.x, odometry.y, odometry.heading)
 
 
-def is_jump(before: Odometry, after: Odometry) -> bool:
+def is_jump(before: RobotOdometry, after: RobotOdometry) -> bool:
     """Whether no robot can have gone so: its pose was set anew."""
     elapsed = min(max(after.stamp - before.stamp, 0.0), BLIND)
     went = hypot(after.x - before.x, after.y - before.y)
@@ -65,7 +65,7 @@ def is_jump(before: Odometry, after: Odometry) -> bool:
     return went > PLACE + SLACK * fastest * elapsed or turned > TURN + SLACK * fastest_turn * elapsed
 
 
-def _between(before: Odometry, after: Odometry, part: float) -> Pose2D:
+def _between(before: RobotOdometry, after: RobotOdometry, part: float) -> Pose2D:
     turn = wrap_angle(after.heading - before.heading)
     return Pose2D(
         before.x + part * (after.x - before.x),

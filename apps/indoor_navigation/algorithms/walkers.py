@@ -19,7 +19,7 @@ LEAST_APPROACH = 0.4  # m/s; people turn round
 UNSURE = 0.5  # m/s, by a leg that swings
 
 
-class Walkers:
+class WalkerMemory:
     """Places in odom where something has moved lately."""
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ def _nearest(x: Floats, y: Floats, place: Place) -> float:
     return float(np.hypot(x - place[0], y - place[1]).min())
 
 
-class Motion:
+class ScanMotion:
     """Compares each scan with the one before."""
 
     def __init__(self) -> None:

@@ -12,7 +12,7 @@ from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, Odometry, WorldCoord
+from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, RobotOdometry, WorldCoord
 from geometry import wrap_angle
 
 GO, BACK, REST = "go", "back", "rest"
@@ -29,7 +29,7 @@ class GotoNumbers:
 class Steering(Protocol):
     """What finds the way from reading to reading."""
 
-    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+    def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         """Say how to go on; places are the x and y of obstacles in the robot's frame, m."""
         ...
 
@@ -46,7 +46,7 @@ class Goto(Embodied):
         self._surroundings = Surroundings()
         self._people: tuple[Floats, Floats] = np.empty(0), np.empty(0)
         self._target: WorldCoord | None = None
-        self._odometry: Odometry | None = None
+        self._odometry: RobotOdometry | None = None
         self._seen_at = float("-inf")
         await super().setup()
 
@@ -74,8 +74,8 @@ class Goto(Embodied):
         self._seen_at = obstacles.stamp
         self._push()
 
-    @hears(Odometry)
-    async def follow(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def follow(self, odometry: RobotOdometry) -> None:
         """The robot is there now."""
         if self._odometry is not None and odometry.jumps != self._odometry.jumps:
             self._surroundings.forget()
@@ -96,7 +96,7 @@ class Goto(Embodied):
             speeds = self._steer(self._odometry, self._target)
         self.push(MotionCmd(stamp, self.name.local, speeds.linear, speeds.angular, 1.0))
 
-    def _steer(self, odometry: Odometry, target: WorldCoord) -> Speeds:
+    def _steer(self, odometry: RobotOdometry, target: WorldCoord) -> Speeds:
         """To go back, it steers as if the robot's rear were its front."""
         sense = -1.0 if target.aim == BACK else 1.0
         heading = odometry.heading if target.aim == GO else wrap_angle(odometry.heading + pi)

@@ -12,7 +12,7 @@ from agents.platform import Cyclic, Restart, on
 from apps.indoor_navigation.algorithms.measured import filled
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
 from apps.indoor_navigation.component import Component, Role, hears
-from apps.indoor_navigation.data import LaserRead, Odometry
+from apps.indoor_navigation.data import LaserRead, RobotOdometry
 from bus import BusUnavailable, Refused, keys
 from bus.messages import LaserScan, stamp_ns
 
@@ -45,8 +45,8 @@ class LaserServer(Component):
         self._heard_at = float("-inf")
         self.add(Cyclic(self._know_scanner), Restart())
 
-    @hears(Odometry)
-    async def follow(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def follow(self, odometry: RobotOdometry) -> None:
         """The robot says where it is."""
         self._history.add(odometry)
 

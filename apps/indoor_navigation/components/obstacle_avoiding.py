@@ -6,15 +6,15 @@ from math import copysign, inf
 import numpy as np
 
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
-from apps.indoor_navigation.algorithms.bystanders import Bystanders
+from apps.indoor_navigation.algorithms.bystanders import MovedPlaces
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import Motion, Walkers
+from apps.indoor_navigation.algorithms.walkers import ScanMotion, WalkerMemory
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, RobotOdometry, SonarRead
 
 TURNING = 0.03  # rad/s above which the robot turns
 TURN_AGE = 1.0  # s for which it is known that it did
@@ -39,8 +39,8 @@ class ObstacleAvoiding(Embodied):
         """Know nothing yet."""
         self._senses = Senses(self.numbers.senses)
         self._surroundings = Surroundings()
-        self._odometry: Odometry | None = None
-        self._motion, self._walkers, self._bystanders = Motion(), Walkers(), Bystanders()
+        self._odometry: RobotOdometry | None = None
+        self._motion, self._walkers, self._bystanders = ScanMotion(), WalkerMemory(), MovedPlaces()
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
 
@@ -49,8 +49,8 @@ class ObstacleAvoiding(Embodied):
         numbers: AvoidanceNumbers = self.numbers.avoidance
         self._avoidance = replace(numbers, deceleration=min(numbers.deceleration, deceleration))
 
-    @hears(Odometry)
-    async def follow(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def follow(self, odometry: RobotOdometry) -> None:
         """So fast is the robot now."""
         if self._odometry is not None and odometry.jumps != self._odometry.jumps:
             self._senses.forget()

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from apps.indoor_navigation.algorithms.bystanders import Bystanders
+from apps.indoor_navigation.algorithms.bystanders import MovedPlaces
 from apps.indoor_navigation.algorithms.obstacle_detection import DetectionNumbers, obstacles
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
-from apps.indoor_navigation.algorithms.walkers import Motion
+from apps.indoor_navigation.algorithms.walkers import ScanMotion
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
@@ -37,7 +37,7 @@ class ObstacleDetecting(Embodied):
         """Know nothing yet."""
         self._senses = Senses(self.numbers.senses)
         self._scanned_at = -inf
-        self._motion, self._bystanders = Motion(), Bystanders()
+        self._motion, self._bystanders = ScanMotion(), MovedPlaces()
         self._dead_ends = 0
         self._said: tuple[str, ...] = ()
         await super().setup()

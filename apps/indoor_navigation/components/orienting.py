@@ -2,7 +2,7 @@
 
 from apps.indoor_navigation.algorithms.orientation import OrientationNumbers, turn
 from apps.indoor_navigation.component import Component, Role, hears, is_told
-from apps.indoor_navigation.data import MotionCmd, Odometry, WorldCoord
+from apps.indoor_navigation.data import MotionCmd, RobotOdometry, WorldCoord
 
 TURN = "turn"
 
@@ -24,8 +24,8 @@ class Orienting(Component):
         if self._target is None or target.order >= self._target.order:
             self._target = target
 
-    @hears(Odometry)
-    async def follow(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def follow(self, odometry: RobotOdometry) -> None:
         """The robot looks there now."""
         if self._target is None:
             return

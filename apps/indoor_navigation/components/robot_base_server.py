@@ -12,7 +12,7 @@ from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
 from apps.indoor_navigation.components.wheel_lease import WheelLease
-from apps.indoor_navigation.data import MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from bus import BusUnavailable, Refused, keys
 from bus.messages import Odometry as OdometryMessage
 from bus.messages import RangeArray, heading, stamp_ns, twist
@@ -48,7 +48,7 @@ class RobotBaseServer(Component):
     """Any robot of the team: its gateway's streams, and `cmd_vel` with the token of a lease where an arbiter lives."""
 
     role = Role.HARDWARE
-    gives = (Odometry, SonarRead)
+    gives = (RobotOdometry, SonarRead)
     numbers_type = BaseNumbers
 
     async def setup(self) -> None:
@@ -116,10 +116,10 @@ class RobotBaseServer(Component):
             raise Refused(f"nobody has said yet what {self.robot} is; see whether its p2os-gateway runs")
         return self._about
 
-    def _odometry(self, message: OdometryMessage) -> Odometry:
+    def _odometry(self, message: OdometryMessage) -> RobotOdometry:
         pose, speed = message.pose.pose, message.twist.twist
         before = self._history.newest
-        odometry = Odometry(
+        odometry = RobotOdometry(
             stamp_ns(message.header) / NS_PER_S,
             pose.position.x,
             pose.position.y,

@@ -9,9 +9,9 @@ import numpy as np
 
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
 from apps.indoor_navigation.components.robot_base_server import BaseNumbers, is_sound
-from apps.indoor_navigation.data import MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from apps.indoor_navigation.kinematic.plane import Plane
-from apps.indoor_navigation.kinematic.robot import Body, KinematicRobot
+from apps.indoor_navigation.kinematic.robot import KinematicBody, KinematicRobot
 from geometry import Twist2D, wrap_angle
 
 STEP = 0.02  # s
@@ -29,14 +29,14 @@ class KinematicBaseNumbers(BaseNumbers):
     period: float = 0.1
     discs: int = 16
     farthest: float = 5.0
-    body: Body = field(default_factory=Body)
+    body: KinematicBody = field(default_factory=KinematicBody)
 
 
 class KinematicBaseServer(Component):
     """Rolls as it is told, and says where it is and what its sonar sees."""
 
     role = Role.HARDWARE
-    gives = (Odometry, SonarRead)
+    gives = (RobotOdometry, SonarRead)
     numbers_type = KinematicBaseNumbers
 
     async def setup(self) -> None:
@@ -78,7 +78,7 @@ class KinematicBaseServer(Component):
 
     async def _tell(self) -> None:
         stamp, pose, speed = self.home.wall_time(), self.kinematic.odometry, self.kinematic.speed
-        self.push(Odometry(stamp, pose.x, pose.y, pose.heading, speed.linear, speed.angular))
+        self.push(RobotOdometry(stamp, pose.x, pose.y, pose.heading, speed.linear, speed.angular))
         radius = self.numbers.body.radius
         places = radius * np.cos(self._headings), radius * np.sin(self._headings)
         ranges = self.kinematic.sonar(self._headings, self.numbers.farthest)

@@ -8,7 +8,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
 from apps.indoor_navigation.component import Component, Role, hears
 from apps.indoor_navigation.components.laser_server import LaserNumbers
-from apps.indoor_navigation.data import LaserRead, Odometry
+from apps.indoor_navigation.data import LaserRead, RobotOdometry
 from apps.indoor_navigation.kinematic.plane import Plane
 from geometry import Pose2D
 
@@ -42,8 +42,8 @@ class KinematicLaserServer(Component):
         self._history = PoseHistory()
         self.every(self.numbers.period, self._scan)
 
-    @hears(Odometry)
-    async def follow(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def follow(self, odometry: RobotOdometry) -> None:
         """The base says where it is."""
         self._history.add(odometry)
 

@@ -12,7 +12,7 @@ CONE = np.linspace(-0.2, 0.2, 5)  # rad from its axis, of the rays of a sonar di
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class KinematicBody:
     """radius: m. linear, angular: the fastest, m/s and rad/s; acceleration, angular_acceleration: either way."""
 
     radius: float = 0.25
@@ -25,7 +25,7 @@ class Body:
 class KinematicRobot:
     """pose: in the plane. speed: what it does. touched: how often it has run into a wall."""
 
-    def __init__(self, body: Body, plane: Plane) -> None:
+    def __init__(self, body: KinematicBody, plane: Plane) -> None:
         self.pose = plane.start
         self.speed = Twist2D()
         self.touched = 0

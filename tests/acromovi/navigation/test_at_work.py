@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from acromovi.navigation.at_work import FROZEN_AFTER, NavigationAtWork, NotUp
-from acromovi.team.plan import Program, navigation_process
+from acromovi.team.plan import PlannedProcess, navigation_process
 from agents.platform import ContainerName
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, Subscription
@@ -22,7 +22,7 @@ class Site:
         self.pretence = Pretence()
         self.complaints: list[str] = []
         self.network = MemoryNetwork()
-        self.programs: list[Program] = [
+        self.programs: list[PlannedProcess] = [
             navigation_process("happy", name, [], "local") for name in ("hardware", "reactive")
         ]
         self.tokens: dict[str, Subscription] = {}

@@ -6,7 +6,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from acromovi.navigation.layers import BETWEEN, Line, lay_out, ranks
+from acromovi.navigation.layers import BETWEEN, GraphEdge, lay_out, ranks
 
 NAMES = st.integers(0, 7)
 PAIRS = st.lists(st.tuples(NAMES, NAMES), max_size=20)
@@ -34,7 +34,7 @@ def test_nothing_overlaps_and_no_line_crosses_a_box(pairs: list[tuple[int, int]]
     rows: list[dict[Hashable, float]] = [{} for _ in range(max(rank.values()) + 1)]
     for name in range(8):
         rows[rank[name]][name] = widths[name]
-    layout = lay_out(rows, [Line(first, second, 40.0) for first, second in pairs])
+    layout = lay_out(rows, [GraphEdge(first, second, 40.0) for first, second in pairs])
     for boxes in rows:
         places = sorted((layout.boxes[name], width) for name, width in boxes.items())
         for (x, width), (next_x, next_width) in pairwise(places):
@@ -51,7 +51,7 @@ def test_nothing_overlaps_and_no_line_crosses_a_box(pairs: list[tuple[int, int]]
 
 def test_the_same_boxes_and_lines_are_laid_out_alike() -> None:
     rows: list[dict[Hashable, float]] = [{"a": 50.0, "b": 60.0}, {"c": 40.0}]
-    lines = [Line("a", "c", 30.0), Line("b", "c", 30.0)]
+    lines = [GraphEdge("a", "c", 30.0), GraphEdge("b", "c", 30.0)]
     assert lay_out(rows, lines) == lay_out(rows, lines)
 
 

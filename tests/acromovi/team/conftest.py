@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from acromovi.team.plan import Program
-from acromovi.team.supervisor import Entry, Hear
+from acromovi.team.plan import PlannedProcess
+from acromovi.team.supervisor import Hear, ProcessRow
 from agents.platform.virtual_time import VirtualTimeLoop
 
 
@@ -22,7 +22,7 @@ def loop() -> Iterator[VirtualTimeLoop]:
 class PretendedChild:
     """A process as the supervisor sees it; ends when it is told to, or not even then."""
 
-    def __init__(self, program: Program, pid: int, heard: Hear, complained: Hear, ignores: bool) -> None:
+    def __init__(self, program: PlannedProcess, pid: int, heard: Hear, complained: Hear, ignores: bool) -> None:
         self.program = program
         self.pid = pid
         self.say = heard
@@ -59,7 +59,7 @@ class Pretence:
     ignores: bool = False
     children: list[PretendedChild] = field(default_factory=list)
 
-    async def start(self, program: Program, heard: Hear, complained: Hear) -> PretendedChild:
+    async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> PretendedChild:
         self.children.append(PretendedChild(program, 100 + len(self.children), heard, complained, self.ignores))
         return self.children[-1]
 
@@ -75,13 +75,13 @@ class Pretence:
 class Diary:
     """What a supervisor told."""
 
-    ends: list[Entry] = field(default_factory=list)
+    ends: list[ProcessRow] = field(default_factory=list)
 
-    def heard(self, program: Program, line: str) -> None: ...
+    def heard(self, program: PlannedProcess, line: str) -> None: ...
 
-    def complained(self, program: Program, line: str) -> None: ...
+    def complained(self, program: PlannedProcess, line: str) -> None: ...
 
-    def ended(self, entry: Entry) -> None:
+    def ended(self, entry: ProcessRow) -> None:
         self.ends.append(entry)
 
 

@@ -6,16 +6,16 @@ from dataclasses import replace
 import pytest
 
 from acromovi.team.host_control import MOST_EXTRAS, HostControl, alive_key, control_key
-from acromovi.team.plan import Program, Stage
-from acromovi.team.supervisor import Entry, Supervisor
+from acromovi.team.plan import PlannedProcess, ProcessKind
+from acromovi.team.supervisor import ProcessRow, Supervisor
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, NoAnswer, Refused
 from tests.acromovi.team.conftest import Diary, Pretence
 
 NAME = "patrol-apps"
-PATROL = Program("the container patrol-apps", Stage.AGENTS, ("true",), container=NAME, is_extra=True)
-HAPPY = Program("the container of happy", Stage.AGENTS, ("true",), "happy", container="happy")
-EMULATOR = Program("the emulator", Stage.EMULATOR, ("true",))
+PATROL = PlannedProcess("the container patrol-apps", ProcessKind.AGENTS, ("true",), container=NAME, is_extra=True)
+HAPPY = PlannedProcess("the container of happy", ProcessKind.AGENTS, ("true",), "happy", container="happy")
+EMULATOR = PlannedProcess("the emulator", ProcessKind.EMULATOR, ("true",))
 
 
 class PretendedHands:
@@ -24,13 +24,13 @@ class PretendedHands:
     def __init__(self) -> None:
         self.done: list[tuple[str, object]] = []
 
-    def restart(self, entry: Entry) -> None:
+    def restart(self, entry: ProcessRow) -> None:
         self.done.append(("restart", entry.program))
 
     def start(self, container: str) -> None:
         self.done.append(("start", container))
 
-    def retire(self, entry: Entry) -> None:
+    def retire(self, entry: ProcessRow) -> None:
         self.done.append(("retire", entry.program))
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.team import plan
-from acromovi.team.plan import Choices, Stage, load_team
+from acromovi.team.plan import Choices, ProcessKind, load_team
 from bus import KeyNotValid
 from configs import ConfigError
 
@@ -60,7 +60,7 @@ def test_emulator_is_given_team_ports_and_seed(file: Path, tmp_path: Path) -> No
     given = options(program.command)
     assert (given["--team"], given["--seed"], given["--only"]) == (str(file), "7", "happy,grumpy")
     assert (given["--control"], given["--pty"]) == (str(tmp_path / "control"), str(tmp_path / "port"))
-    assert program.stage is Stage.EMULATOR
+    assert program.stage is ProcessKind.EMULATOR
 
 
 def test_gateway_of_an_emulated_robot_is_told_where_the_emulator_has_put_it(file: Path, tmp_path: Path) -> None:
@@ -72,7 +72,7 @@ def test_gateway_of_an_emulated_robot_is_told_where_the_emulator_has_put_it(file
     assert (given["--name"], given["--bus"], given["--laser"]) == ("happy", "lan", "/dev/pts/6")
     assert (given["--camera"], given["--config"]) == ("http://x/video", str(tmp_path / "emulated.toml"))
     assert not {"--arm", "--radio"} & given.keys()
-    assert program.stage is Stage.GATEWAY
+    assert program.stage is ProcessKind.GATEWAY
 
 
 def test_gateway_behind_radio_modems_is_told_so(file: Path, tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_
     services = plan.services(load_team(str(file)), Choices(apps=(tmp_path,)))
     assert (services.container, options(services.command)["--services"]) == ("services", "dwarfs")
     assert options(services.command)["--apps"] == str(tmp_path)
-    assert happy.stage is services.stage is Stage.AGENTS
+    assert happy.stage is services.stage is ProcessKind.AGENTS
 
 
 def test_a_robot_that_navigates_has_the_processes_of_its_wiring(file: Path) -> None:
@@ -106,7 +106,7 @@ def test_a_robot_that_navigates_has_the_processes_of_its_wiring(file: Path) -> N
     assert [robot.name for robot in team.robots if robot.navigation] == ["grumpy"]
     programs = plan.navigation("grumpy", Choices("lan"))
     assert "grumpy-hardware" in [program.container for program in programs]
-    assert all(program.stage is Stage.AGENTS and program.robot == "grumpy" for program in programs)
+    assert all(program.stage is ProcessKind.AGENTS and program.robot == "grumpy" for program in programs)
     assert programs[0].command[3:] == ("navigate", "process", "grumpy", "hardware", "--bus", "lan", "--json")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.plan import Program, Stage
+from acromovi.team.plan import PlannedProcess, ProcessKind
 from acromovi.team.processes import Processes
 from tests.waiting import waiting
 
@@ -22,8 +22,10 @@ def _ignore(line: str) -> None:
     return
 
 
-def _sleeper(number: int) -> Program:
-    return Program(f"sleeper {number}", Stage.AGENTS, (sys.executable, "-c", "import time; time.sleep(60)"))
+def _sleeper(number: int) -> PlannedProcess:
+    return PlannedProcess(
+        f"sleeper {number}", ProcessKind.AGENTS, (sys.executable, "-c", "import time; time.sleep(60)")
+    )
 
 
 def test_a_process_that_has_just_ended_is_ended_without_harm_and_how_it_ended_is_told(
@@ -55,7 +57,9 @@ def test_a_process_that_is_frozen_has_no_more_turns(tmp_path: Path) -> None:
     async def play() -> None:
         processes = await Processes.open(tmp_path / "made")
         ticker = f"import time; {TICKS}"
-        child = await processes.start(Program("ticker", Stage.AGENTS, (sys.executable, "-c", ticker)), _ignore, _ignore)
+        child = await processes.start(
+            PlannedProcess("ticker", ProcessKind.AGENTS, (sys.executable, "-c", ticker)), _ignore, _ignore
+        )
         began = child.turns
         while child.turns < began + 100:
             await asyncio.sleep(0.01)

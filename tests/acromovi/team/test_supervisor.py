@@ -5,12 +5,12 @@ from itertools import pairwise
 
 import pytest
 
-from acromovi.team.plan import Program, Stage
-from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, Hear, State, Supervisor, ending
+from acromovi.team.plan import PlannedProcess, ProcessKind
+from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, Hear, ProcessState, Supervisor, ending
 from agents.platform.virtual_time import VirtualTimeLoop
 from tests.acromovi.team.conftest import Diary, Pretence, PretendedChild
 
-HAPPY = Program("the container of happy", Stage.AGENTS, ("true",), "happy", container="happy")
+HAPPY = PlannedProcess("the container of happy", ProcessKind.AGENTS, ("true",), "happy", container="happy")
 
 
 def test_process_that_ends_is_started_again_at_once(loop: VirtualTimeLoop, pretence: Pretence, diary: Diary) -> None:
@@ -21,7 +21,7 @@ def test_process_that_ends_is_started_again_at_once(loop: VirtualTimeLoop, prete
         pretence.children[0].complain("out of memory")
         pretence.children[0].end(1)
         await asyncio.sleep(0.01)
-        assert (len(pretence.children), entry.state, entry.restarts) == (2, State.RUNNING, 1)
+        assert (len(pretence.children), entry.state, entry.restarts) == (2, ProcessState.RUNNING, 1)
         assert entry.why == "out of memory"
         assert entry.as_json()["pid"] == pretence.children[1].pid
         await supervisor.end()
@@ -88,14 +88,14 @@ def test_nothing_is_started_again_once_the_end_has_begun(
     async def main() -> None:
         supervisor = Supervisor(pretence.start, diary)
         supervisor.begin(HAPPY)
-        supervisor.begin(Program("the emulator", Stage.EMULATOR, ("true",)))
+        supervisor.begin(PlannedProcess("the emulator", ProcessKind.EMULATOR, ("true",)))
         await asyncio.sleep(1.0)
         supervisor.rest()
         pretence.children[0].end(0)
         await asyncio.sleep(60.0)
         await supervisor.end()
         assert (len(pretence.children), diary.ends) == (2, [])
-        assert {entry.state for entry in supervisor.table} == {State.ENDED}
+        assert {entry.state for entry in supervisor.table} == {ProcessState.ENDED}
 
     loop.run_until_complete(main())
 
@@ -111,7 +111,7 @@ def test_end_while_a_process_waits_for_its_turn_does_not_wait_for_it(
                 await asyncio.sleep(0.05)
             pretence.children[-1].end(1)
         await asyncio.sleep(0.01)
-        assert entry.state is State.WAITING
+        assert entry.state is ProcessState.WAITING
         begun = loop.time()
         await supervisor.end()
         return loop.time() - begun
@@ -122,7 +122,7 @@ def test_end_while_a_process_waits_for_its_turn_does_not_wait_for_it(
 def test_process_that_is_just_being_started_ends_with_the_others(
     loop: VirtualTimeLoop, pretence: Pretence, diary: Diary
 ) -> None:
-    async def start_slowly(program: Program, heard: Hear, complained: Hear) -> PretendedChild:
+    async def start_slowly(program: PlannedProcess, heard: Hear, complained: Hear) -> PretendedChild:
         await asyncio.sleep(1.0)
         return await pretence.start(program, heard, complained)
 
@@ -132,7 +132,7 @@ def test_process_that_is_just_being_started_ends_with_the_others(
         await asyncio.sleep(0.5)
         await supervisor.end()
         assert await pretence.children[0].wait() == -9
-        assert (len(pretence.children), entry.state) == (1, State.ENDED)
+        assert (len(pretence.children), entry.state) == (1, ProcessState.ENDED)
 
     loop.run_until_complete(main())
 
@@ -173,7 +173,7 @@ def test_process_that_waits_for_its_next_start_can_be_retired(
                 await asyncio.sleep(0.05)
             pretence.children[number].end(1)
         await asyncio.sleep(0.1)
-        assert entry.state is State.WAITING
+        assert entry.state is ProcessState.WAITING
         await supervisor.retire(entry)
         await asyncio.sleep(60.0)
         assert len(pretence.children) == 4

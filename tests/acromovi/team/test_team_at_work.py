@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.team.host_control import control_key
-from acromovi.team.plan import Choices, Team
+from acromovi.team.plan import Choices, TeamPlan
 from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed, TeamTimedOut
 from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
@@ -33,7 +33,7 @@ class Stage:
         self.complaints: list[str] = []
         self.network = MemoryNetwork()
         self.bus = MemoryBus(self.network)
-        team = Team("dwarfs", "dwarfs.toml", TeamFile(robots))
+        team = TeamPlan("dwarfs", "dwarfs.toml", TeamFile(robots))
         self.team = TeamAtWork(
             team,
             Choices(),

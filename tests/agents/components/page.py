@@ -4,7 +4,7 @@ from collections.abc import Callable
 from inspect import Parameter, getdoc, signature
 from typing import Any, cast
 
-from agents.components.component import Component
+from agents.components.component import ElementAgent
 from agents.platform import Agent, AgentName
 from agents.platform.hooks import hooks_of
 
@@ -28,7 +28,7 @@ class _Requests:
         """Streams are none of the page's business."""
 
 
-def requests_of(element: str, kind: type[Component]) -> dict[str, Callable[..., Any]]:
+def requests_of(element: str, kind: type[ElementAgent]) -> dict[str, Callable[..., Any]]:
     """What a component can be asked for, by name."""
     requests = _Requests()
     for method, hook in hooks_of(kind(AgentName(element, ROBOT))):
@@ -41,7 +41,7 @@ def usage(name: str, function: Callable[..., Any]) -> str:
     return " ".join([name, *map(_argument, signature(function).parameters.values())])
 
 
-def tables(element: str, kind: type[Component]) -> str:
+def tables(element: str, kind: type[ElementAgent]) -> str:
     """The tables of a component's results and requests."""
     results = [f"| {_coded(names)} | {unit} |" for names, unit in kind.results.items()]
     requests = [

@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable, Iterator
 import numpy as np
 import pytest
 
-from agents.components.camera import ATTENTION, LINGER, MOST, Camera
+from agents.components.camera import ATTENTION, LINGER, MOST, CameraAgent
 from agents.platform import Agent, Container, Ending, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, keys, messages
@@ -50,14 +50,14 @@ class Desk:
 
 def play(
     story: Callable[[Desk], Awaitable[None]],
-    camera: Camera | None = None,
+    camera: CameraAgent | None = None,
     loop_factory: Callable[[], asyncio.AbstractEventLoop] | None = VirtualTimeLoop,
 ) -> None:
     async def run() -> None:
         desk = Desk()
         async with desk.container:
             await desk.container.start(desk.app)
-            await desk.container.start(camera or Camera("camera@happy"))
+            await desk.container.start(camera or CameraAgent("camera@happy"))
             await story(desk)
 
     with asyncio.Runner(loop_factory=loop_factory) as runner:
@@ -226,7 +226,7 @@ def test_camera_that_the_agent_opens_itself_is_on_the_topic_of_any_camera_and_co
             assert await asyncio.to_thread(pictures.acquire, timeout=patience(LIMIT))
         assert "the camera has closed the connection" in desk.reports[0].what
 
-    play(story, Camera("camera@happy", {"source": ip_camera.url}), None)
+    play(story, CameraAgent("camera@happy", {"source": ip_camera.url}), None)
 
 
 def test_camera_that_is_not_there_says_why() -> None:
@@ -238,7 +238,7 @@ def test_camera_that_is_not_there_says_why() -> None:
         assert outcome.ending is Ending.FAILED
         assert "camera@happy has heard nothing yet: 127.0.0.1 does not answer" in outcome.why
 
-    play(story, Camera("camera@happy", {"source": f"http://127.0.0.1:{port}/video"}), None)
+    play(story, CameraAgent("camera@happy", {"source": f"http://127.0.0.1:{port}/video"}), None)
 
 
 def test_source_that_is_no_camera_is_told_at_the_start() -> None:
@@ -246,4 +246,4 @@ def test_source_that_is_no_camera_is_told_at_the_start() -> None:
         assert [agent.name.local for agent in desk.container.agents] == ["app"]
         assert "ftp://eye is no camera; give a URL" in str(desk.reports[0].error)
 
-    play(story, Camera("camera@happy", {"source": "ftp://eye"}))
+    play(story, CameraAgent("camera@happy", {"source": "ftp://eye"}))

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.components.motions import HOLD, PAUSE, SILENCE, TIME_TO_START, Goal, Motions, Phase
+from agents.components.motions import HOLD, PAUSE, SILENCE, TIME_TO_START, MotionGoal, Motions, Phase
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Refused
 
@@ -18,8 +18,8 @@ def judge(report: str) -> Phase:
     return Phase(report)
 
 
-def goal(what: str = "arm move", parts: str = "1", within: float = LONGEST) -> Goal[str]:
-    return Goal(what, parts, judge, within)
+def goal(what: str = "arm move", parts: str = "1", within: float = LONGEST) -> MotionGoal[str]:
+    return MotionGoal(what, parts, judge, within)
 
 
 def play(*stretches: tuple[str, float], motions: Motions[str], motion: Coroutine[Any, Any, str]) -> tuple[float, str]:

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.components.pose_control import Goal, Limits, along, towards
+from agents.components.pose_control import PoseControlLimits, PoseGoal, along, towards
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
-LIMITS = Limits(0.4, 0.8)
+LIMITS = PoseControlLimits(0.4, 0.8)
 DT = 0.1
 places = st.floats(-5.0, 5.0)
 headings = st.floats(-pi + 1e-6, pi)
@@ -17,7 +17,7 @@ headings = st.floats(-pi + 1e-6, pi)
 
 @given(places, places, headings, st.one_of(st.none(), headings))
 def test_every_goal_is_reached_from_everywhere(x: float, y: float, start: float, end: float | None) -> None:
-    pose, goal, is_there = Pose2D(0.0, 0.0, start), Goal(x, y, end), False
+    pose, goal, is_there = Pose2D(0.0, 0.0, start), PoseGoal(x, y, end), False
     for _ in range(round((10.0 + 4.0 * hypot(x, y)) / LIMITS.linear / DT)):
         velocity, is_there = towards(goal, pose, LIMITS, is_there)
         assert abs(velocity.linear) <= LIMITS.linear
@@ -50,19 +50,19 @@ def test_a_straight_way_is_kept_to_forward_and_backward(
 
 
 def test_who_comes_near_slows_down() -> None:
-    speeds = [towards(Goal(left, 0.0), Pose2D(), LIMITS)[0].linear for left in (2.0, 0.3, 0.1)]
+    speeds = [towards(PoseGoal(left, 0.0), Pose2D(), LIMITS)[0].linear for left in (2.0, 0.3, 0.1)]
     assert speeds == sorted(speeds, reverse=True)
     assert speeds[0] == LIMITS.linear
     assert speeds[-1] < 0.2
 
 
 def test_a_goal_behind_is_turned_to_before_anything_is_driven() -> None:
-    velocity, _ = towards(Goal(cos(2.5), sin(2.5)), Pose2D(), LIMITS)
+    velocity, _ = towards(PoseGoal(cos(2.5), sin(2.5)), Pose2D(), LIMITS)
     assert velocity.linear == 0.0
     assert velocity.angular > 0.0
 
 
 def test_at_the_place_a_small_slip_is_not_driven_back() -> None:
-    goal = Goal(0.07, 0.0, 1.0)
+    goal = PoseGoal(0.07, 0.0, 1.0)
     assert towards(goal, Pose2D(), LIMITS, was_there=True)[0].linear == 0.0
     assert towards(goal, Pose2D(), LIMITS, was_there=False)[0].linear > 0.0

@@ -9,7 +9,7 @@ import pytest
 from agents import Failed, NotThere, Refused, RobotError, Team
 from agents.face.application import application_agent
 from agents.face.program import find_program
-from agents.platform import State
+from agents.platform import AgentState
 from tests.agents.face.conftest import BasePart, World
 from tests.waiting import wait_until
 
@@ -158,7 +158,7 @@ def test_an_application_that_is_suspended_waits_and_goes_on(tmp_path: Path, worl
     wheels: BasePart = world.agent("base@happy")
     wait_until(lambda: wheels.asked)
     world.loop.call_soon_threadsafe(agent.suspend)
-    wait_until(lambda: agent.state is State.SUSPENDED)
+    wait_until(lambda: agent.state is AgentState.SUSPENDED)
     team.sleep(0.1)  # what was under way has ended
     moves = len(wheels.asked)
     team.sleep(0.1)
@@ -191,12 +191,12 @@ def test_an_application_whose_main_has_ended_lives_on_if_it_can_be_asked(
     if lives:
         world.run(world.container.stop(agent.name))
     else:
-        wait_until(lambda: agent.state is State.DELETED)
+        wait_until(lambda: agent.state is AgentState.DELETED)
 
 
 def test_an_application_that_fails_is_reported_and_ends(tmp_path: Path, world: World) -> None:
     agent = world.add(application_agent(write(tmp_path, "def main(team):\n    team.robot('nobody')\n")))
-    wait_until(lambda: agent.state is State.DELETED)
+    wait_until(lambda: agent.state is AgentState.DELETED)
     (report,) = world.reports
     assert "its agent ends" in report.what
     assert isinstance(report.error, NotThere)
@@ -206,7 +206,7 @@ def test_an_application_that_fails_begins_again_if_it_says_so(tmp_path: Path, wo
     agent = application_agent(write(tmp_path, STUMBLER))
     world.add(agent)
     wait_until(lambda: len(agent._program.module.runs) == 3)
-    wait_until(lambda: agent.state is State.DELETED)
+    wait_until(lambda: agent.state is AgentState.DELETED)
     assert [report.what.partition(":")[0] for report in world.reports] == ["main failed"] * 2
 
 
@@ -218,6 +218,6 @@ def test_an_application_that_does_not_listen_does_not_hold_up_its_container(
     agent = application_agent(write(tmp_path, text))
     world.add(agent)
     world.run(world.container.stop(agent.name))
-    assert agent.state is State.DELETED
+    assert agent.state is AgentState.DELETED
     agent._program.module.go_on.set()
     wait_until(lambda: not any(thread.name == "patrol@apps" for thread in threading.enumerate()))

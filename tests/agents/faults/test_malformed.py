@@ -11,7 +11,7 @@ from agents.platform import AclMessage, Outcome, Performative
 from agents.platform.acl import MAX_SIZE
 from agents.platform.protocols import PROTOCOLS
 from bus import Sample
-from bus.exchange import Reply, key_expression
+from bus.exchange import RawReply, key_expression
 from tests.agents.faults.pair import INITIATOR, RESPONDER, Pair
 
 OPENING = AclMessage(
@@ -35,9 +35,9 @@ SHARED = settings(max_examples=60, suppress_health_check=[HealthCheck.function_s
 FIELD = st.sampled_from([*OPENING, "reply_to", "reply_by", "ontology", "protocol", "language", "encoding", "colour"])
 
 
-def put(pair: Pair, payload: bytes) -> list[Reply]:
+def put(pair: Pair, payload: bytes) -> list[RawReply]:
     """What comes back when a foreign program begins a conversation with these bytes, until its end."""
-    replies: list[Reply] = []
+    replies: list[RawReply] = []
     ends: list[None] = []
     for entry in pair.network.queryables:
         if entry.matches(key_expression(RESPONDER.acl_key)):

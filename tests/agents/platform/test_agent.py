@@ -11,6 +11,7 @@ from agents.platform import (
     Agent,
     AgentError,
     AgentName,
+    AgentState,
     AlreadyThere,
     Container,
     Ending,
@@ -20,7 +21,6 @@ from agents.platform import (
     Performative,
     Report,
     RequestNotDone,
-    State,
     Template,
     UnknownAgent,
     agree,
@@ -197,7 +197,7 @@ def test_an_agent_lives_from_setup_to_take_down(bench: Bench) -> None:
     bench.loop.run_for(3.0)
     assert bench.base.beats == pytest.approx([1.0, 2.0, 3.0])
     assert bench.base.steps == ["setup", "take down"]
-    assert [*states, bench.base.state] == [State.ACTIVE, State.DELETED]
+    assert [*states, bench.base.state] == [AgentState.ACTIVE, AgentState.DELETED]
     with pytest.raises(UnknownAgent, match="no agent base@happy lives in happy"):
         bench.robot.agent(BASE)
 
@@ -232,13 +232,13 @@ def test_a_suspended_agent_rests_and_refuses_and_keeps_its_messages(bench: Bench
 def test_an_agent_that_waits_is_woken_by_what_comes(bench: Bench, what: str) -> None:
     bench.base.wait()
     bench.loop.run_for(5.0)
-    assert (bench.base.state, bench.base.beats) == (State.WAITING, [])
+    assert (bench.base.state, bench.base.beats) == (AgentState.WAITING, [])
     if what == "message":
         bench.console.send(AclMessage(performative=Performative.INFORM, sender=CONSOLE, receivers=(BASE,)))
     else:
         assert bench.ask("look").is_done
     bench.loop.run_for(1.5)
-    assert bench.base.state is State.ACTIVE
+    assert bench.base.state is AgentState.ACTIVE
     assert bench.base.beats
 
 
@@ -330,7 +330,7 @@ def test_a_take_down_that_raises_or_never_ends_is_reported(bench: Bench) -> None
     for agent in (Broken("broken@happy"), Slow("slow@happy")):
         bench.run(bench.robot.start(agent))
         bench.run(bench.robot.stop(agent.name))
-        assert agent.state is State.DELETED
+        assert agent.state is AgentState.DELETED
     assert [report.what for report in bench.reports] == ["its take-down failed"] * 2
     assert bench.loop.time() < 10.0
 
@@ -349,7 +349,7 @@ def test_a_behaviour_that_raises_is_reported_and_may_end_its_agent(bench: Bench)
         "small thing failed: dropped",
         "vital thing failed: its agent ends",
     ]
-    assert bench.base.state is State.DELETED
+    assert bench.base.state is AgentState.DELETED
 
 
 def test_a_stream_is_heard_decoded_and_what_grows_old_is_left_out(bench: Bench) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from agents.platform import AclMessage, Agent, AgentName, Container, Kinds, Performative, State
+from agents.platform import AclMessage, Agent, AgentName, AgentState, Container, Kinds, Performative
 from agents.platform.talk import query
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, Refused, Sample
@@ -101,7 +101,7 @@ def test_agents_are_started_listed_suspended_resumed_and_stopped_from_outside(wo
     assert listed["agents"] == [{"name": "w@team", "kind": "walker_for_tests:Walker", "state": "active"}]
     assert world.container.agent("w@team").properties == {"pace": 2}
     assert world.order("suspend", name="w@team")["state"] == "suspended"
-    assert world.container.agent("w@team").state is State.SUSPENDED
+    assert world.container.agent("w@team").state is AgentState.SUSPENDED
     assert world.order("resume", name="w@team")["state"] == "active"
     assert world.order("stop", name="w@team")["state"] == "deleted"
     assert world.order("list")["agents"] == []
@@ -245,7 +245,7 @@ def test_who_may_look_only_sees_the_same_and_changes_nothing(world: World) -> No
     for do in "stop", "suspend", "start", "begin", "adopt":
         with pytest.raises(Refused, match=f"a container does not obey '{do}' where it is described"):
             look(do=do, name="w@team")
-    assert world.container.agent("w@team").state is State.ACTIVE
+    assert world.container.agent("w@team").state is AgentState.ACTIVE
 
 
 def test_reports_are_heard_on_the_bus(world: World) -> None:

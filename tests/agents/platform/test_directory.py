@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from agents.platform import Agent, AgentName, Container, Directory, State
+from agents.platform import Agent, AgentName, AgentState, Container, Directory
 from bus import Bus, KeyNotValid, MemoryBus, MemoryNetwork, ZenohBus
 from tests.waiting import waiting
 
@@ -130,7 +130,7 @@ def test_a_description_is_that_of_the_moment(world: World) -> None:
         laser.properties["reach"] = 30.0
         found = await directory.find(laser.name)
         assert found is not None
-        assert (found.name, found.state, found.container) == (laser.name, State.SUSPENDED, "on-board")
+        assert (found.name, found.state, found.container) == (laser.name, AgentState.SUSPENDED, "on-board")
         assert (found.services, found.properties) == (("scan", "obstacles"), {"reach": 30.0})
 
     world.run(main)

@@ -3,7 +3,7 @@
 import threading
 from typing import Any
 
-from agents.platform.door import Door
+from agents.platform.door import DeliveryGate
 from bus import Conversation, Sample
 from tests.waiting import patience, wait_until
 
@@ -33,7 +33,7 @@ def test_a_conversation_that_is_just_being_begun_counts_as_begun_before_the_door
         assert go_on.wait(patience())
         begun.append(message)
 
-    door = Door(lambda payload: None, begin)
+    door = DeliveryGate(lambda payload: None, begin)
     entering = threading.Thread(target=door.caller, args=({"number": 1}, Silent()))
     entering.start()
     assert at_it.wait(patience())
@@ -58,7 +58,7 @@ def test_a_conversation_that_is_just_being_begun_counts_as_begun_before_the_door
 def test_what_comes_through_both_doors_comes_in_once_and_in_order() -> None:
     taken: list[bytes] = []
     begun: list[dict[str, Any]] = []
-    door = Door(taken.append, lambda message, conversation: begun.append(message))
+    door = DeliveryGate(taken.append, lambda message, conversation: begun.append(message))
     door.wait_for_the_rest()
     for number in (2, 3):
         door.letter(Sample("k", b"%d" % number, attachment=bytes([number])))
@@ -67,7 +67,7 @@ def test_what_comes_through_both_doors_comes_in_once_and_in_order() -> None:
     door.caller(opening, first)
     door.caller(opening, again)
     assert (first.ended, again.ended) == (False, True)
-    other = Door(taken.append, lambda message, conversation: None)
+    other = DeliveryGate(taken.append, lambda message, conversation: None)
     other.keep_letters()
     for number in (1, 2):
         other.letter(Sample("k", b"%d" % number, attachment=bytes([number])))

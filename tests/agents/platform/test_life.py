@@ -2,13 +2,13 @@
 
 import pytest
 
-from agents.platform import IllegalTransition, State, Step
+from agents.platform import AgentState, IllegalTransition, Step
 from agents.platform.life import TRANSITIONS, after
 
 
-@pytest.mark.parametrize("state", State)
+@pytest.mark.parametrize("state", AgentState)
 @pytest.mark.parametrize("step", Step)
-def test_only_the_steps_of_the_table_are_taken(state: State, step: Step) -> None:
+def test_only_the_steps_of_the_table_are_taken(state: AgentState, step: Step) -> None:
     if (state, step) in TRANSITIONS:
         assert after(state, step) is TRANSITIONS[state, step]
     else:
@@ -17,5 +17,5 @@ def test_only_the_steps_of_the_table_are_taken(state: State, step: Step) -> None
 
 
 def test_every_state_but_the_last_can_be_left_and_the_last_cannot() -> None:
-    assert {state for state, _ in TRANSITIONS} == set(State) - {State.DELETED}
-    assert all((state, Step.DELETE) in TRANSITIONS for state in State if state is not State.DELETED)
+    assert {state for state, _ in TRANSITIONS} == set(AgentState) - {AgentState.DELETED}
+    assert all((state, Step.DELETE) in TRANSITIONS for state in AgentState if state is not AgentState.DELETED)

@@ -12,6 +12,7 @@ from agents.platform import (
     AclMessage,
     Agent,
     AgentName,
+    AgentState,
     Container,
     Directory,
     Ending,
@@ -20,7 +21,6 @@ from agents.platform import (
     Performative,
     Report,
     RequestNotDone,
-    State,
 )
 from agents.platform.talk import query
 from agents.platform.virtual_time import VirtualTimeLoop
@@ -249,7 +249,7 @@ def test_a_suspended_agent_arrives_suspended(world: World) -> None:
     world.begin()
     world.here.suspend(WANDERER)
     assert world.run(world.move())["state"] == "suspended"
-    assert world.there.agent(WANDERER).state is State.SUSPENDED
+    assert world.there.agent(WANDERER).state is AgentState.SUSPENDED
     assert world.ask("next").why == "wanderer@team is suspended"
     world.there.resume(WANDERER)
     assert world.ask("next").value() == [1, "there"]

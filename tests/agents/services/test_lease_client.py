@@ -9,7 +9,7 @@ from agents.platform import Agent, RequestNotDone
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
 from agents.services.lease_client import NOTICE, TIME_TO_TAKE_OVER, HeldLease, leased
-from agents.services.leases import LeaseEvent, LeaseLost, LeaseNews
+from agents.services.leases import LeaseEnded, LeaseEvent, LeaseNews
 from tests.agents.services.lease_world import ARBITER, LeaseWorld
 
 
@@ -65,7 +65,7 @@ def test_holder_is_warned_of_a_higher_priority_and_then_told_that_it_is_over(wor
         assert lease.is_held
         assert lease.news == LeaseNews(LeaseEvent.PREEMPTED, 0.5, "chief@lab")
         await asyncio.wait_for(lease.ended.wait(), 0.4)
-        with pytest.raises(LeaseLost, match="base@happy has ended: preempted by chief@lab"):
+        with pytest.raises(LeaseEnded, match="base@happy has ended: preempted by chief@lab"):
             lease.check()
         assert (await asking).is_done
 

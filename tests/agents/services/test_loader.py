@@ -8,7 +8,7 @@ import pytest
 
 from agents.face.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Container, Directory, Ending, Kinds, Outcome
-from agents.platform.ends import End
+from agents.platform.ends import AgentEnd
 from agents.services.loaded import KIND
 from agents.services.loader import Loader
 from bus import MemoryBus, Refused
@@ -177,7 +177,7 @@ def test_one_that_ends_its_process_again_and_again_is_given_up(world: World, tmp
 
 def test_one_that_has_failed_is_replaced_when_it_is_loaded_again(loading: Loading) -> None:
     loading.load()
-    loading.world.run(loading.host.containers["patrol-apps"].stop(PATROL, End.FAILED))
+    loading.world.run(loading.host.containers["patrol-apps"].stop(PATROL, AgentEnd.FAILED))
     loading.world.pass_time(10.0)
     assert not loading.loaded()["patrol@apps"]["is_there"]
     assert loading.load(arguments={"robot": "doc"}).is_done

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from agents.platform import Agent, AgentName, Container, Ending, RequestNotDone
-from agents.services.subscription import Subscription
+from agents.services.subscription import SubscriptionService
 from bus import MemoryBus
 from tests.agents.services.worlds import TEAM, World
 
@@ -20,7 +20,7 @@ class Stage:
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.service = Subscription(SERVICE)
+        self.service = SubscriptionService(SERVICE)
         world.run(world.services.start(self.service))
         self.happy: Container = world.container("happy")
         self.start_sonar()
@@ -222,5 +222,5 @@ def test_the_service_ends_its_subscriptions_when_it_ends(stage: Stage) -> None:
     stage.world.run(stage.world.services.stop(SERVICE))
     stage.world.pass_time(0.1)
     assert told.error == "failed: subscription@team has ended"
-    stage.world.run(stage.world.services.start(Subscription(SERVICE)))
+    stage.world.run(stage.world.services.start(SubscriptionService(SERVICE)))
     assert stage.world.ask(SERVICE, "nothing").ending is Ending.NOT_UNDERSTOOD

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.wrappers.codec import Answered, Event, Failed, NonsenseHeard, Told
+from agents.wrappers.codec import Answered, Event, NonsenseHeard, RequestFailed, Told
 from agents.wrappers.lines import LONGEST_LINE, JsonLinesCodec, LinesCodec
-from agents.wrappers.wrapper_file import Kind, RequestRow, ResultRow
+from agents.wrappers.wrapper_file import ArgumentKind, RequestRow, ResultRow
 
 SPEED = RequestRow(
     name="speed",
-    takes={"value": Kind.NUMBER, "loud": Kind.BOOLEAN},
+    takes={"value": ArgumentKind.NUMBER, "loud": ArgumentKind.BOOLEAN},
     send="SPEED {value} {loud}",
     answer=r"OK (?P<speed>\S+)",
     error=r"NO (?P<why>.*)",
@@ -35,7 +35,7 @@ def test_a_request_is_said_and_its_answer_understood() -> None:
 def test_a_no_says_why() -> None:
     codec = lines()
     codec.ask("speed", {"value": 9, "loud": False})
-    assert codec.receive(b"NO too fast\n") == [Failed("too fast")]
+    assert codec.receive(b"NO too fast\n") == [RequestFailed("too fast")]
 
 
 def test_what_comes_unasked_is_a_result_and_numbers_are_numbers() -> None:
@@ -78,7 +78,7 @@ def test_json_is_asked_answered_and_told_in_objects() -> None:
     expected: list[Event] = [Told({"n": 1}), Answered({"seen": True})]
     assert codec.receive(said) == expected
     codec.ask("look", {})
-    assert codec.receive(b'{"error": "too dark"}\n') == [Failed("too dark")]
+    assert codec.receive(b'{"error": "too dark"}\n') == [RequestFailed("too dark")]
 
 
 @pytest.mark.parametrize("said", [b"hello\n", b"[1]\n", b'{"answer": {}}\n', b'{"result": 3}\n'])

@@ -15,7 +15,7 @@ import numpy as np
 import configs
 from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers, Speeds
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, Push, avoid
-from apps.indoor_navigation.algorithms.fusion import Fusion, FusionNumbers, Source
+from apps.indoor_navigation.algorithms.fusion import CommandSource, Fusion, FusionNumbers
 from apps.indoor_navigation.algorithms.obstacle_detection import DetectionNumbers, obstacles
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
@@ -23,7 +23,7 @@ from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import moved
-from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, ObstRead, Odometry, SonarRead, WorldCoord
+from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, ObstRead, RobotOdometry, SonarRead, WorldCoord
 from geometry import Pose2D, Twist2D, integrate
 from p2os import RobotModel
 
@@ -37,13 +37,13 @@ BODY, LEG = 0.25, 0.07
 START = Pose2D()
 
 Segments = Sequence[tuple[float, float, float, float]]
-FUSION = FusionNumbers(sources={"obstacle_avoiding": Source(required=True)})
+FUSION = FusionNumbers(sources={"obstacle_avoiding": CommandSource(required=True)})
 
 
 class Steering(Protocol):
     """What goto steers by."""
 
-    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds: ...
+    def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds: ...
 
 
 @dataclass
@@ -190,7 +190,7 @@ class ClosedLoop:
         if len(self._late) > 1:
             self._late.popleft()()
 
-    def _react(self, odometry: Odometry, sonar: SonarRead, scan: LaserRead | None, target: WorldCoord) -> None:
+    def _react(self, odometry: RobotOdometry, sonar: SonarRead, scan: LaserRead | None, target: WorldCoord) -> None:
         pose = odometry.x, odometry.y, odometry.heading
         self._senses.take(sonar)
         if scan is not None:
@@ -224,9 +224,9 @@ class ClosedLoop:
         ):
             self._fusion.hear(command, self.time, EPOCH + self.time)
 
-    def _measured(self) -> Odometry:
+    def _measured(self) -> RobotOdometry:
         x, y, heading = self.pose.x, self.pose.y, self.pose.heading
-        return Odometry(EPOCH + self.time, x, y, heading, self.speed[0], self.speed[1])
+        return RobotOdometry(EPOCH + self.time, x, y, heading, self.speed[0], self.speed[1])
 
     def _look(self) -> LaserRead:
         angles = np.radians(np.linspace(-90.0, 90.0, 361))

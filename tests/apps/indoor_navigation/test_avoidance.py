@@ -17,8 +17,8 @@ from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays, unexplained
 from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import Walkers, moved
-from apps.indoor_navigation.data import Floats, LaserRead, Odometry, SonarRead, WorldCoord
+from apps.indoor_navigation.algorithms.walkers import WalkerMemory, moved
+from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead, WorldCoord
 from geometry import wrap_angle
 
 ROBOT = Outline(0.21, 0.3, 0.42)
@@ -210,7 +210,7 @@ def test_a_leg_that_left_the_view_beside_the_robot_is_believed_and_one_that_walk
 
 def test_who_walks_away_is_not_thought_to_come() -> None:
     def approach(speed: float) -> float:
-        walkers = Walkers()
+        walkers = WalkerMemory()
         for step in range(8):
             walkers.see(0.1 * step, *at((3.0 - 0.1 * step * speed, 0.5)))
         return walkers.approach((0.0, 0.0), 1.2)
@@ -221,13 +221,13 @@ def test_who_walks_away_is_not_thought_to_come() -> None:
 
 
 def test_who_has_just_come_into_view_is_thought_to_come_as_fast_as_people_do() -> None:
-    walkers = Walkers()
+    walkers = WalkerMemory()
     walkers.see(0.0, *at((3.0, 0.5)))
     assert walkers.approach((0.0, 0.0), 1.2) == 1.2
 
 
 def test_who_stands_is_forgotten_as_a_walker() -> None:
-    walkers = Walkers()
+    walkers = WalkerMemory()
     walkers.see(0.0, *at((3.0, 0.5)))
     assert len(walkers.places(0.3)[0]) == 1
     assert len(walkers.places(0.7)[0]) == 0
@@ -279,7 +279,7 @@ def test_attraction_in_free_space_is_straight_at_the_target(heading: float) -> N
     steering = Attraction(AttractionNumbers(), ROBOT)
     target = WorldCoord(0.0, 1, "go", 3.0, 0.0, 0.0, 0.5)
     for step in range(3):
-        speeds = steering.steer(Odometry(0.1 * step, 0.0, 0.0, heading, 0.0, 0.0), target, NOWHERE)
+        speeds = steering.steer(RobotOdometry(0.1 * step, 0.0, 0.0, heading, 0.0, 0.0), target, NOWHERE)
     if abs(heading) > 0.01:
         assert speeds.angular * -heading > 0.0
     assert speeds.linear > 0.0 or abs(heading) > 1.5
@@ -294,7 +294,7 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
     for step in range(150):
         if step % 2 == 0:
             told = [
-                turn(OrientationNumbers(), Odometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular), wanted),
+                turn(OrientationNumbers(), RobotOdometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular), wanted),
                 told[0],
             ]
         angular += float(np.clip(told[1] - angular, -0.0875, 0.0875))
@@ -315,6 +315,6 @@ def test_a_corner_is_rounded_once_it_is_near_if_it_is_known_what_follows(ahead: 
     corner = WorldCoord(0.0, 1, "go", ahead, 0.0, speed=0.5, is_last=False, then=(ahead, 2.0))
     steering = Attraction(AttractionNumbers(), ROBOT)
     for step in range(5):
-        speeds = steering.steer(Odometry(0.1 * step, 0.0, 0.0, 0.0, 0.4, 0.0), corner, NOWHERE)
+        speeds = steering.steer(RobotOdometry(0.1 * step, 0.0, 0.0, 0.0, 0.4, 0.0), corner, NOWHERE)
     assert (speeds.angular > 0.1) == turns
     assert speeds.linear > 0.0

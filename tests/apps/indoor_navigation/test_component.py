@@ -8,7 +8,7 @@ import pytest
 from agents.platform import Container
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told, push_key
-from apps.indoor_navigation.data import GoalPoint, Odometry
+from apps.indoor_navigation.data import GoalPoint, RobotOdometry
 from bus import MemoryBus, NoAnswer, Refused
 
 
@@ -16,7 +16,7 @@ class Base(Component):
     """Says where it is."""
 
     role = Role.HARDWARE
-    gives = (Odometry,)
+    gives = (RobotOdometry,)
 
     def __init__(self, name: str, properties: dict[str, Any]) -> None:
         super().__init__(name, properties)
@@ -43,10 +43,10 @@ class Steering(Component):
 
     def __init__(self, name: str, properties: dict[str, Any]) -> None:
         super().__init__(name, properties)
-        self.heard: list[Odometry] = []
+        self.heard: list[RobotOdometry] = []
 
-    @hears(Odometry)
-    async def look(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def look(self, odometry: RobotOdometry) -> None:
         """Remember it."""
         self.heard.append(odometry)
 
@@ -78,7 +78,7 @@ def pair(loop: VirtualTimeLoop) -> Iterator[Pair]:
 
 
 def test_what_is_pushed_is_heard_by_who_is_wired(pair: Pair) -> None:
-    odometry = Odometry(1.0, 2.0, 3.0, 0.5, 0.1, 0.0)
+    odometry = RobotOdometry(1.0, 2.0, 3.0, 0.5, 0.1, 0.0)
     pair.base.push(odometry)
     pair.loop.run_for(0.01)
     assert pair.steering.heard == [odometry]
@@ -86,7 +86,7 @@ def test_what_is_pushed_is_heard_by_who_is_wired(pair: Pair) -> None:
 
 def test_of_what_is_pushed_faster_than_it_is_heard_the_newest_counts(pair: Pair) -> None:
     for number in range(10):
-        pair.base.push(Odometry(float(number), 0.0, 0.0, 0.0, 0.0, 0.0))
+        pair.base.push(RobotOdometry(float(number), 0.0, 0.0, 0.0, 0.0, 0.0))
     pair.loop.run_for(0.01)
     assert pair.steering.heard[-1].stamp == 9.0
     assert len(pair.steering.heard) <= 2
@@ -115,11 +115,11 @@ def test_a_query_is_answered_or_refused_or_nobody_is_there(pair: Pair) -> None:
 
 
 def test_nonsense_is_reported_and_the_next_is_heard(pair: Pair) -> None:
-    pair.bus.put(push_key("happy", "base_server", Odometry), {"stamp": 1.0})
+    pair.bus.put(push_key("happy", "base_server", RobotOdometry), {"stamp": 1.0})
     pair.loop.run_for(0.01)
     assert len(pair.reports) == 1
     assert "this is no Odometry" in pair.reports[0]
-    pair.base.push(Odometry(1.0, 2.0, 3.0, 0.5, 0.1, 0.0))
+    pair.base.push(RobotOdometry(1.0, 2.0, 3.0, 0.5, 0.1, 0.0))
     pair.loop.run_for(0.01)
     assert len(pair.steering.heard) == 1
 
@@ -127,5 +127,5 @@ def test_nonsense_is_reported_and_the_next_is_heard(pair: Pair) -> None:
 def test_the_directory_says_what_a_component_is(pair: Pair) -> None:
     about = pair.base.describe()
     assert about["role"] == "hardware"
-    assert about["gives"] == ["Odometry"]
+    assert about["gives"] == ["RobotOdometry"]
     assert "navigation" in about["services"]

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.fusion import PAUSE, Fusion, FusionNumbers, Heard, Source, Unsound
+from apps.indoor_navigation.algorithms.fusion import PAUSE, CommandSource, Fusion, FusionNumbers, SourceCommand, Unsound
 from apps.indoor_navigation.data import MotionCmd
 
 EPOCH = 1.8e9  # s since 1970 at which the fuser's own clock shows zero
 NUMBERS = FusionNumbers(
     sources={
-        "goto": Source(max_age=0.5),
-        "orienting": Source(max_age=0.3, weight=2.0),
-        "obstacle_avoiding": Source(max_age=0.4, required=True),
+        "goto": CommandSource(max_age=0.5),
+        "orienting": CommandSource(max_age=0.3, weight=2.0),
+        "obstacle_avoiding": CommandSource(max_age=0.4, required=True),
     }
 )
 QUICK = replace(NUMBERS, acceleration=1e6, braking=1e6, angular_acceleration=1e6, angular_braking=1e6)
@@ -42,7 +42,7 @@ def command(source: str, linear: float = 0.0, angular: float = 0.0, weight: floa
     return MotionCmd(more.pop("stamp", EPOCH), source, linear, angular, weight, **more)
 
 
-def least(heard: list[Heard], name: str, usual: float) -> float:
+def least(heard: list[SourceCommand], name: str, usual: float) -> float:
     """Of the limits of a name that are told."""
     told: list[float | None] = [getattr(one.command, name) for one in heard]
     return min([usual, *(limit for limit in told if limit is not None)])
@@ -173,7 +173,7 @@ def test_no_command_is_used_longer_than_its_age_limit(given_steps: list[tuple[fl
         young = [
             said
             for source, (read_at, said) in pasts.items()
-            if now - read_at <= NUMBERS.sources.get(source, Source()).max_age + ROUNDING
+            if now - read_at <= NUMBERS.sources.get(source, CommandSource()).max_age + ROUNDING
         ]
         wanting = [said for said in young if said.weight > 0.0]
         if not wanting:

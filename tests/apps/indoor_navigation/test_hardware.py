@@ -8,7 +8,7 @@ import pytest
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.components.laser_server import LaserServer
 from apps.indoor_navigation.components.robot_base_server import RobotBaseServer
-from apps.indoor_navigation.data import LaserRead, MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
 from bus import Refused
 from tests.apps.indoor_navigation.site import ROBOT, Robot, Site
 
@@ -49,7 +49,7 @@ def drive(site: Site, robot: Robot, seconds: float, linear: float = 0.2) -> None
 
 
 def test_the_robot_tells_where_it_is_and_how_fast(site: Site, robot: Robot) -> None:
-    heard = site.pushed("robot_base_server", Odometry)
+    heard = site.pushed("robot_base_server", RobotOdometry)
     robot.odometry(0.1, 0.05, 0.3, 0.2, -0.4)
     site.run(0.01)
     (odometry,) = heard
@@ -60,7 +60,7 @@ def test_the_robot_tells_where_it_is_and_how_fast(site: Site, robot: Robot) -> N
 
 
 def test_a_pose_that_was_set_anew_is_counted(site: Site, robot: Robot) -> None:
-    heard = site.pushed("robot_base_server", Odometry)
+    heard = site.pushed("robot_base_server", RobotOdometry)
     for x, heading in ((0.05, 0.0), (0.1, 0.0), (5.0, 0.0), (5.05, 0.1), (5.05, 2.5), (5.1, 2.5)):
         robot.odometry(x, 0.0, heading, 0.5)
         site.run(0.1)
@@ -68,7 +68,7 @@ def test_a_pose_that_was_set_anew_is_counted(site: Site, robot: Robot) -> None:
 
 
 def test_a_robot_that_has_driven_unheard_for_a_moment_has_not_jumped(site: Site, robot: Robot) -> None:
-    heard = site.pushed("robot_base_server", Odometry)
+    heard = site.pushed("robot_base_server", RobotOdometry)
     robot.odometry(0.0, 0.0, 0.0, 0.5)
     site.run(1.5)
     robot.odometry(0.75, 0.0, 0.0, 0.5)
@@ -183,7 +183,7 @@ def test_a_base_server_that_is_stopped_leaves_nothing_rolling(site: Site, robot:
 
 
 def test_when_the_gateway_goes_it_is_said_and_when_it_is_back_all_goes_on(site: Site, robot: Robot) -> None:
-    heard = site.pushed("robot_base_server", Odometry)
+    heard = site.pushed("robot_base_server", RobotOdometry)
     robot.go()
     site.run(3.0)
     missed = [report for report in site.reports if ": happy has not been heard" in report]

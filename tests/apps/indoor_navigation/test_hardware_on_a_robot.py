@@ -15,7 +15,7 @@ from agents.services.lease_client import leased
 from apps.indoor_navigation.component import push_key, query_key
 from apps.indoor_navigation.components.laser_server import LaserServer
 from apps.indoor_navigation.components.robot_base_server import RobotBaseServer
-from apps.indoor_navigation.data import Data, LaserRead, MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import Data, LaserRead, MotionCmd, RobotOdometry, SonarRead
 from bus import Sample, keys
 from bus.messages import decode_json, twist
 from geometry import Pose2D
@@ -123,7 +123,7 @@ def lab() -> Iterator[Lab]:
 
 
 def test_a_robot_of_the_team_is_read_and_driven(lab: Lab) -> None:
-    odometries = lab.pushed("robot_base_server", Odometry)
+    odometries = lab.pushed("robot_base_server", RobotOdometry)
     sonars = lab.pushed("robot_base_server", SonarRead)
     lab.drive(2.0, 0.3)
     lab.run(1.5)

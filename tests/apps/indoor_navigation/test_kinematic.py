@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from agents.platform import Kinds
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component
-from apps.indoor_navigation.data import LaserRead, MotionCmd, Odometry, SonarRead
+from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
 from apps.indoor_navigation.kinematic.plane import Plane
-from apps.indoor_navigation.kinematic.robot import Body, KinematicRobot
+from apps.indoor_navigation.kinematic.robot import KinematicBody, KinematicRobot
 from apps.indoor_navigation.wiring import WIRING, load_wiring
 from configs import ConfigError
 from geometry import Pose2D, Segment, Twist2D
@@ -59,7 +59,7 @@ def test_it_says_what_it_is(site: Site) -> None:
 
 
 def test_it_drives_as_it_is_told_and_stops_when_nobody_tells_it(site: Site) -> None:
-    heard = site.pushed("robot_base_server", Odometry)
+    heard = site.pushed("robot_base_server", RobotOdometry)
     for _ in range(40):
         site.push("motion_fuser", MotionCmd(site.time, "motion_fuser", 0.4, 0.0, 1.0))
         site.run(0.05)
@@ -71,7 +71,7 @@ def test_it_drives_as_it_is_told_and_stops_when_nobody_tells_it(site: Site) -> N
 
 
 def test_it_stops_at_a_wall_and_does_not_go_through(site: Site) -> None:
-    heard = site.pushed("robot_base_server", Odometry)
+    heard = site.pushed("robot_base_server", RobotOdometry)
     for _ in range(400):
         site.push("motion_fuser", MotionCmd(site.time, "motion_fuser", 0.9, 0.0, 1.0))
         site.run(0.05)
@@ -120,11 +120,11 @@ def test_rays_end_at_the_first_wall(x: float, y: float, directions: list[float])
 def test_a_kinematic_robot_never_leaves_its_room(wanted: list[tuple[float, float]]) -> None:
     walls = (*BOX, Segment(-1.0, 2.0, -1.0, -1.0))
     plane = Plane(walls, Pose2D())
-    robot = KinematicRobot(Body(), plane)
+    robot = KinematicRobot(KinematicBody(), plane)
     for linear, angular in wanted:
         for _ in range(10):
             robot.step(Twist2D(linear, angular), 0.05)
-            assert plane.clearance(robot.pose.x, robot.pose.y) >= Body().radius - 1e-9
+            assert plane.clearance(robot.pose.x, robot.pose.y) >= KinematicBody().radius - 1e-9
     assert cos(robot.pose.heading) ** 2 + sin(robot.pose.heading) ** 2 == pytest.approx(1.0)
 
 

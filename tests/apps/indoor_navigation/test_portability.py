@@ -7,7 +7,7 @@ import pytest
 from agents.platform import Kinds
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, send_key
-from apps.indoor_navigation.data import Odometry, WorldCoord
+from apps.indoor_navigation.data import RobotOdometry, WorldCoord
 from apps.indoor_navigation.kinematic.base_server import KinematicBaseServer
 from apps.indoor_navigation.wiring import WIRING, load_wiring
 from geometry import Pose2D
@@ -74,7 +74,7 @@ def test_it_turns_where_it_stands(run: Run) -> None:
 def test_when_a_component_dies_on_the_way_the_robot_stands_and_touches_nothing(run: Run, dead: str) -> None:
     run.tell("go", 6.5, -1.0)
     run.run(4.0)
-    heard = run.pushed("robot_base_server", Odometry)
+    heard = run.pushed("robot_base_server", RobotOdometry)
     run.kill(dead)
     run.run(2.0)
     assert heard[-1].linear == pytest.approx(0.0, abs=0.02)

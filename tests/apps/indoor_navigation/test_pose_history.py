@@ -11,18 +11,18 @@ from apps.indoor_navigation.algorithms.last_second import LastSecond
 from apps.indoor_navigation.algorithms.measured import filled
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
-from apps.indoor_navigation.data import Odometry
+from apps.indoor_navigation.data import RobotOdometry
 from geometry import Pose2D, Twist2D, integrate
 
 EPOCH = 1.8e9
 speeds = st.floats(-0.8, 0.8)
 
 
-def along(linear: float, angular: float, times: list[float], jumps: int = 0) -> list[Odometry]:
+def along(linear: float, angular: float, times: list[float], jumps: int = 0) -> list[RobotOdometry]:
     """Of a robot that goes on evenly."""
     poses = [integrate(Pose2D(), Twist2D(linear, angular), time) for time in times]
     return [
-        Odometry(EPOCH + time, pose.x, pose.y, pose.heading, linear, angular, jumps)
+        RobotOdometry(EPOCH + time, pose.x, pose.y, pose.heading, linear, angular, jumps)
         for time, pose in zip(times, poses, strict=True)
     ]
 
@@ -39,8 +39,8 @@ def test_a_robot_that_goes_on_evenly_is_known_at_any_moment(linear: float, angul
 
 def test_a_turn_over_the_back_is_no_turn_around() -> None:
     history = PoseHistory()
-    history.add(Odometry(EPOCH, 0.0, 0.0, pi - 0.1, 0.0, 2.0))
-    history.add(Odometry(EPOCH + 0.1, 0.0, 0.0, -pi + 0.1, 0.0, 2.0))
+    history.add(RobotOdometry(EPOCH, 0.0, 0.0, pi - 0.1, 0.0, 2.0))
+    history.add(RobotOdometry(EPOCH + 0.1, 0.0, 0.0, -pi + 0.1, 0.0, 2.0))
     told = history.at(EPOCH + 0.05)
     assert told is not None
     assert abs(told.heading) == pytest.approx(pi, abs=1e-6)
@@ -48,7 +48,7 @@ def test_a_turn_over_the_back_is_no_turn_around() -> None:
 
 def test_long_after_the_last_odometry_the_robot_is_not_believed_to_go_on() -> None:
     history = PoseHistory()
-    history.add(Odometry(EPOCH, 0.0, 0.0, 0.0, 1.0, 0.0))
+    history.add(RobotOdometry(EPOCH, 0.0, 0.0, 0.0, 1.0, 0.0))
     told = history.at(EPOCH + 60.0)
     assert told is not None
     assert told.x == 0.5
@@ -63,7 +63,7 @@ def test_after_a_jump_and_a_set_clock_what_was_before_says_nothing(after: dict[s
     history = PoseHistory()
     for odometry in along(0.5, 0.0, [0.0, 0.1, 0.2]):
         history.add(odometry)
-    history.add(Odometry(EPOCH + after["time"], 9.0, 9.0, 0.0, 0.0, 0.0, int(after["jumps"])))
+    history.add(RobotOdometry(EPOCH + after["time"], 9.0, 9.0, 0.0, 0.0, 0.0, int(after["jumps"])))
     told = history.at(EPOCH - 7200.0)
     assert told == Pose2D(9.0, 9.0, 0.0)
 
@@ -79,8 +79,8 @@ def test_driving_is_no_jump(linear: float, angular: float, elapsed: float) -> No
 def test_a_place_that_no_robot_reaches_in_a_tenth_of_a_second_is_a_jump(
     linear: float, far: float, heading: float
 ) -> None:
-    before = Odometry(EPOCH, 0.0, 0.0, 0.0, linear, 0.0)
-    assert is_jump(before, Odometry(EPOCH + 0.1, far, 0.0, heading, linear, 0.0))
+    before = RobotOdometry(EPOCH, 0.0, 0.0, 0.0, linear, 0.0)
+    assert is_jump(before, RobotOdometry(EPOCH + 0.1, far, 0.0, heading, linear, 0.0))
 
 
 @given(speeds, st.floats(-1.0, 1.0), st.floats(0.3, 4.0))

@@ -14,7 +14,7 @@ from apps.indoor_navigation.components.goto import Goto
 from apps.indoor_navigation.components.obstacle_avoiding import ObstacleAvoiding
 from apps.indoor_navigation.components.obstacle_detecting import ObstacleDetecting
 from apps.indoor_navigation.components.orienting import Orienting
-from apps.indoor_navigation.data import LaserRead, MotionCmd, ObstRead, Odometry, WorldCoord
+from apps.indoor_navigation.data import LaserRead, MotionCmd, ObstRead, RobotOdometry, WorldCoord
 from tests.apps.indoor_navigation.site import ROBOT, Site
 
 BASE, LASER = "robot_base_server", "laser_server"
@@ -68,7 +68,7 @@ def order(site: Site, receiver: str, aim: str, number: int = 1, x: float = 0.0, 
 
 
 def stand(site: Site, x: float = 0.0, heading: float = 0.0, jumps: int = 0) -> None:
-    site.push(BASE, Odometry(site.time, x, 0.0, heading, 0.0, 0.0, jumps))
+    site.push(BASE, RobotOdometry(site.time, x, 0.0, heading, 0.0, 0.0, jumps))
     site.run(0.05)
 
 

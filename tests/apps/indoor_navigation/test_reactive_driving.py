@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.attraction import Speeds
-from apps.indoor_navigation.data import Floats, Odometry, WorldCoord
+from apps.indoor_navigation.data import Floats, RobotOdometry, WorldCoord
 from benchmarks.free_space_block import FreeSpaceBlock
 from geometry import Pose2D
 from tests.apps.indoor_navigation.closed_loop import ClosedLoop, Segments, Walker, box, corridor, door
@@ -34,7 +34,7 @@ class Reckless:
         self._chance = np.random.default_rng(seed)
         self._count, self._speeds = 0, Speeds()
 
-    def steer(self, odometry: Odometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
+    def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         if self._count % 20 == 0:
             self._speeds = Speeds(self._chance.uniform(0.0, 0.5), float(self._chance.choice([0.0, 0.0, 0.7, -0.7])))
         self._count += 1

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from apps.indoor_navigation.component import Component, Role, hears
-from apps.indoor_navigation.data import GoalPoint, MotionCmd, Odometry
+from apps.indoor_navigation.data import GoalPoint, MotionCmd, RobotOdometry
 from apps.indoor_navigation.wiring import load_wiring
 from configs import ConfigError
 
@@ -40,7 +40,7 @@ class Base(Component):
     """Moves."""
 
     role = Role.HARDWARE
-    gives = (Odometry,)
+    gives = (RobotOdometry,)
 
     @hears(MotionCmd)
     async def move(self, command: MotionCmd) -> None:
@@ -55,8 +55,8 @@ class Steering(Component):
     tells = (GoalPoint,)
     numbers_type = Numbers
 
-    @hears(Odometry)
-    async def steer(self, odometry: Odometry) -> None:
+    @hears(RobotOdometry)
+    async def steer(self, odometry: RobotOdometry) -> None:
         """Go on."""
 
 

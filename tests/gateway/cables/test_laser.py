@@ -8,20 +8,20 @@ from configs import ConfigError
 from gateway.cables.laser import RATES, LaserDriver
 from gateway.events import ElementFound, ElementLost, ElementSilent, LaserScanned
 from gateway.settings import LaserSettings, LaserUnit
-from p2os.accessories.lms import MODE_OF_BAUD, Mode, Request, Variant, variant_data
+from p2os.accessories.lms import MODE_OF_BAUD, LmsMode, LmsRequestCode, Variant, variant_data
 from p2os.accessories.lms_framing import encode
 
 if TYPE_CHECKING:
     from tests.gateway.cables.conftest import LaserBench, MakeLaserBench
 
-SCANNING = encode(Request.MODE, bytes((Mode.CONTINUOUS,)))
+SCANNING = encode(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS,)))
 
 
 def leave(bench: "LaserBench", baud: int, variant: Variant, *, scans: bool) -> None:
     """Leave the laser as some client did."""
     for frame in (
-        encode(Request.VARIANT, variant_data(variant)),
-        encode(Request.MODE, bytes((MODE_OF_BAUD[baud],))),
+        encode(LmsRequestCode.VARIANT, variant_data(variant)),
+        encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[baud],))),
         *([SCANNING] if scans else []),
     ):
         bench.laser.receive(frame)
@@ -44,15 +44,15 @@ def test_it_finds_the_laser_in_whatever_state_it_was_left(bench: "LaserBench", b
 
 
 def test_half_a_command_in_the_lasers_ear_does_not_keep_it_deaf(bench: "LaserBench") -> None:
-    bench.laser.receive(encode(Request.MODE, b"\0SICK_LMS")[:9])
+    bench.laser.receive(encode(LmsRequestCode.MODE, b"\0SICK_LMS")[:9])
     assert bench.connect() < 5.0
 
 
 def test_a_laser_that_was_scanning_is_not_set_up_anew_where_nothing_differs(bench: "LaserBench") -> None:
     leave(bench, 38400, Variant(180, 100), scans=True)
     bench.connect()
-    assert encode(Request.VARIANT, variant_data(Variant())) not in bench.sent
-    assert encode(Request.MODE, b"\0SICK_LMS") not in bench.sent
+    assert encode(LmsRequestCode.VARIANT, variant_data(Variant())) not in bench.sent
+    assert encode(LmsRequestCode.MODE, b"\0SICK_LMS") not in bench.sent
 
 
 def test_it_sets_the_laser_up_as_the_settings_want_it(make_laser_bench: "MakeLaserBench") -> None:
@@ -115,7 +115,7 @@ def test_a_laser_that_was_switched_on_again_is_set_up_at_once(make_laser_bench: 
     bench = make_laser_bench(LaserSettings(baud=9600))
     bench.connect()
     bench.run(1.0)
-    bench.laser.receive(encode(Request.RESET))
+    bench.laser.receive(encode(LmsRequestCode.RESET))
     bench.run_until(lambda: bool(bench.of(ElementLost)), 1.0)
     bench.run_until(lambda: bench.driver.is_connected, 3.0)
 

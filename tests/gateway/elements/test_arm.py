@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.arm import Arm
+from gateway.elements.arm import ArmElement
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen
 from gateway.settings import Settings
@@ -22,7 +22,7 @@ CENTRES = (128,) * 6
 
 @pytest.fixture
 def stand(make_stand: "MakeStand") -> "Stand":
-    stand = make_stand(Arm)
+    stand = make_stand(ArmElement)
     stand.connect()
     return stand
 
@@ -35,8 +35,8 @@ def powered(stand: "Stand") -> "Stand":
     return stand
 
 
-def arm_of(stand: "Stand") -> Arm:
-    assert isinstance(stand.element, Arm)
+def arm_of(stand: "Stand") -> ArmElement:
+    assert isinstance(stand.element, ArmElement)
     return stand.element
 
 
@@ -158,7 +158,7 @@ def test_robot_without_an_arm_is_not_told_to_stop_one(stand: "Stand") -> None:
 
 
 def test_line_that_carries_no_streams_is_asked_for_one_report_at_a_time(make_stand: "MakeStand") -> None:
-    stand = make_stand(Arm, settings=Settings(radio=True))
+    stand = make_stand(ArmElement, settings=Settings(radio=True))
     stand.connect()
     stand.sent()
     stand.take(INFORMATION)

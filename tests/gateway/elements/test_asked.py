@@ -7,9 +7,9 @@ import pytest
 
 from gateway.elements.asked import SILENCE, AskedElement
 from gateway.elements.batteries import PERIOD, Batteries
-from gateway.elements.compass import Compass
+from gateway.elements.compass import CompassElement
 from gateway.elements.element import Element
-from gateway.elements.joystick import LOOK_PERIOD, Joystick
+from gateway.elements.joystick import LOOK_PERIOD, JoystickElement
 from gateway.events import ChargeSeen, CompassSeen, JoystickSeen
 from gateway.settings import Fitted, Settings
 from p2os import BatteryReport, Command, CompassReport, JoystickReport
@@ -26,9 +26,9 @@ def asked(stand: "Stand") -> list[tuple[object, object]]:
     return [(command.command, command.value) for command in stand.sent()]
 
 
-@pytest.mark.parametrize("kind", [Compass, Joystick])
+@pytest.mark.parametrize("kind", [CompassElement, JoystickElement])
 def test_unanswered_question_is_asked_a_few_times_and_then_no_more(
-    make_stand: "MakeStand", kind: type[Compass | Joystick]
+    make_stand: "MakeStand", kind: type[CompassElement | JoystickElement]
 ) -> None:
     stand = make_stand(kind)
     stand.connect()
@@ -40,9 +40,9 @@ def test_unanswered_question_is_asked_a_few_times_and_then_no_more(
     assert not stand.has_it()
 
 
-@pytest.mark.parametrize(("kind", "packet"), [(Compass, NORTH_EAST), (Joystick, HELD)])
+@pytest.mark.parametrize(("kind", "packet"), [(CompassElement, NORTH_EAST), (JoystickElement, HELD)])
 def test_answer_starts_the_stream_and_silence_starts_it_anew(
-    make_stand: "MakeStand", kind: type[Compass | Joystick], packet: object
+    make_stand: "MakeStand", kind: type[CompassElement | JoystickElement], packet: object
 ) -> None:
     stand = make_stand(kind)
     stand.connect()
@@ -57,16 +57,16 @@ def test_answer_starts_the_stream_and_silence_starts_it_anew(
     assert asked(stand) == [kind.stream]
 
 
-@pytest.mark.parametrize("kind", [Compass, Joystick])
+@pytest.mark.parametrize("kind", [CompassElement, JoystickElement])
 def test_settings_keep_the_question_back(make_stand: "MakeStand", kind: type[Element]) -> None:
     stand = make_stand(kind, settings=Settings(fitted=Fitted(compass=False, joystick=False)))
     stand.connect()
     assert asked(stand) == []
 
 
-@pytest.mark.parametrize(("kind", "packet"), [(Compass, NORTH_EAST), (Joystick, HELD)])
+@pytest.mark.parametrize(("kind", "packet"), [(CompassElement, NORTH_EAST), (JoystickElement, HELD)])
 def test_lost_robot_is_asked_nothing_and_everything_when_it_is_back(
-    make_stand: "MakeStand", kind: type[Compass | Joystick], packet: object
+    make_stand: "MakeStand", kind: type[CompassElement | JoystickElement], packet: object
 ) -> None:
     stand = make_stand(kind)
     stand.connect()
@@ -80,7 +80,7 @@ def test_lost_robot_is_asked_nothing_and_everything_when_it_is_back(
 
 
 def test_compass_heading_is_turned_counter_clockwise(make_stand: "MakeStand") -> None:
-    stand = make_stand(Compass)
+    stand = make_stand(CompassElement)
     stand.connect()
     stand.take(NORTH_EAST)
     event = stand.announced[-1]
@@ -90,7 +90,7 @@ def test_compass_heading_is_turned_counter_clockwise(make_stand: "MakeStand") ->
 
 
 def test_errors_of_the_compass_module_are_a_fault_until_they_are_gone(make_stand: "MakeStand") -> None:
-    stand = make_stand(Compass)
+    stand = make_stand(CompassElement)
     stand.connect()
     stand.take(NORTH_EAST._replace(errors=-0x8000 + 1))
     assert list(stand.element.faults) == ["the compass reports errors (0x8001)"]
@@ -99,25 +99,25 @@ def test_errors_of_the_compass_module_are_a_fault_until_they_are_gone(make_stand
 
 
 def test_joystick_is_passed_on_and_is_let_drive(make_stand: "MakeStand") -> None:
-    stand = make_stand(Joystick)
+    stand = make_stand(JoystickElement)
     stand.connect()
     stand.take(HELD)
     assert stand.announced == [JoystickSeen(HELD)]
     stand.sent()
     element = stand.element
-    assert isinstance(element, Joystick)
+    assert isinstance(element, JoystickElement)
     element.let_drive(True)
     assert asked(stand) == [(Command.JOYDRIVE, 1)]
 
 
 def test_stick_at_rest_may_be_an_empty_socket_and_is_looked_at_now_and_then(make_stand: "MakeStand") -> None:
-    stand = make_stand(Joystick)
+    stand = make_stand(JoystickElement)
     stand.connect()
     stand.sent()
     for _ in range(5):
         stand.take(STILL)
         stand.run(LOOK_PERIOD + 0.01)
-        assert asked(stand) == [Joystick.question]
+        assert asked(stand) == [JoystickElement.question]
     assert not stand.has_it()
     assert stand.announced == []
     stand.take(HELD)
@@ -127,7 +127,7 @@ def test_stick_at_rest_may_be_an_empty_socket_and_is_looked_at_now_and_then(make
 
 
 def test_joystick_that_the_settings_know_of_is_there_at_rest_too(make_stand: "MakeStand") -> None:
-    stand = make_stand(Joystick, settings=Settings(fitted=Fitted(joystick=True)))
+    stand = make_stand(JoystickElement, settings=Settings(fitted=Fitted(joystick=True)))
     stand.connect()
     assert stand.has_it()
     stand.take(STILL)
@@ -159,12 +159,12 @@ def test_lost_answer_about_the_charge_is_asked_for_again(make_stand: "MakeStand"
 
 
 def test_halt_ends_the_driving_of_a_joystick_once(make_stand: "MakeStand") -> None:
-    stand = make_stand(Joystick)
+    stand = make_stand(JoystickElement)
     stand.connect()
     stand.take(HELD)
     stand.sent()
     stick = stand.element
-    assert isinstance(stick, Joystick)
+    assert isinstance(stick, JoystickElement)
     stick.halt(stand.now)
     assert asked(stand) == []
     stick.let_drive(True)

@@ -2,7 +2,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.gripper import ORDERS, Gripper
+from gateway.elements.gripper import ORDERS, GripperElement
 from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip
@@ -17,7 +17,7 @@ ALL_INPUTS = {"outer_beam", "inner_beam", "left_contact", "right_contact"}
 
 @pytest.fixture
 def stand(make_stand: "MakeStand") -> "Stand":
-    return make_stand(Gripper)
+    return make_stand(GripperElement)
 
 
 def seen(stand: "Stand") -> GripperSeen:
@@ -39,7 +39,7 @@ def test_robot_without_a_gripper_is_asked_a_few_times_and_then_left_alone(stand:
     heard += stand.sent()
     assert {command.command for command in heard} == {Command.GRIPREQUEST}
     assert stand.element.deadline == float("inf")
-    assert len(heard) <= Gripper.times
+    assert len(heard) <= GripperElement.times
     stand.see(StandardSip(gripper_state=0x11))
     assert not stand.has_it()
     assert stand.announced == []
@@ -97,7 +97,7 @@ def test_every_order_has_its_arguments_and_an_unknown_one_names_them_all(stand: 
     stand.connect()
     stand.sent()
     element = stand.element
-    assert isinstance(element, Gripper)
+    assert isinstance(element, GripperElement)
     for what, arguments in ORDERS.items():
         element.order(what)
         heard = [(command.command, command.value) for command in stand.sent()]
@@ -110,7 +110,7 @@ def test_latest_order_is_heard_last(stand: "Stand") -> None:
     stand.connect()
     stand.sent()
     element = stand.element
-    assert isinstance(element, Gripper)
+    assert isinstance(element, GripperElement)
     for what in ("open", "up", "close", "open"):
         element.order(what)
     assert [command.value for command in stand.sent()] == [4, 2, 1]
@@ -122,7 +122,7 @@ def test_halt_takes_back_what_waits_and_stops_paddles_and_lift(stand: "Stand") -
     assert Command.GRIPPER not in {command.command for command in stand.sent()}  # there is none yet
     stand.take(GripperReport(kind=1, state=0, grasp_time=0.2))
     element = stand.element
-    assert isinstance(element, Gripper)
+    assert isinstance(element, GripperElement)
     element.order("deploy")
     element.halt(stand.now)
     assert [(command.command, command.value) for command in stand.sent()] == [(Command.GRIPPER, 15)]
@@ -133,7 +133,7 @@ def test_order_to_stop_takes_back_what_waits(stand: "Stand", what: str, argument
     stand.connect()
     stand.sent()
     element = stand.element
-    assert isinstance(element, Gripper)
+    assert isinstance(element, GripperElement)
     element.order("open")
     element.order(what)
     assert [command.value for command in stand.sent()] == arguments

@@ -2,9 +2,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.infrared import Infrared
+from gateway.elements.infrared import InfraredElement
 from gateway.events import InfraredSeen
-from p2os import InputsOutputs, StandardSip
+from p2os import IoReport, StandardSip
 
 if TYPE_CHECKING:
     from tests.gateway.elements.conftest import MakeStand, Stand
@@ -19,12 +19,12 @@ def seen(stand: "Stand") -> dict[int, bool]:
     return dict(event.near)
 
 
-def levels(byte: int) -> InputsOutputs:
-    return InputsOutputs(bytes([0, 0, 0, byte]), b"", ())
+def levels(byte: int) -> IoReport:
+    return IoReport(bytes([0, 0, 0, byte]), b"", ())
 
 
 def test_robot_without_such_sensors_announces_nothing(make_stand: "MakeStand") -> None:
-    stand = make_stand(Infrared)
+    stand = make_stand(InfraredElement)
     stand.connect()
     stand.take(levels(0))
     stand.see(StandardSip())
@@ -33,7 +33,7 @@ def test_robot_without_such_sensors_announces_nothing(make_stand: "MakeStand") -
 
 
 def test_sensor_counts_as_triggered_after_as_many_packets_as_its_model_says(make_stand: "MakeStand") -> None:
-    stand = make_stand(Infrared, "peoplebot-sh")  # two packets each
+    stand = make_stand(InfraredElement, "peoplebot-sh")  # two packets each
     stand.connect()
     assert stand.has_it()
     stand.take(levels(NOTHING))
@@ -47,14 +47,14 @@ def test_sensor_counts_as_triggered_after_as_many_packets_as_its_model_says(make
 
 
 def test_io_packet_without_the_fourth_byte_says_nothing_of_them(make_stand: "MakeStand") -> None:
-    stand = make_stand(Infrared, "peoplebot-sh")
+    stand = make_stand(InfraredElement, "peoplebot-sh")
     stand.connect()
-    stand.take(InputsOutputs(b"\0\0", b"", ()))
+    stand.take(IoReport(b"\0\0", b"", ()))
     assert stand.announced == []
 
 
 def test_first_peoplebot_has_its_sensors_on_the_user_inputs(make_stand: "MakeStand") -> None:
-    stand = make_stand(Infrared, "p2pp")
+    stand = make_stand(InfraredElement, "p2pp")
     stand.connect()
     stand.see(StandardSip(digital_in=NOTHING & ~0b0100))
     assert seen(stand) == {0: False, 1: False, 2: True, 3: False}
@@ -65,7 +65,7 @@ def test_first_peoplebot_has_its_sensors_on_the_user_inputs(make_stand: "MakeSta
 
 @pytest.mark.parametrize("model", ["peoplebot-sh", "perfpb", "perfpb+", "p2pp"])
 def test_every_peoplebot_with_table_sensing_has_four(make_stand: "MakeStand", model: str) -> None:
-    stand = make_stand(Infrared, model)
+    stand = make_stand(InfraredElement, model)
     stand.connect()
     stand.see(StandardSip(digital_in=NOTHING))
     stand.take(levels(NOTHING))

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.elements.panel import Charger, Display, PowerOutputs, Servos
-from gateway.elements.sound import Sound, _pair
+from gateway.elements.panel import ChargerElement, Display, PowerOutputs, Servos
+from gateway.elements.sound import SoundElement, _pair
 from gateway.errors import CommandRefused
 from gateway.settings import Fitted, Settings
 from p2os import Command, Configuration, PlaylistEntry
@@ -20,22 +20,22 @@ def heard(stand: "Stand") -> list[tuple[object, object]]:
     return [(command.command, command.value) for command in stand.sent()]
 
 
-def sound_of(stand: "Stand") -> Sound:
+def sound_of(stand: "Stand") -> SoundElement:
     stand.connect()
     stand.sent()
-    assert isinstance(stand.element, Sound)
+    assert isinstance(stand.element, SoundElement)
     return stand.element
 
 
 def test_notes_become_pairs_of_duration_and_tone(make_stand: "MakeStand") -> None:
-    stand = make_stand(Sound)
+    stand = make_stand(SoundElement)
     sound_of(stand).play([[60, 0.2], [0, 0.02], [127, 5.1]])
     assert heard(stand) == [(Command.SAY, bytes([10, 60, 1, 0, 255, 127]))]
 
 
 @pytest.mark.parametrize("notes", [[], [[60, 0.2]] * 21, [[128, 0.2]], [[60, 0.0]], [[60, 5.2]], [60], [["c", 1]]])
 def test_notes_outside_the_limits_are_refused_with_the_limits(make_stand: "MakeStand", notes: list[object]) -> None:
-    sound = sound_of(make_stand(Sound))
+    sound = sound_of(make_stand(SoundElement))
     with pytest.raises(CommandRefused, match=r"1 to 20|0 to 127, duration 0.02 to 5.1 s"):
         sound.play(notes)
 
@@ -49,15 +49,15 @@ def test_duration_of_any_note_is_right_within_half_a_count(tone: int, duration: 
 
 def test_only_an_amigobot_plays_numbered_sounds_and_lists_them(make_stand: "MakeStand") -> None:
     with pytest.raises(CommandRefused, match="ARCOS has no numbered sounds; send notes"):
-        sound_of(make_stand(Sound)).play_number(3)
-    stand = make_stand(Sound, "amigo")
+        sound_of(make_stand(SoundElement)).play_number(3)
+    stand = make_stand(SoundElement, "amigo")
     stand.connect()
     assert heard(stand) == [(Command.PLAYLIST, 0)]
     stand.take(PlaylistEntry(2, True, "", 0, 0))
     stand.take(PlaylistEntry(1, True, "hello", 0, 100))
     stand.take(PlaylistEntry(2, True, "bye", 100, 100))
     sound = stand.element
-    assert isinstance(sound, Sound)
+    assert isinstance(sound, SoundElement)
     assert sound.sounds == {1: "hello", 2: "bye"}
     sound.play_number(2)
     assert heard(stand) == [(Command.SOUND, 2)]
@@ -66,21 +66,21 @@ def test_only_an_amigobot_plays_numbered_sounds_and_lists_them(make_stand: "Make
 
 
 def test_sound_is_muted_where_the_firmware_can(make_stand: "MakeStand") -> None:
-    stand = make_stand(Sound)
+    stand = make_stand(SoundElement)
     sound_of(stand).switch(False)
     assert heard(stand) == [(Command.SOUNDTOG, 0)]
     with pytest.raises(CommandRefused, match="cannot mute"):
-        sound_of(make_stand(Sound, "p2dx")).switch(False)
+        sound_of(make_stand(SoundElement, "p2dx")).switch(False)
 
 
 def test_charging_contacts_are_there_when_the_configuration_says_so(make_stand: "MakeStand") -> None:
-    stand = make_stand(Charger)
+    stand = make_stand(ChargerElement)
     stand.connect()
     assert not stand.has_it()
     stand.connect(Configuration(charger=2))
     assert stand.has_it()
     charger = stand.element
-    assert isinstance(charger, Charger)
+    assert isinstance(charger, ChargerElement)
     assert charger.kind == "PowerBot"
     charger.deploy(True)
     assert heard(stand) == [(Command.CHARGE, 1)]

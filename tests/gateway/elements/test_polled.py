@@ -8,7 +8,7 @@ from gateway.elements.encoders import WheelEncoders
 from gateway.elements.polled import TIMES
 from gateway.elements.ports import UserPorts
 from gateway.settings import Settings
-from p2os import Command, Encoders, InputsOutputs
+from p2os import Command, Encoders, IoReport
 
 if TYPE_CHECKING:
     from tests.gateway.elements.conftest import MakeStand, Stand
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 KINDS = pytest.mark.parametrize(
     ("kind", "command", "packet"),
     [
-        (UserPorts, Command.IOREQUEST, InputsOutputs(b"\0", b"\0", ())),
+        (UserPorts, Command.IOREQUEST, IoReport(b"\0", b"\0", ())),
         (WheelEncoders, Command.ENCODER, Encoders(0, 0)),
     ],
 )
@@ -60,6 +60,6 @@ def test_packets_that_cease_are_asked_for_again(
 def test_packets_that_nobody_wants_are_not_asked_for_because_one_has_come(make_stand: "MakeStand") -> None:
     stand = make_stand(UserPorts, settings=Settings(inputs_outputs=False))
     stand.connect()
-    stand.take(InputsOutputs(b"\0", b"\0", ()))
+    stand.take(IoReport(b"\0", b"\0", ()))
     stand.run(10.0)
     assert asked(stand) == []

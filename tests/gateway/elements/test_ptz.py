@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from configs import load
-from gateway.elements.ptz import PROBES, Ptz
+from gateway.elements.ptz import PROBES, PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import HeadSeen
 from gateway.settings import Fitted, PtzChoice, Settings
@@ -41,8 +41,8 @@ class Bench:
     _wait: int = 0
 
     @property
-    def ptz(self) -> Ptz:
-        assert isinstance(self.stand.element, Ptz)
+    def ptz(self) -> PtzElement:
+        assert isinstance(self.stand.element, PtzElement)
         return self.stand.element
 
     def run(self, seconds: float) -> None:
@@ -88,7 +88,7 @@ MakeHead = Callable[[], Vcc4 | EviD30]
 
 
 def bench_with(make_stand: "MakeStand", device: Device | None, choice: PtzChoice = PtzChoice.AUTO) -> Bench:
-    bench = Bench(make_stand(Ptz, settings=Settings(fitted=Fitted(ptz=choice))), device)
+    bench = Bench(make_stand(PtzElement, settings=Settings(fitted=Fitted(ptz=choice))), device)
     bench.stand.connect()
     return bench
 
@@ -118,10 +118,10 @@ def test_head_is_found_started_turned_and_followed(make_stand: "MakeStand", make
     assert bench.seen[-1].pan == last.pan
 
 
-@pytest.mark.parametrize("stop", [Ptz.stop, Ptz.halt])
+@pytest.mark.parametrize("stop", [PtzElement.stop, PtzElement.halt])
 @pytest.mark.parametrize("make", [canon, sony])
 def test_stop_ends_the_motion_where_it_is(
-    make_stand: "MakeStand", make: MakeHead, stop: Callable[[Ptz, float], None]
+    make_stand: "MakeStand", make: MakeHead, stop: Callable[[PtzElement, float], None]
 ) -> None:
     device = make()
     bench = bench_with(make_stand, device)

@@ -5,7 +5,7 @@ import pytest
 from gateway.elements.simulated_laser import MODES, SILENCE, SimulatedLaserScanner
 from gateway.events import SweepReceived
 from gateway.settings import Fitted, Settings
-from p2os import Command, ExtendedLaser, LaserReading, SimulatedLaser
+from p2os import Command, ExtendedLaser, SimulatedLaser, SimulatedLaserReading
 
 if TYPE_CHECKING:
     from tests.gateway.elements.conftest import MakeStand, Stand
@@ -59,7 +59,7 @@ def test_both_kinds_of_packets_are_asked_for_before_the_simulator_is_left_alone(
 
 
 def test_laser_that_falls_silent_is_asked_for_again(stand: "Stand") -> None:
-    stand.take(ExtendedLaser(2, 0, (LaserReading(1.0, 0), LaserReading(2.0, 33))))
+    stand.take(ExtendedLaser(2, 0, (SimulatedLaserReading(1.0, 0), SimulatedLaserReading(2.0, 33))))
     stand.sent()
     stand.run(SILENCE + 0.1)
     assert Command.SIM_LRF_ENABLE in [each.command for each in stand.sent()]

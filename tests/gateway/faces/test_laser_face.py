@@ -12,10 +12,10 @@ import configs
 from bus import keys, messages
 from gateway.cables.laser import LaserDriver
 from gateway.events import ElementFound, LaserScanned
-from gateway.faces.laser import LaserFace
+from gateway.faces.laser import LaserAdapter
 from gateway.settings import LaserSettings, Settings
 from p2os import LaserMount, RobotModel
-from p2os.accessories.lms import Configuration, Scan, Unit, Variant, pack_values
+from p2os.accessories.lms import LmsConfiguration, Scan, Unit, Variant, pack_values
 
 T = TypeVar("T")
 STAMP = 1_000_000_000_000
@@ -32,21 +32,21 @@ class NoBridge:
         raise AssertionError("a face only looks")
 
 
-def face(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) -> LaserFace:
+def face(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) -> LaserAdapter:
     model = replace(configs.load(RobotModel, "robots", "p3dx-sh"), lasers=(mount,))
-    return LaserFace(
+    return LaserAdapter(
         "happy", model, Settings(laser=settings or LaserSettings()), LaserDriver(LaserSettings()), NoBridge()
     )
 
 
 def scanned(ranges: list[float], first: int = 0, flags: list[int] | None = None) -> LaserScanned:
-    configuration = Configuration()
+    configuration = LmsConfiguration()
     given = np.array(flags or [0] * len(ranges), np.uint16)
     words = np.frombuffer(pack_values(np.array(ranges), given, configuration), "<u2")
     return LaserScanned(Scan(first, words, Unit.MILLIMETRE), Variant(180, 100), configuration, 0.11, 0.1)
 
 
-def published(laser: LaserFace, event: LaserScanned) -> Any:
+def published(laser: LaserAdapter, event: LaserScanned) -> Any:
     ((topic, message),) = laser.messages(event, STAMP)
     assert topic is keys.SCAN
     return messages.decode(keys.SCAN.type_name, messages.encode(message))

@@ -11,8 +11,8 @@ from p2os import DecodeError
 from p2os.accessories.lms import (
     REFLECTOR_MODE,
     VARIANTS,
-    Answer,
-    Configuration,
+    LmsAnswerCode,
+    LmsConfiguration,
     Unit,
     Variant,
     pack_values,
@@ -26,13 +26,13 @@ from p2os.accessories.lms import (
     status_data,
     variant_data,
 )
-from p2os.accessories.lms_framing import Telegram
+from p2os.accessories.lms_framing import LmsTelegram
 
 # source: accessory sheet, section 1, ARIA connect sequence, step 5: what follows the code, for 1 mm and 1 reflector bit
 ARIA_CONFIGURATION = bytes.fromhex("00 00 46 00 00 05 01 00 00 02 02") + bytes(21)
 
 configurations = st.builds(
-    lambda bits, unit: Configuration(measuring_mode=REFLECTOR_MODE[bits], unit=unit),
+    lambda bits, unit: LmsConfiguration(measuring_mode=REFLECTOR_MODE[bits], unit=unit),
     st.sampled_from([1, 2, 3]),
     st.sampled_from(Unit),
 )
@@ -53,12 +53,12 @@ def test_a_scan_of_one_degree_has_the_length_of_the_sheet() -> None:
 
 @given(configurations, st.lists(st.floats(0.0, 8.0), min_size=1, max_size=401), st.booleans())
 def test_distances_come_back_within_half_a_unit(
-    configuration: Configuration, ranges: list[float], is_reflector: bool
+    configuration: LmsConfiguration, ranges: list[float], is_reflector: bool
 ) -> None:
     given_ranges = np.array(ranges)
     flags = np.full(len(ranges), is_reflector, np.uint16)
     data = scan_data(pack_values(given_ranges, flags, configuration), configuration.unit)
-    scan = read_scan(Telegram(Answer.SCAN, data, 0x10))
+    scan = read_scan(LmsTelegram(LmsAnswerCode.SCAN, data, 0x10))
     assert scan.unit is configuration.unit
     assert scan.ranges(configuration.flag_bits) == pytest.approx(given_ranges, abs=configuration.unit.metres * 0.501)
     assert list(scan.flags(configuration.flag_bits)) == list(flags)
@@ -66,55 +66,57 @@ def test_distances_come_back_within_half_a_unit(
 
 @pytest.mark.parametrize("bits", [1, 2, 3])
 def test_nothing_there_is_infinite_and_no_measurement_is_not_a_number(bits: int) -> None:
-    configuration = Configuration(measuring_mode=REFLECTOR_MODE[bits])
+    configuration = LmsConfiguration(measuring_mode=REFLECTOR_MODE[bits])
     flags = np.zeros(3, np.uint16)
     values = pack_values(np.array([inf, nan, configuration.max_range]), flags, configuration)
-    nothing, weak, farthest = read_scan(Telegram(Answer.SCAN, scan_data(values, Unit.MILLIMETRE))).ranges(bits)
+    nothing, weak, farthest = read_scan(LmsTelegram(LmsAnswerCode.SCAN, scan_data(values, Unit.MILLIMETRE))).ranges(
+        bits
+    )
     assert isinf(nothing)
     assert isnan(weak)
     assert farthest == pytest.approx(configuration.max_range)
 
 
 def test_three_reflector_bits_leave_eight_metres_in_millimetres() -> None:
-    assert Configuration(measuring_mode=1).max_range == pytest.approx(8.18, abs=0.01)
+    assert LmsConfiguration(measuring_mode=1).max_range == pytest.approx(8.18, abs=0.01)
 
 
 def test_a_partial_scan_says_where_it_begins() -> None:
-    values = pack_values(np.array([1.0, 2.0]), np.zeros(2, np.uint16), Configuration())
-    scan = read_scan(Telegram(Answer.PARTIAL_SCAN, partial_data(90, values, Unit.MILLIMETRE)))
+    values = pack_values(np.array([1.0, 2.0]), np.zeros(2, np.uint16), LmsConfiguration())
+    scan = read_scan(LmsTelegram(LmsAnswerCode.PARTIAL_SCAN, partial_data(90, values, Unit.MILLIMETRE)))
     assert scan.first == 90
     assert list(scan.ranges(1)) == [1.0, 2.0]
     assert read_segment(segment_data(range(90, 92))) == range(90, 92)
 
 
 @pytest.mark.parametrize("data", [b"", b"\1", b"\2\0\0\0", b"\1\0\0\0\0", bytes((1, 0xC0, 0, 0))])
-@pytest.mark.parametrize("code", [Answer.SCAN, Answer.PARTIAL_SCAN, Answer.MODE])
+@pytest.mark.parametrize("code", [LmsAnswerCode.SCAN, LmsAnswerCode.PARTIAL_SCAN, LmsAnswerCode.MODE])
 def test_a_scan_whose_size_is_not_what_it_says_is_refused(code: int, data: bytes) -> None:
     with pytest.raises(DecodeError):
-        read_scan(Telegram(code, data))
+        read_scan(LmsTelegram(code, data))
 
 
 def test_configuration_is_that_of_the_sheet() -> None:
-    assert Configuration().pack() == ARIA_CONFIGURATION
-    assert Configuration.unpack(ARIA_CONFIGURATION) == Configuration()
+    assert LmsConfiguration().pack() == ARIA_CONFIGURATION
+    assert LmsConfiguration.unpack(ARIA_CONFIGURATION) == LmsConfiguration()
 
 
 def test_a_short_configuration_leaves_the_rest_as_it_was() -> None:
-    before = Configuration(rest=bytes(range(25)))
-    changed = Configuration.unpack(ARIA_CONFIGURATION[:7], before)
+    before = LmsConfiguration(rest=bytes(range(25)))
+    changed = LmsConfiguration.unpack(ARIA_CONFIGURATION[:7], before)
     assert changed == before
 
 
 @pytest.mark.parametrize("data", [b"", bytes(6), bytes(33), bytes((0, 0, 0, 0, 0, 9, 0)), bytes((0, 0, 0, 0, 0, 5, 3))])
 def test_a_configuration_that_makes_no_sense_is_refused(data: bytes) -> None:
     with pytest.raises(DecodeError):
-        Configuration.unpack(data)
+        LmsConfiguration.unpack(data)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_status_holds_angle_and_resolution_where_clients_look(variant: Variant) -> None:
     data = status_data(b"V02.10", variant)
-    whole = bytes((Answer.STATUS,)) + data  # clients count from the code on
+    whole = bytes((LmsAnswerCode.STATUS,)) + data  # clients count from the code on
     assert len(whole) + 1 == 152
     assert int.from_bytes(whole[107:109], "little") == variant.angle_deg
     assert int.from_bytes(whole[109:111], "little") == variant.resolution_cdeg

@@ -10,8 +10,8 @@ from p2os.accessories.lms_framing import (
     LONGEST_TELEGRAM,
     PARTIAL_TIMEOUT,
     Acknowledged,
-    Telegram,
-    TelegramDecoder,
+    LmsTelegram,
+    LmsTelegramDecoder,
     crc,
     encode,
     encode_answer,
@@ -39,7 +39,7 @@ FROM_LASER = [  # likewise; the status byte is 10
     ("02 80 07 00 BB 01 B4 00 64 00 10 5B 30", 0xBB, "01 B4 00 64 00"),
 ]
 
-Event = Telegram | Acknowledged | Damaged
+Event = LmsTelegram | Acknowledged | Damaged
 telegrams = st.builds(
     encode_answer, st.integers(0, 255), st.binary(max_size=LONGEST_FROM_LASER - 2), st.integers(0, 255)
 )
@@ -47,27 +47,27 @@ telegrams = st.builds(
 
 def heard(*pieces: bytes, from_laser: bool = True, silence: bool = True) -> list[Event]:
     """Everything that a decoder makes of bytes, and of the silence after them."""
-    decoder = TelegramDecoder(from_laser=from_laser)
+    decoder = LmsTelegramDecoder(from_laser=from_laser)
     events = [event for piece in pieces for event in decoder.receive(piece, 1.0)]
     return events + (decoder.receive(b"", 1.0 + PARTIAL_TIMEOUT) if silence else [])
 
 
-def sound(events: list[Event]) -> list[Telegram]:
-    return [event for event in events if isinstance(event, Telegram)]
+def sound(events: list[Event]) -> list[LmsTelegram]:
+    return [event for event in events if isinstance(event, LmsTelegram)]
 
 
 @pytest.mark.parametrize(("frame", "code", "data"), TO_LASER)
 def test_golden_commands_are_written_and_read(frame: str, code: int, data: str) -> None:
     wire, inside = bytes.fromhex(frame), bytes.fromhex(data)
     assert encode(code, inside) == wire
-    assert heard(wire, from_laser=False) == [Telegram(code, inside, 0, 1.0)]
+    assert heard(wire, from_laser=False) == [LmsTelegram(code, inside, 0, 1.0)]
 
 
 @pytest.mark.parametrize(("frame", "code", "data"), FROM_LASER)
 def test_golden_answers_are_written_and_read(frame: str, code: int, data: str) -> None:
     wire, inside = bytes.fromhex(frame), bytes.fromhex(data)
     assert encode_answer(code, inside, 0x10) == wire
-    assert heard(wire) == [Telegram(code, inside, 0x10, 1.0)]
+    assert heard(wire) == [LmsTelegram(code, inside, 0x10, 1.0)]
 
 
 @given(st.binary(min_size=1, max_size=LONGEST_TELEGRAM))
@@ -113,21 +113,21 @@ def test_acknowledgements_between_telegrams_are_told_apart_from_noise() -> None:
     events = heard(b"\x06" + answer + b"\x15zz")
     assert events == [
         Acknowledged(ok=True),
-        Telegram(0xA0, b"\0", 0x10, 1.0),
+        LmsTelegram(0xA0, b"\0", 0x10, 1.0),
         Acknowledged(ok=False),
         Damaged(b"zz", Damage.NOISE),
     ]
 
 
 def test_a_telegram_that_stops_half_way_does_not_swallow_the_next() -> None:
-    decoder = TelegramDecoder(from_laser=True)
+    decoder = LmsTelegramDecoder(from_laser=True)
     answer = encode_answer(0xA0, b"\0", 0x10)
     assert decoder.receive(answer[:5], 1.0) == []
-    assert decoder.receive(answer, 1.0 + PARTIAL_TIMEOUT)[-1] == Telegram(0xA0, b"\0", 0x10, 1.0 + PARTIAL_TIMEOUT)
+    assert decoder.receive(answer, 1.0 + PARTIAL_TIMEOUT)[-1] == LmsTelegram(0xA0, b"\0", 0x10, 1.0 + PARTIAL_TIMEOUT)
 
 
 def test_a_telegram_knows_when_its_first_byte_came() -> None:
-    decoder = TelegramDecoder(from_laser=True)
+    decoder = LmsTelegramDecoder(from_laser=True)
     first, second = encode_answer(0xB0, b"\0\0", 0x10), encode_answer(0xA0, b"\0", 0x10)
     assert [t.began for t in sound(decoder.receive(first + second[:3], 1.0))] == [1.0]
     assert decoder.receive(second[3:6], 1.02) == []
@@ -136,7 +136,7 @@ def test_a_telegram_knows_when_its_first_byte_came() -> None:
 
 @given(st.lists(st.binary(max_size=200), max_size=30))
 def test_noise_does_not_pile_up(pieces: list[bytes]) -> None:
-    decoder = TelegramDecoder(from_laser=True)
+    decoder = LmsTelegramDecoder(from_laser=True)
     for piece in pieces:
         decoder.receive(piece, 1.0)
     assert len(decoder._buffer) <= LONGEST_TELEGRAM

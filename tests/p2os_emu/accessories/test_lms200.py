@@ -8,19 +8,19 @@ import pytest
 import configs
 from p2os import LaserMount
 from p2os.accessories.lms import (
-    Answer,
-    Configuration,
-    Mode,
-    Request,
+    LmsAnswerCode,
+    LmsConfiguration,
+    LmsMode,
+    LmsRequestCode,
     Scan,
     Variant,
     read_scan,
     segment_data,
     variant_data,
 )
-from p2os.accessories.lms_framing import Acknowledged, Telegram, TelegramDecoder, encode
+from p2os.accessories.lms_framing import Acknowledged, LmsTelegram, LmsTelegramDecoder, encode
 from p2os_emu.accessories.lms200 import Lms200, ScannerModel
-from p2os_emu.body import Beams, Echoes
+from p2os_emu.body import Echoes, ScanBeams
 from p2os_emu.microcontroller.testing import STEP, PlainBody
 
 FORWARD = LaserMount("lms2xx", 0.1, 0.0)
@@ -37,9 +37,9 @@ class Room(PlainBody):
         super().__init__()
         self.radius = 3.0
         self.cosine = 1.0
-        self.asked: list[Beams] = []
+        self.asked: list[ScanBeams] = []
 
-    def scan(self, beams: Beams) -> Echoes:
+    def scan(self, beams: ScanBeams) -> Echoes:
         self.asked.append(beams)
         bearings = beams.first + beams.step * np.arange(beams.count)
         # A little farther with the bearing, so that the order shows.
@@ -59,26 +59,30 @@ class Stranger:
         )
         self.now = 0.0
         self.heard = bytearray()
-        self._decoder = TelegramDecoder(from_laser=True)
+        self._decoder = LmsTelegramDecoder(from_laser=True)
 
-    def run(self, seconds: float) -> list[Telegram]:
+    def run(self, seconds: float) -> list[LmsTelegram]:
         telegrams = []
         for _ in range(round(seconds / STEP)):
             self.now += STEP
             data = self.laser.step(STEP)
             self.heard += data
-            telegrams += [event for event in self._decoder.receive(data, self.now) if isinstance(event, Telegram)]
+            telegrams += [event for event in self._decoder.receive(data, self.now) if isinstance(event, LmsTelegram)]
         return telegrams
 
-    def ask(self, frame: str, wait: float = 0.2) -> list[Telegram]:
+    def ask(self, frame: str, wait: float = 0.2) -> list[LmsTelegram]:
         self.laser.receive(bytes.fromhex(frame))
         return self.run(wait)
 
-    def tell(self, code: int, data: bytes = b"", wait: float = 0.2) -> list[Telegram]:
+    def tell(self, code: int, data: bytes = b"", wait: float = 0.2) -> list[LmsTelegram]:
         return self.ask(encode(code, data).hex(), wait)
 
     def scans(self, seconds: float) -> list[Scan]:
-        return [read_scan(each) for each in self.run(seconds) if each.code in (Answer.SCAN, Answer.PARTIAL_SCAN)]
+        return [
+            read_scan(each)
+            for each in self.run(seconds)
+            if each.code in (LmsAnswerCode.SCAN, LmsAnswerCode.PARTIAL_SCAN)
+        ]
 
 
 @pytest.fixture
@@ -88,7 +92,7 @@ def stranger() -> Stranger:
     return host
 
 
-def codes(telegrams: list[Telegram]) -> list[int]:
+def codes(telegrams: list[LmsTelegram]) -> list[int]:
     return [telegram.code for telegram in telegrams]
 
 
@@ -157,7 +161,7 @@ def test_players_connect_sequence_ends_in_scans(stranger: Stranger) -> None:
     edited = bytearray(bytes((0x77,)) + configuration.data[:7])
     edited[6:8] = bytes((1, 1))  # three reflector bits, millimetres
     assert codes(stranger.tell(edited[0], bytes(edited[1:]))) == [0xF7]
-    assert stranger.laser.configuration == Configuration(measuring_mode=1)
+    assert stranger.laser.configuration == LmsConfiguration(measuring_mode=1)
     started = stranger.ask(START)
     assert codes(started)[:2] == [0xA0, 0xB0]
     scan = read_scan(started[1])
@@ -168,7 +172,7 @@ def test_players_connect_sequence_ends_in_scans(stranger: Stranger) -> None:
 
 
 def test_player_may_ask_for_a_part_of_the_beams(stranger: Stranger) -> None:
-    stranger.tell(Request.MODE, bytes((Mode.CONTINUOUS_PARTIAL,)) + segment_data(range(45, 136)), wait=0.02)
+    stranger.tell(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS_PARTIAL,)) + segment_data(range(45, 136)), wait=0.02)
     scan = stranger.scans(1.0)[0]
     assert (scan.first, len(scan.words)) == (45, 91)
     assert stranger.room.asked[-1].first == pytest.approx(-pi / 4)
@@ -189,8 +193,8 @@ def test_scans_come_as_fast_as_mirror_and_line_allow(
     stranger: Stranger, baud: int, variant: Variant, rate: float
 ) -> None:
     mode = {9600: 0x42, 38400: 0x40, 500000: 0x48}[baud]
-    stranger.tell(Request.MODE, bytes((mode,)))
-    stranger.tell(Request.VARIANT, variant_data(variant))
+    stranger.tell(LmsRequestCode.MODE, bytes((mode,)))
+    stranger.tell(LmsRequestCode.VARIANT, variant_data(variant))
     stranger.ask(START)
     assert len(stranger.scans(10.0)) / 10.0 == pytest.approx(rate, rel=0.03, abs=0.11)
 
@@ -213,32 +217,32 @@ def test_an_answer_waits_for_the_end_of_the_scan_on_the_line(stranger: Stranger)
 
 
 def test_a_wrong_password_opens_nothing(stranger: Stranger) -> None:
-    (answer,) = stranger.tell(Request.MODE, b"\0SICK_PLS")
+    (answer,) = stranger.tell(LmsRequestCode.MODE, b"\0SICK_PLS")
     assert answer.data == b"\1"
-    assert codes(stranger.tell(Request.SET_CONFIGURATION, Configuration().pack())) == [0x92]
+    assert codes(stranger.tell(LmsRequestCode.SET_CONFIGURATION, LmsConfiguration().pack())) == [0x92]
 
 
 def test_scanning_again_ends_the_installation_mode(stranger: Stranger) -> None:
-    stranger.tell(Request.MODE, b"\0SICK_LMS")
+    stranger.tell(LmsRequestCode.MODE, b"\0SICK_LMS")
     stranger.ask(STOP)
-    assert codes(stranger.tell(Request.SET_CONFIGURATION, Configuration().pack())) == [0x92]
+    assert codes(stranger.tell(LmsRequestCode.SET_CONFIGURATION, LmsConfiguration().pack())) == [0x92]
 
 
 @pytest.mark.parametrize("variant", [Variant(180, 25), Variant(90, 100), Variant(100, 10)])
 def test_beams_that_it_does_not_have_are_refused(stranger: Stranger, variant: Variant) -> None:
-    (answer,) = stranger.tell(Request.VARIANT, variant_data(variant))
+    (answer,) = stranger.tell(LmsRequestCode.VARIANT, variant_data(variant))
     assert answer.data == b"\0" + variant_data(Variant(180, 100))
 
 
 def test_a_zero_resolution_keeps_the_one_that_there_is(stranger: Stranger) -> None:
-    stranger.tell(Request.VARIANT, variant_data(Variant(180, 50)))
-    (answer,) = stranger.tell(Request.VARIANT, variant_data(Variant(180, 0)))
+    stranger.tell(LmsRequestCode.VARIANT, variant_data(Variant(180, 50)))
+    (answer,) = stranger.tell(LmsRequestCode.VARIANT, variant_data(Variant(180, 0)))
     assert answer.data == b"\1" + variant_data(Variant(180, 50))
 
 
 def test_what_it_does_not_know_it_does_not_understand(stranger: Stranger) -> None:
     assert codes(stranger.tell(0x55)) == [0x92]
-    assert stranger.tell(Request.MODE, b"\x99")[0].data == b"\2"
+    assert stranger.tell(LmsRequestCode.MODE, b"\x99")[0].data == b"\2"
 
 
 def test_a_damaged_command_is_answered_with_nak(stranger: Stranger) -> None:
@@ -250,7 +254,7 @@ def test_a_damaged_command_is_answered_with_nak(stranger: Stranger) -> None:
 def test_every_answer_is_acknowledged_first(stranger: Stranger) -> None:
     events = []
     stranger.laser.receive(bytes.fromhex(STOP))
-    decoder = TelegramDecoder(from_laser=True)
+    decoder = LmsTelegramDecoder(from_laser=True)
     for _ in range(10):
         events += decoder.receive(stranger.laser.step(STEP), 0.0)
     assert events[0] == Acknowledged(ok=True)
@@ -258,7 +262,7 @@ def test_every_answer_is_acknowledged_first(stranger: Stranger) -> None:
 
 def test_reset_brings_back_the_state_after_the_power_switch(stranger: Stranger) -> None:
     stranger.ask("02 00 02 00 20 40 50 08")
-    stranger.tell(Request.VARIANT, variant_data(Variant(100, 25)))
+    stranger.tell(LmsRequestCode.VARIANT, variant_data(Variant(100, 25)))
     stranger.ask(START)
     assert codes(stranger.ask("02 00 01 00 10 34 12"))[-1] == 0x90
     assert (stranger.laser.baud, stranger.laser.variant) == (9600, Variant(180, 100))
@@ -318,8 +322,8 @@ def test_a_window_that_lets_nothing_through_measures_nothing(stranger: Stranger)
 
 def test_centimetres_reach_farther_and_are_coarser(stranger: Stranger) -> None:
     stranger.room.radius = 50.001
-    stranger.tell(Request.MODE, b"\0SICK_LMS")
-    stranger.tell(Request.SET_CONFIGURATION, bytes.fromhex("00 00 46 00 00 05 00"))
+    stranger.tell(LmsRequestCode.MODE, b"\0SICK_LMS")
+    stranger.tell(LmsRequestCode.SET_CONFIGURATION, bytes.fromhex("00 00 46 00 00 05 00"))
     stranger.ask(START, 0.02)
     scan = stranger.scans(1.0)[0]
     assert scan.unit.metres == 0.01

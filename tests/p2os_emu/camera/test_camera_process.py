@@ -22,9 +22,9 @@ from p2os.accessories import vcc4
 from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.camera_process import CameraProcess
 from p2os_emu.camera.image_format import read_format
-from p2os_emu.camera.news import Moment
+from p2os_emu.camera.news import SceneMoment
 from p2os_emu.program import emulator
-from p2os_emu.world.sight import News
+from p2os_emu.world.sight import SceneChanges
 from p2os_emu.world.view import View
 from tests.waiting import end_of, patience
 
@@ -131,7 +131,7 @@ def test_camera_is_told_what_is_new_only_while_somebody_looks(until: Callable[..
             return camera.wants_news
 
         assert wants_news(), "it knows nothing yet"
-        until(lambda: camera.tell(Moment(News(), view)))
+        until(lambda: camera.tell(SceneMoment(SceneChanges(), view)))
         assert camera.listen()
         assert not wants_news()
 
@@ -145,7 +145,7 @@ def test_camera_is_told_what_is_new_only_while_somebody_looks(until: Callable[..
             with connection.getresponse():
                 until(is_watched)
                 assert (camera.is_newly_watched, wants_news()) == (True, True)
-                assert camera.tell(Moment(News(), view))
+                assert camera.tell(SceneMoment(SceneChanges(), view))
                 assert (camera.is_newly_watched, wants_news()) == (False, True)
         until(lambda: not is_watched())
 

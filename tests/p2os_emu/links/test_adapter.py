@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 import configs
 from p2os_emu.links.adapter import Adapter, Blocks
-from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.stage import Rates
 
@@ -46,7 +46,7 @@ def test_no_byte_is_lost_and_none_waits_longer_than_the_timer(sizes: list[int]) 
 
 def test_profile_brings_bunches_from_the_robot_and_none_towards_it() -> None:
     link = MemoryLink(client_rate=115200)
-    line = Line(link, configs.load(LinkProfile, "links", "usb-serial"))
+    line = EmulatedLine(link, configs.load(LinkProfile, "links", "usb-serial"))
     link.client_write(b"x" * 20)
     line.receive(0.0, 115200)
     assert line.receive(STEP, 115200) == b"x" * 20

@@ -21,13 +21,13 @@ from p2os_emu.links.impairments import (
     Noise,
     Silence,
 )
-from p2os_emu.links.stage import Rates, Stage
+from p2os_emu.links.stage import LinkStage, Rates
 
 RATES = Rates(9600, 9600)
 SIP = bytes.fromhex("FA FB 05 32 00 00 32 00")
 BYTES = bytes(range(256)) * 400
 
-CHANCY: dict[str, Callable[[int], Stage]] = {
+CHANCY: dict[str, Callable[[int], LinkStage]] = {
     "loss": lambda seed: Loss(Impairments(loss=0.001, burst_start=5e-3, burst_end=0.05, burst_loss=0.8), Random(seed)),
     "bit errors": lambda seed: BitErrors(0.002, Random(seed)),
     "byte damage": lambda seed: ByteDamage(0.01, Random(seed)),
@@ -37,7 +37,7 @@ CHANCY: dict[str, Callable[[int], Stage]] = {
 }
 
 
-def through(stage: Stage, data: bytes) -> bytes:
+def through(stage: LinkStage, data: bytes) -> bytes:
     """What leaves a stage at once."""
     return stage.carry(data, 0.0, RATES)
 

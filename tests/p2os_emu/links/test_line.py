@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import configs
-from p2os_emu.links.line import Line, LinkProfile, split_frames
+from p2os_emu.links.line import EmulatedLine, LinkProfile, split_frames
 from p2os_emu.links.memory import MemoryLink
 
 STEP = 1 / 120
@@ -22,13 +22,13 @@ def frame_of(size: int) -> bytes:
 
 def test_ideal_line_writes_each_frame_by_itself_in_the_same_step() -> None:
     link = MemoryLink()
-    Line(link, IDEAL).send(SYNC0 + VEL + SYNC0, 0.0, 9600)
+    EmulatedLine(link, IDEAL).send(SYNC0 + VEL + SYNC0, 0.0, 9600)
     assert link.client_read_pieces() == [SYNC0, VEL, SYNC0]
 
 
 def test_ideal_line_understands_a_client_of_any_rate() -> None:
     link = MemoryLink(client_rate=115200)
-    line = Line(link, IDEAL)
+    line = EmulatedLine(link, IDEAL)
     link.client_write(VEL)
     assert line.receive(0.0, 9600) == VEL
 
@@ -45,7 +45,7 @@ def test_cutting_loses_no_byte_of_anything(data: bytes) -> None:
 
 def test_paced_sip_takes_its_time_on_the_line() -> None:
     link = MemoryLink()
-    line = Line(link, PACED)
+    line = EmulatedLine(link, PACED)
     sip = frame_of(94)
     line.send(sip, 0.0, 9600)
     arrival = {}
@@ -63,7 +63,7 @@ def test_paced_sip_takes_its_time_on_the_line() -> None:
 
 def test_paced_line_carries_both_directions_at_once() -> None:
     link = MemoryLink()
-    line = Line(link, PACED)
+    line = EmulatedLine(link, PACED)
     link.client_write(VEL)
     assert line.receive(0.0, 9600) == b""
     line.send(SYNC0, 0.0, 9600)
@@ -75,7 +75,7 @@ def test_paced_line_carries_both_directions_at_once() -> None:
 @given(st.lists(st.integers(5, 120), max_size=30), st.sampled_from([9600, 19200, 38400, 57600, 115200]))
 def test_paced_line_never_exceeds_its_rate_and_keeps_the_order(sizes: list[int], baud: int) -> None:
     link = MemoryLink()
-    line = Line(link, PACED)
+    line = EmulatedLine(link, PACED)
     sent = b""
     received = b""
     for step in range(600):
@@ -89,7 +89,7 @@ def test_paced_line_never_exceeds_its_rate_and_keeps_the_order(sizes: list[int],
 
 def test_line_rested_does_not_hurry_afterwards() -> None:
     link = MemoryLink()
-    line = Line(link, PACED)
+    line = EmulatedLine(link, PACED)
     line.send(b"", 0.0, 9600)
     line.send(frame_of(94), 100.0, 9600)
     line.send(b"", 100.0 + STEP, 9600)
@@ -98,7 +98,7 @@ def test_line_rested_does_not_hurry_afterwards() -> None:
 
 def test_full_buffer_drops_whole_frames() -> None:
     link = MemoryLink()
-    line = Line(link, LinkProfile("small", paces=True, buffer_bytes=200))
+    line = EmulatedLine(link, LinkProfile("small", paces=True, buffer_bytes=200))
     line.send(frame_of(94) * 5, 0.0, 9600)
     line.send(b"", 10.0, 9600)
     assert link.client_read() == frame_of(94) * 2
@@ -106,7 +106,7 @@ def test_full_buffer_drops_whole_frames() -> None:
 
 def test_faster_rate_set_by_the_robot_holds_at_once() -> None:
     link = MemoryLink()
-    line = Line(link, PACED)
+    line = EmulatedLine(link, PACED)
     line.send(frame_of(94), 0.0, 115200)
     line.send(b"", STEP, 115200)
     assert len(link.client_read()) == 94
@@ -114,7 +114,7 @@ def test_faster_rate_set_by_the_robot_holds_at_once() -> None:
 
 def test_client_at_another_rate_hears_noise_and_is_heard_as_noise() -> None:
     link = MemoryLink(client_rate=57600)
-    line = Line(link, RS232, seed=1)
+    line = EmulatedLine(link, RS232, seed=1)
     link.client_write(VEL)
     line.receive(0.0, 9600)
     heard = line.receive(1.0, 9600)
@@ -127,7 +127,7 @@ def test_client_at_another_rate_hears_noise_and_is_heard_as_noise() -> None:
 
 def test_client_is_understood_as_soon_as_its_rate_is_right() -> None:
     link = MemoryLink(client_rate=57600)
-    line = Line(link, RS232)
+    line = EmulatedLine(link, RS232)
     link.client_rate = 9600
     link.client_write(VEL)
     line.receive(0.0, 9600)
@@ -136,7 +136,7 @@ def test_client_is_understood_as_soon_as_its_rate_is_right() -> None:
 
 def test_port_without_a_rate_is_never_garbled() -> None:
     link = MemoryLink(client_rate=None)
-    line = Line(link, RS232)
+    line = EmulatedLine(link, RS232)
     link.client_write(VEL)
     line.receive(0.0, 9600)
     assert line.receive(1.0, 9600) == VEL
@@ -145,7 +145,7 @@ def test_port_without_a_rate_is_never_garbled() -> None:
 def test_noise_repeats_with_the_seed() -> None:
     def noise(seed: int) -> bytes:
         link = MemoryLink(client_rate=57600)
-        line = Line(link, RS232, seed)
+        line = EmulatedLine(link, RS232, seed)
         link.client_write(VEL)
         line.receive(0.0, 9600)
         return line.receive(1.0, 9600)
@@ -156,7 +156,7 @@ def test_noise_repeats_with_the_seed() -> None:
 
 def test_cut_line_delivers_nothing_either_way_and_works_again_afterwards() -> None:
     link = MemoryLink()
-    line = Line(link, IDEAL)
+    line = EmulatedLine(link, IDEAL)
     line.is_cut = True
     link.client_write(VEL)
     assert line.receive(0.0, 9600) == b""

@@ -8,7 +8,7 @@ import configs
 from p2os import Command, RobotModel, encode_command
 from p2os_emu.emulator import STEP, EmulatedRobot, Emulator
 from p2os_emu.flat_world import FlatWorld
-from p2os_emu.links.line import LINE_FAULTS, Line, LinkProfile, Toward
+from p2os_emu.links.line import LINE_FAULTS, EmulatedLine, LinkProfile, Toward
 from p2os_emu.links.memory import MemoryLink
 from tests.p2os_emu.links.test_line import IDEAL, RS232, SYNC0, VEL
 
@@ -21,11 +21,11 @@ def link() -> MemoryLink:
 
 
 @pytest.fixture
-def line(link: MemoryLink) -> Line:
-    return Line(link, IDEAL, seed=1)
+def line(link: MemoryLink) -> EmulatedLine:
+    return EmulatedLine(link, IDEAL, seed=1)
 
 
-def hear(line: Line, link: MemoryLink, host: bytes = VEL, robot: bytes = SYNC0) -> tuple[bytes, bytes]:
+def hear(line: EmulatedLine, link: MemoryLink, host: bytes = VEL, robot: bytes = SYNC0) -> tuple[bytes, bytes]:
     """Let both ends send; what reaches the robot and the client."""
     link.client_write(host)
     received = line.receive(0.0, 9600)
@@ -33,7 +33,7 @@ def hear(line: Line, link: MemoryLink, host: bytes = VEL, robot: bytes = SYNC0) 
     return received, link.client_read()
 
 
-def test_frozen_line_delivers_everything_once_it_thaws(line: Line, link: MemoryLink) -> None:
+def test_frozen_line_delivers_everything_once_it_thaws(line: EmulatedLine, link: MemoryLink) -> None:
     line.impair("frozen")
     assert hear(line, link) == (b"", b"")
     assert line.faults == ["frozen"]
@@ -43,7 +43,7 @@ def test_frozen_line_delivers_everything_once_it_thaws(line: Line, link: MemoryL
     assert hear(line, link) == (VEL, SYNC0)
 
 
-def test_noisy_line_turns_bits_both_ways(line: Line, link: MemoryLink) -> None:
+def test_noisy_line_turns_bits_both_ways(line: EmulatedLine, link: MemoryLink) -> None:
     line.impair("noisy", rate=0.05)
     received, heard = hear(line, link, VEL * 50, SYNC0 * 50)
     for sent, got in ((VEL * 50, received), (SYNC0 * 50, heard)):
@@ -51,7 +51,7 @@ def test_noisy_line_turns_bits_both_ways(line: Line, link: MemoryLink) -> None:
         assert turned == pytest.approx(0.05 * 8 * len(sent), rel=0.4)
 
 
-def test_garbled_line_keeps_nothing_but_the_number_of_bytes(line: Line, link: MemoryLink) -> None:
+def test_garbled_line_keeps_nothing_but_the_number_of_bytes(line: EmulatedLine, link: MemoryLink) -> None:
     line.impair("garbled")
     received, heard = hear(line, link)
     assert (len(received), len(heard)) == (len(VEL), len(SYNC0))
@@ -61,7 +61,7 @@ def test_garbled_line_keeps_nothing_but_the_number_of_bytes(line: Line, link: Me
 
 @pytest.mark.parametrize(("toward", "expected"), [("robot", (b"", SYNC0)), ("host", (VEL, b"")), ("both", (b"", b""))])
 def test_line_is_dead_toward_the_end_that_was_named(
-    line: Line, link: MemoryLink, toward: Toward, expected: tuple[bytes, bytes]
+    line: EmulatedLine, link: MemoryLink, toward: Toward, expected: tuple[bytes, bytes]
 ) -> None:
     line.impair("half-duplex", toward=toward)
     assert hear(line, link) == expected
@@ -74,7 +74,7 @@ def test_line_is_dead_toward_the_end_that_was_named(
 @pytest.mark.parametrize("toward", get_args(Toward))
 def test_every_fault_comes_and_goes_on_every_line(profile: str, name: str, toward: Toward) -> None:
     link = MemoryLink(client_rate=9600)
-    line = Line(link, configs.load(LinkProfile, "links", profile), seed=2)
+    line = EmulatedLine(link, configs.load(LinkProfile, "links", profile), seed=2)
     line.impair(name, toward=toward)
     line.impair(name, toward=toward)
     for step in range(100):
@@ -93,14 +93,14 @@ def test_every_fault_comes_and_goes_on_every_line(profile: str, name: str, towar
     assert heard.endswith(SYNC0)
 
 
-def test_unknown_fault_is_refused(line: Line) -> None:
+def test_unknown_fault_is_refused(line: EmulatedLine) -> None:
     with pytest.raises(KeyError):
         line.impair("haunted")
 
 
 def test_fault_repeats_with_the_lines_seed(link: MemoryLink) -> None:
     def noise(seed: int) -> tuple[bytes, bytes]:
-        line = Line(link, IDEAL, seed)
+        line = EmulatedLine(link, IDEAL, seed)
         line.impair("noisy", rate=0.1)
         return hear(line, link)
 
@@ -108,7 +108,7 @@ def test_fault_repeats_with_the_lines_seed(link: MemoryLink) -> None:
     assert noise(1) != noise(2)
 
 
-def test_who_listens_gets_what_the_port_carries(line: Line, link: MemoryLink) -> None:
+def test_who_listens_gets_what_the_port_carries(line: EmulatedLine, link: MemoryLink) -> None:
     noted: list[tuple[float, str, bytes]] = []
     line.tap = lambda now, source, data: noted.append((now, source, data))
     hear(line, link, VEL, SYNC0 + VEL)

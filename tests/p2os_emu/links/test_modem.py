@@ -1,7 +1,7 @@
 """Radio modems: dialling, the one rate they know, and ends that send in turn."""
 
 import configs
-from p2os_emu.links.line import Line, LinkProfile
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.modem import Dialling, Modem, Slot
 from p2os_emu.links.stage import Rates
@@ -16,7 +16,7 @@ SHY = Modem(MODEM.baud, MODEM.dial_string, MODEM.connecting, MODEM.connected, di
 
 
 def reach(
-    line: Line, link: MemoryLink, data: bytes, start: float = 0.0, seconds: float = 1.0, baud: int = 9600
+    line: EmulatedLine, link: MemoryLink, data: bytes, start: float = 0.0, seconds: float = 1.0, baud: int = 9600
 ) -> bytes:
     """Write as a client; what has reached the robot after a while."""
     link.client_write(data)
@@ -34,12 +34,12 @@ def quiet(**changes: object) -> LinkProfile:
 
 def test_client_that_never_dials_is_heard() -> None:
     link = MemoryLink(client_rate=9600)
-    assert reach(Line(link, quiet()), link, SYNC0) == SYNC0
+    assert reach(EmulatedLine(link, quiet()), link, SYNC0) == SYNC0
 
 
 def test_dial_string_is_kept_from_the_robot_and_answered() -> None:
     link = MemoryLink(client_rate=9600)
-    assert reach(Line(link, quiet()), link, DIAL + SYNC0) == SYNC0
+    assert reach(EmulatedLine(link, quiet()), link, DIAL + SYNC0) == SYNC0
     answer = link.client_read()
     assert answer.startswith(DIAL)
     assert b"Connected to address" in answer, "what clients that dial look for"
@@ -59,7 +59,7 @@ def test_beginning_of_a_dial_string_that_ends_otherwise_is_passed_on() -> None:
 
 def test_modem_that_waits_to_be_dialled_lets_nothing_through_before() -> None:
     link = MemoryLink(client_rate=9600)
-    line = Line(link, LinkProfile("shy", modem=SHY))
+    line = EmulatedLine(link, LinkProfile("shy", modem=SHY))
     assert reach(line, link, SYNC0) == b""
     line.send(SYNC0, 1.0, 9600)
     assert link.client_read() == b""
@@ -76,7 +76,7 @@ def test_modem_connects_only_after_the_time_it_takes() -> None:
 
 def test_robot_that_changes_its_rate_is_lost_to_the_modem() -> None:
     link = MemoryLink(client_rate=38400)
-    line = Line(link, quiet())
+    line = EmulatedLine(link, quiet())
     assert reach(line, link, SYNC0, baud=38400) != SYNC0
     link.client_rate = 9600
     assert reach(line, link, SYNC0, 1.0) == SYNC0
@@ -84,7 +84,7 @@ def test_robot_that_changes_its_rate_is_lost_to_the_modem() -> None:
 
 def test_modem_sends_at_its_own_rate() -> None:
     link = MemoryLink(client_rate=None)
-    line = Line(link, LinkProfile("slow", paces=True, modem=MODEM))
+    line = EmulatedLine(link, LinkProfile("slow", paces=True, modem=MODEM))
     line.send(SYNC0 * 100, 0.0, 115200)
     line.send(b"", 0.25, 115200)
     assert len(link.client_read()) == 240
@@ -109,7 +109,7 @@ def test_accessories_have_cables_of_their_own_beside_the_radio() -> None:
 def test_radio_is_late_and_loses_bytes_now_and_then_the_same_for_the_same_seed() -> None:
     def heard(seed: int) -> bytes:
         link = MemoryLink(client_rate=9600)
-        line = Line(link, RADIO, seed)
+        line = EmulatedLine(link, RADIO, seed)
         sip = b"\xfa\xfb\x50" + b"s" * 80
         for step in range(20000):
             line.send(sip if step % 12 == 0 else b"", step * STEP, 9600)

@@ -7,7 +7,7 @@ import pytest
 
 from configs.loader import load
 from p2os.robot_model import RobotModel
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
 
 @cache
@@ -16,12 +16,12 @@ def robot_model(name: str) -> RobotModel:
 
 
 @pytest.fixture(scope="session")
-def bench_of() -> Callable[..., Bench]:
+def bench_of() -> Callable[..., MicrocontrollerBench]:
     """Makes a bench from a robot model's subtype; further arguments go to the bench."""
-    return lambda subtype, **arguments: Bench(robot_model(subtype), **arguments)
+    return lambda subtype, **arguments: MicrocontrollerBench(robot_model(subtype), **arguments)
 
 
 @pytest.fixture
-def robot(bench_of: Callable[..., Bench]) -> Bench:
+def robot(bench_of: Callable[..., MicrocontrollerBench]) -> MicrocontrollerBench:
     """A PowerBot, connected, with its motors enabled."""
     return bench_of("powerbot-sh").connect(motors=True)

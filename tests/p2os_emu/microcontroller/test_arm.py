@@ -9,7 +9,7 @@ import pytest
 from configs import load
 from p2os import ArmInformation, ArmReport, ArmStatus, Command, RobotModel, StandardSip
 from p2os.accessories.arm_model import ArmModel
-from p2os_emu.microcontroller.testing import Bench, PlainArm, PlainBody
+from p2os_emu.microcontroller.testing import MicrocontrollerBench, PlainArm, PlainBody
 
 HOME = (128, 28, 28, 128, 128, 28)
 """Counts of configs/accessories/pioneer-arm.toml: 90 degrees are 100 counts, downward from 128 in joints 1 to 3."""
@@ -17,7 +17,7 @@ ALL_GOOD = ArmStatus.GOOD | ArmStatus.INITIALISED
 POWERED = ALL_GOOD | ArmStatus.POWERED
 
 
-class ArmedBench(Bench):
+class ArmedBench(MicrocontrollerBench):
     """A robot with an arm, and a client that hears its packets."""
 
     def __init__(self, model: RobotModel) -> None:
@@ -61,7 +61,7 @@ def test_information_says_how_every_servo_counts(bench: ArmedBench) -> None:
 
 
 def test_robot_without_an_arm_says_so(model: RobotModel) -> None:
-    bench = Bench(model).connect()
+    bench = MicrocontrollerBench(model).connect()
     bench.send(Command.ARM_INFO)
     bench.send(Command.ARM_STATUS, 1)
     bench.send(Command.ARM_POWER, 1)

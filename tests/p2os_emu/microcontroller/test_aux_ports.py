@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from p2os.accessory_packets import AuxData
 from p2os.command_table import Command
 from p2os_emu.microcontroller.aux_port import BUFFER, MOST
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 TTY = {1: Command.TTY2, 2: Command.TTY3, 3: Command.TTY4}
 GET = {1: Command.GETAUX, 2: Command.GETAUX2, 3: Command.GETAUX3}
@@ -43,25 +43,25 @@ def device() -> Echo:
 
 
 @pytest.fixture(params=[1, 2, 3])
-def port(request: pytest.FixtureRequest, robot: Bench, device: Echo) -> int:
+def port(request: pytest.FixtureRequest, robot: MicrocontrollerBench, device: Echo) -> int:
     """A port with the device in it."""
     number: int = request.param
     robot.controller.plug(number, device.itself)
     return number
 
 
-def answers(robot: Bench, seconds: float = 0.2) -> list[AuxData]:
+def answers(robot: MicrocontrollerBench, seconds: float = 0.2) -> list[AuxData]:
     return robot.packets(AuxData, seconds)
 
 
-def test_bytes_reach_the_device(robot: Bench, device: Echo, port: int) -> None:
+def test_bytes_reach_the_device(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     robot.send(TTY[port], b"\xff00\x00\xa01\xef")
     robot.step()
     assert bytes(device.heard) == b"\xff00\x00\xa01\xef"
 
 
 def test_an_answer_has_exactly_as_many_bytes_as_were_asked_for_and_the_rest_stays(
-    robot: Bench, device: Echo, port: int
+    robot: MicrocontrollerBench, device: Echo, port: int
 ) -> None:
     device.says = b"abcdefghijklmn"
     robot.send(GET[port], 6)
@@ -71,7 +71,7 @@ def test_an_answer_has_exactly_as_many_bytes_as_were_asked_for_and_the_rest_stay
     assert answers(robot) == [AuxData(port, b"ghijklmn")]
 
 
-def test_an_answer_waits_until_all_bytes_are_there(robot: Bench, device: Echo, port: int) -> None:
+def test_an_answer_waits_until_all_bytes_are_there(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     robot.send(GET[port], 4)
     device.says = b"abc"
     assert answers(robot, 1.0) == []
@@ -79,7 +79,7 @@ def test_an_answer_waits_until_all_bytes_are_there(robot: Bench, device: Echo, p
     assert answers(robot) == [AuxData(port, b"abcd")]
 
 
-def test_zero_flushes(robot: Bench, device: Echo, port: int) -> None:
+def test_zero_flushes(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     device.says = b"old"
     robot.step()
     robot.send(GET[port], 0)
@@ -89,7 +89,7 @@ def test_zero_flushes(robot: Bench, device: Echo, port: int) -> None:
     assert answers(robot) == [AuxData(port, b"new")]
 
 
-def test_zero_forgets_what_was_asked_for(robot: Bench, device: Echo, port: int) -> None:
+def test_zero_forgets_what_was_asked_for(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     robot.send(GET[port], 3)
     robot.send(GET[port], 0)
     robot.step()
@@ -97,21 +97,21 @@ def test_zero_forgets_what_was_asked_for(robot: Bench, device: Echo, port: int) 
     assert answers(robot) == []
 
 
-def test_a_full_buffer_loses_its_oldest_bytes(robot: Bench, device: Echo, port: int) -> None:
+def test_a_full_buffer_loses_its_oldest_bytes(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     device.says = bytes(range(10)) + b"x" * BUFFER
     robot.step()
     robot.send(GET[port], 1)
     assert answers(robot) == [AuxData(port, b"x")]
 
 
-def test_more_than_a_frame_carries_is_not_sent(robot: Bench, device: Echo, port: int) -> None:
+def test_more_than_a_frame_carries_is_not_sent(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     device.says = bytes(250)
     robot.send(GET[port], 253)
     (answer,) = answers(robot)
     assert len(answer.data) == MOST
 
 
-def test_device_at_another_rate_hears_and_says_noise(robot: Bench, device: Echo, port: int) -> None:
+def test_device_at_another_rate_hears_and_says_noise(robot: MicrocontrollerBench, device: Echo, port: int) -> None:
     device.baud = 38400
     robot.send(TTY[port], b"hello device")
     device.says = b"hello client"
@@ -138,7 +138,7 @@ def test_noise_is_the_same_for_the_same_seed(bench_of: BenchOf) -> None:
     assert heard[0] == heard[1] != heard[2]
 
 
-def test_a_rate_survives_the_client_and_not_the_power_switch(robot: Bench) -> None:
+def test_a_rate_survives_the_client_and_not_the_power_switch(robot: MicrocontrollerBench) -> None:
     device = Echo(38400)
     robot.controller.plug(1, device.itself)
     robot.send(Command.AUX1BAUD, 2)
@@ -156,7 +156,9 @@ def test_a_rate_survives_the_client_and_not_the_power_switch(robot: Bench) -> No
     assert b"second" not in device.heard
 
 
-def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_reset(robot: Bench) -> None:
+def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_reset(
+    robot: MicrocontrollerBench,
+) -> None:
     robot.controller.plug(1, Echo)
     first = robot.controller.plugged(1)
     robot.controller.power_cycle()
@@ -166,7 +168,7 @@ def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_
     assert robot.controller.plugged(2) is None
 
 
-def test_what_a_client_asked_for_is_forgotten_when_it_goes(robot: Bench) -> None:
+def test_what_a_client_asked_for_is_forgotten_when_it_goes(robot: MicrocontrollerBench) -> None:
     device = Echo()
     robot.controller.plug(1, device.itself)
     robot.send(Command.GETAUX, 4)
@@ -177,14 +179,14 @@ def test_what_a_client_asked_for_is_forgotten_when_it_goes(robot: Bench) -> None
     assert answers(robot, 0.5) == []
 
 
-def test_empty_ports_swallow_everything(robot: Bench) -> None:
+def test_empty_ports_swallow_everything(robot: MicrocontrollerBench) -> None:
     for port in (1, 2, 3):
         robot.send(TTY[port], b"anybody there?")
         robot.send(GET[port], 6)
     assert answers(robot, 1.0) == []
 
 
-def test_transcript_of_a_camera_on_aux1_byte_by_byte(robot: Bench) -> None:
+def test_transcript_of_a_camera_on_aux1_byte_by_byte(robot: MicrocontrollerBench) -> None:
     """Source: fact sheet section 11."""
     device = Echo()
     robot.controller.plug(1, device.itself)

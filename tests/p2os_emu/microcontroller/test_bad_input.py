@@ -12,9 +12,9 @@ from p2os.framing import encode_frame
 from p2os.packets import PacketType
 from p2os.sip import StandardSip
 from p2os_emu.microcontroller import EMULATED, EMULATED_PACKETS
-from p2os_emu.microcontroller.testing import STEP, Bench
+from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 SILENCING = (Command.CLOSE, Command.RESET, Command.MAINTENANCE)
 payloads = st.binary(min_size=1, max_size=40).filter(lambda payload: payload[0] not in SILENCING)
@@ -64,7 +64,7 @@ def test_how_the_stream_is_cut_does_not_matter(cuts: list[int], bench_of: BenchO
     assert round(robot.body.velocity, 6) == 0.05
 
 
-def test_every_corruption_of_one_byte_of_a_command_is_refused(robot: Bench) -> None:
+def test_every_corruption_of_one_byte_of_a_command_is_refused(robot: MicrocontrollerBench) -> None:
     frame = encode_command(Command.VEL, 0.3)
     for place in range(len(frame)):
         for flip in (0x01, 0x80, 0xFF):

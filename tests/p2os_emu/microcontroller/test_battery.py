@@ -3,37 +3,37 @@ from collections.abc import Callable
 import pytest
 
 from p2os.command_table import Command
-from p2os_emu.microcontroller.battery import Battery, ChargeState
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.battery import BatteryModel, ChargeState
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 HOUR = 3600.0
 
 
 def test_it_starts_near_full_and_the_seed_decides_how_near() -> None:
-    charges = [Battery(12.0, seed).charge for seed in (1, 1, 2)]
+    charges = [BatteryModel(12.0, seed).charge for seed in (1, 1, 2)]
     assert all(0.9 <= charge <= 1.0 for charge in charges)
     assert charges[0] == charges[1] != charges[2]
 
 
 def test_it_drains_at_rest_and_faster_under_load() -> None:
-    resting, working = Battery(12.0, 0), Battery(12.0, 0)
+    resting, working = BatteryModel(12.0, 0), BatteryModel(12.0, 0)
     resting.advance(HOUR, 0.0, False)
     working.advance(HOUR, 0.8, False)
-    assert working.charge < resting.charge < Battery(12.0, 0).charge
+    assert working.charge < resting.charge < BatteryModel(12.0, 0).charge
     assert working.voltage < resting.voltage
 
 
 def test_an_empty_battery_stays_at_zero() -> None:
-    battery = Battery(24.0, 0)
+    battery = BatteryModel(24.0, 0)
     battery.advance(100 * HOUR, 1.0, False)
     assert battery.charge == 0.0
     assert battery.voltage == pytest.approx(24 * 0.85)
 
 
 def test_a_charger_fills_it_stage_by_stage() -> None:
-    battery = Battery(12.0, 0)
+    battery = BatteryModel(12.0, 0)
     battery.advance(5 * HOUR, 0.0, False)
     stages = []
     for _ in range(8):
@@ -44,7 +44,7 @@ def test_a_charger_fills_it_stage_by_stage() -> None:
     assert battery.charge == 1.0
 
 
-def test_the_sip_shows_24_volts_twice_because_its_byte_ends_at_25_5(robot: Bench) -> None:
+def test_the_sip_shows_24_volts_twice_because_its_byte_ends_at_25_5(robot: MicrocontrollerBench) -> None:
     robot.controller.panel.battery = 26.4
     sip = robot.sip()
     assert sip.battery == pytest.approx(25.5)
@@ -59,7 +59,7 @@ def test_driving_empties_the_battery_faster_than_standing(bench_of: BenchOf) -> 
     assert driving.controller.battery_charge < standing.controller.battery_charge
 
 
-def test_a_plugged_charger_shows_in_flags_and_charge_state(robot: Bench) -> None:
+def test_a_plugged_charger_shows_in_flags_and_charge_state(robot: MicrocontrollerBench) -> None:
     assert not robot.sip().charger_good
     robot.controller.panel.charger_plugged = True
     robot.run(0.2)
@@ -68,7 +68,7 @@ def test_a_plugged_charger_shows_in_flags_and_charge_state(robot: Bench) -> None
     assert sip.charge_state == ChargeState.OVERCHARGE
 
 
-def test_battest_pretends_a_voltage_until_zero(robot: Bench) -> None:
+def test_battest_pretends_a_voltage_until_zero(robot: MicrocontrollerBench) -> None:
     real = robot.sip().battery_fine
     robot.controller.receive(bytes.fromhex("FA FB 06  FA 3B D6 00  D0 3B"))  # 214: the unit is 0.1 V
     assert robot.sip().battery_fine == pytest.approx(21.4)

@@ -9,9 +9,9 @@ from p2os.command_table import Command
 from p2os.commands import encode_command
 from p2os.errors import LocalProtocolError
 from p2os.sip import StandardSip
-from p2os_emu.microcontroller.testing import STEP, Bench
+from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 SYNC0 = bytes.fromhex("FA FB 03 00 00 00")
 SYNC1 = bytes.fromhex("FA FB 03 01 00 01")
@@ -20,7 +20,7 @@ OPEN_WITH_ARGUMENT = bytes.fromhex("FA FB 06 01 3B 01 00 02 3B")
 CLOSE_WITH_ARGUMENT = bytes.fromhex("FA FB 06 02 3B 01 00 03 3B")
 
 
-def exchange(bench: Bench, data: bytes) -> bytes:
+def exchange(bench: MicrocontrollerBench, data: bytes) -> bytes:
     bench.controller.receive(data)
     return bench.step()
 
@@ -88,14 +88,14 @@ def test_sips_start_within_a_cycle_of_open_and_come_every_100_ms(bench_of: Bench
     assert [late - early for early, late in pairwise(times)] == pytest.approx([0.1] * 99)
 
 
-def test_motors_are_disabled_after_open_whatever_they_were_before(robot: Bench) -> None:
+def test_motors_are_disabled_after_open_whatever_they_were_before(robot: MicrocontrollerBench) -> None:
     robot.controller.receive(CLOSE_WITH_ARGUMENT)
     robot.connect()
     assert not robot.sip().motors_enabled
 
 
 @pytest.mark.parametrize("closing", [SYNC2, CLOSE_WITH_ARGUMENT], ids=["plain", "with argument"])
-def test_close_stops_sips_at_once_and_disables_motors_and_sonar(robot: Bench, closing: bytes) -> None:
+def test_close_stops_sips_at_once_and_disables_motors_and_sonar(robot: MicrocontrollerBench, closing: bytes) -> None:
     robot.send(Command.VEL, 0.3)
     robot.run(1.0)
     robot.controller.receive(closing)
@@ -107,13 +107,13 @@ def test_close_stops_sips_at_once_and_disables_motors_and_sonar(robot: Bench, cl
     assert exchange(robot, SYNC0) == SYNC0, "the next handshake is clean"
 
 
-def test_sync0_while_open_is_a_pulse(robot: Bench) -> None:
+def test_sync0_while_open_is_a_pulse(robot: MicrocontrollerBench) -> None:
     assert all(isinstance(sent.packet, StandardSip) for sent in robot.run(1.0))
     robot.controller.receive(SYNC0)
     assert all(isinstance(sent.packet, StandardSip) for sent in robot.run(1.0))
 
 
-def test_working_parameters_return_to_flash_when_the_client_goes(robot: Bench) -> None:
+def test_working_parameters_return_to_flash_when_the_client_goes(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SETV, 0.2)
     robot.send(Command.SETA, 0.9)
     robot.send(Command.SONARCYCLE, 0.1)
@@ -125,7 +125,7 @@ def test_working_parameters_return_to_flash_when_the_client_goes(robot: Bench) -
     assert robot.body.velocity == pytest.approx(0.3, abs=0.01)
 
 
-def test_odometry_outlives_the_client(robot: Bench) -> None:
+def test_odometry_outlives_the_client(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 0.5)
     robot.run(4.0)
     robot.controller.receive(CLOSE_WITH_ARGUMENT)
@@ -133,7 +133,7 @@ def test_odometry_outlives_the_client(robot: Bench) -> None:
     assert robot.connect().sip().x == pytest.approx(0.5, abs=0.005)
 
 
-def test_unknown_commands_and_those_of_absent_parts_are_ignored(robot: Bench) -> None:
+def test_unknown_commands_and_those_of_absent_parts_are_ignored(robot: MicrocontrollerBench) -> None:
     before = robot.sip()
     for number in range(256):
         if number not in (Command.CLOSE, Command.RESET, Command.MAINTENANCE, Command.SONAR, Command.POLLING):
@@ -150,7 +150,7 @@ def encode_unknown(number: int) -> bytes:
 
 
 @pytest.mark.parametrize("argument", [b"", b"\x3b", b"\x3b\x01", b"\x3b\x01\x00\x00\x00", b"\x2b\x03ab"])
-def test_truncated_and_overlong_arguments_do_no_harm(robot: Bench, argument: bytes) -> None:
+def test_truncated_and_overlong_arguments_do_no_harm(robot: MicrocontrollerBench, argument: bytes) -> None:
     from p2os.framing import encode_frame
 
     for number in range(3, 252):
@@ -158,14 +158,14 @@ def test_truncated_and_overlong_arguments_do_no_harm(robot: Bench, argument: byt
     assert robot.sips(1.0)
 
 
-def test_truncated_seto_of_two_well_known_drivers_resets_odometry(robot: Bench) -> None:
+def test_truncated_seto_of_two_well_known_drivers_resets_odometry(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 0.2)
     robot.run(3.0)
     robot.controller.receive(bytes.fromhex("FA FB 04 07 3B 07 3B"))
     assert robot.sip().x == pytest.approx(0.0, abs=0.001)
 
 
-def test_a_burst_of_commands_is_carried_out_in_order(robot: Bench) -> None:
+def test_a_burst_of_commands_is_carried_out_in_order(robot: MicrocontrollerBench) -> None:
     robot.controller.receive(b"".join(encode_command(Command.VEL, speed / 10) for speed in (1, 2, 3, -4, 2)))
     robot.run(2.0)
     assert robot.body.velocity == pytest.approx(0.2)

@@ -10,9 +10,9 @@ from p2os.command_table import Command
 from p2os.configuration import Configuration
 from p2os.errors import EncodeError
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 
 @pytest.fixture

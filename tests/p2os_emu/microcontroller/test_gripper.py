@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from p2os.accessory_packets import GripperReport
 from p2os.command_table import Command
 from p2os.configuration import Configuration
-from p2os.packets import InputsOutputs
+from p2os.packets import IoReport
 from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
-from p2os_emu.microcontroller.gripper import GripperServer, Order
-from p2os_emu.microcontroller.testing import STEP, Bench, PlainBody, PlainGripper
+from p2os_emu.microcontroller.gripper import GripperOrder, GripperServer
+from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench, PlainBody, PlainGripper
 
-BenchOf = Callable[..., Bench]
-MakeGripper = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
+MakeGripper = Callable[..., MicrocontrollerBench]
 
 UNKNOWN = 0x33  # open and closed, up and down
 OPEN, CLOSED, PADDLES_MOVING, PADDLES_ERROR = 0x01, 0x02, 0x04, 0x08
@@ -27,7 +27,7 @@ UP, DOWN, LIFT_MOVING, LIFT_ERROR = 0x10, 0x20, 0x40, 0x80
 def make(bench_of: BenchOf) -> MakeGripper:
     """A connected robot with a gripper: its wiring, then what `PlainGripper` takes."""
 
-    def make(wiring: str = "pioneer", subtype: str = "p3dx-sh", **figures: float) -> Bench:
+    def make(wiring: str = "pioneer", subtype: str = "p3dx-sh", **figures: float) -> MicrocontrollerBench:
         body = PlainBody()
         body.gripper = PlainGripper(**figures)
         bench = bench_of(subtype, body=body)
@@ -39,7 +39,7 @@ def make(bench_of: BenchOf) -> MakeGripper:
     return make
 
 
-def order(bench: Bench, *orders: int, value: int | None = None) -> None:
+def order(bench: MicrocontrollerBench, *orders: int, value: int | None = None) -> None:
     for each in orders:
         bench.send(Command.GRIPPER, each)
     if value is not None:
@@ -47,13 +47,13 @@ def order(bench: Bench, *orders: int, value: int | None = None) -> None:
     bench.step()
 
 
-def place(bench: Bench) -> tuple[float, float]:
+def place(bench: MicrocontrollerBench) -> tuple[float, float]:
     gripper = bench.body.gripper
     assert gripper is not None
     return gripper.state.opening, gripper.state.lift
 
 
-def told(bench: Bench) -> list[list[float]]:
+def told(bench: MicrocontrollerBench) -> list[list[float]]:
     gripper = bench.body.gripper
     assert gripper is not None
     return [list(each) for each in gripper.told]
@@ -63,7 +63,7 @@ def test_a_robot_without_gripper_says_so(bench_of: BenchOf) -> None:
     bench = bench_of("p3dx-sh").connect()
     bench.send(Command.GRIPREQUEST, 1)
     assert bench.packets(GripperReport, 0.3) == [GripperReport(0, 0, 0.0)]
-    order(bench, Order.OPEN)
+    order(bench, GripperOrder.OPEN)
     sip = bench.sip()
     assert (sip.gripper_state, sip.analog_port, sip.digital_in) == (0, 0, 0xFF)
     bench.send(Command.CONFIG)
@@ -94,7 +94,7 @@ def test_a_gripperpac_is_type_kind_state_and_grasp_time_in_20_ms(make: MakeGripp
 def test_after_power_on_nobody_knows_where_paddles_and_lift_are(make: MakeGripper) -> None:
     bench = make()
     assert bench.sip().gripper_state == UNKNOWN
-    order(bench, Order.DEPLOY)
+    order(bench, GripperOrder.DEPLOY)
     assert bench.sip().gripper_state == OPEN | DOWN
     bench.controller.power_cycle()
     bench.run(0.1)
@@ -103,12 +103,12 @@ def test_after_power_on_nobody_knows_where_paddles_and_lift_are(make: MakeGrippe
 
 def test_paddles_close_and_open_and_say_that_they_move(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.CLOSE)
+    order(bench, GripperOrder.CLOSE)
     assert bench.sip().gripper_state & 0x0F == PADDLES_MOVING
     bench.run(2.5)
     assert bench.sip().gripper_state & 0x0F == CLOSED
     assert place(bench)[0] == pytest.approx(0.0, abs=0.02)
-    order(bench, Order.OPEN)
+    order(bench, GripperOrder.OPEN)
     assert bench.sip().gripper_state & 0x0F == PADDLES_MOVING
     bench.run(2.5)
     assert bench.sip().gripper_state & 0x0F == OPEN
@@ -119,8 +119,8 @@ def test_paddles_close_and_open_and_say_that_they_move(make: MakeGripper) -> Non
 def test_closing_stops_when_both_paddles_have_pressed_for_the_grasp_time(grasp: int | None, make: MakeGripper) -> None:
     bench = make(thing=0.5)
     if grasp is not None:
-        order(bench, Order.PRESS, value=grasp)
-    order(bench, Order.CLOSE)
+        order(bench, GripperOrder.PRESS, value=grasp)
+    order(bench, GripperOrder.CLOSE)
     steps = 0
     while told(bench)[-1] != [0, 0]:
         bench.step()
@@ -133,32 +133,32 @@ def test_closing_stops_when_both_paddles_have_pressed_for_the_grasp_time(grasp: 
 @pytest.mark.parametrize("grasp", [0, 101, -5])
 def test_a_grasp_time_out_of_range_changes_nothing(grasp: int, make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.PRESS, value=grasp)
+    order(bench, GripperOrder.PRESS, value=grasp)
     bench.send(Command.GRIPREQUEST, 1)
     assert bench.packets(GripperReport, 0.3)[0].grasp_time == 0.2
 
 
 def test_the_lift_goes_up_and_down(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.UP)
+    order(bench, GripperOrder.UP)
     assert bench.sip().gripper_state & 0xF0 == LIFT_MOVING
     bench.run(4.0)
     assert bench.sip().gripper_state & 0xF0 == UP
-    order(bench, Order.DOWN)
+    order(bench, GripperOrder.DOWN)
     bench.run(4.0)
     assert bench.sip().gripper_state & 0xF0 == DOWN
 
 
 def test_carry_moves_the_lift_for_a_time(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.CARRY, value=100)
+    order(bench, GripperOrder.CARRY, value=100)
     bench.run(3.0)
     assert place(bench)[1] == pytest.approx(2.0 / 3.5, abs=0.01)
     assert bench.sip().gripper_state & 0xF0 == 0
-    order(bench, Order.CARRY, value=-50)
+    order(bench, GripperOrder.CARRY, value=-50)
     bench.run(3.0)
     assert place(bench)[1] == pytest.approx(1.0 / 3.5, abs=0.01)
-    order(bench, Order.CARRY, value=-255)
+    order(bench, GripperOrder.CARRY, value=-255)
     bench.run(3.0)
     assert bench.sip().gripper_state & 0xF0 == DOWN
 
@@ -166,28 +166,28 @@ def test_carry_moves_the_lift_for_a_time(make: MakeGripper) -> None:
 def test_a_value_without_its_order_means_nothing(make: MakeGripper) -> None:
     bench = make()
     order(bench, value=100)
-    order(bench, Order.CARRY, Order.STOP, value=100)
+    order(bench, GripperOrder.CARRY, GripperOrder.STOP, value=100)
     bench.run(1.0)
     assert place(bench) == (1.0, 0.0)
 
 
 def test_store_closes_and_lifts_and_deploy_lowers_and_opens(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.STORE)
+    order(bench, GripperOrder.STORE)
     bench.run(5.0)
     assert bench.sip().gripper_state == CLOSED | UP
-    order(bench, Order.DEPLOY)
+    order(bench, GripperOrder.DEPLOY)
     bench.run(5.0)
     assert bench.sip().gripper_state == OPEN | DOWN
 
 
 @pytest.mark.parametrize(
     ("stop", "moving"),
-    [(Order.STOP, LIFT_MOVING), (Order.LIFT_STOP, PADDLES_MOVING), (Order.HALT, 0)],
+    [(GripperOrder.STOP, LIFT_MOVING), (GripperOrder.LIFT_STOP, PADDLES_MOVING), (GripperOrder.HALT, 0)],
 )
-def test_paddles_and_lift_stop_on_their_way(stop: Order, moving: int, make: MakeGripper) -> None:
+def test_paddles_and_lift_stop_on_their_way(stop: GripperOrder, moving: int, make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.STORE)
+    order(bench, GripperOrder.STORE)
     bench.run(1.0)
     order(bench, stop)
     assert bench.sip().gripper_state == moving
@@ -198,19 +198,19 @@ def test_a_motion_that_does_not_end_is_an_error_until_the_next(make: MakeGripper
     gripper = bench.body.gripper
     assert gripper is not None
     gripper.stuck = True
-    order(bench, Order.STORE)
+    order(bench, GripperOrder.STORE)
     bench.run(9.0)
     assert bench.sip().gripper_state == PADDLES_ERROR | LIFT_ERROR
     assert told(bench)[-1] == [0, 0]
     gripper.stuck = False
-    order(bench, Order.DEPLOY)
+    order(bench, GripperOrder.DEPLOY)
     bench.run(0.1)
     assert bench.sip().gripper_state == OPEN | DOWN
 
 
 def test_the_state_byte_stands_in_both_places_where_clients_look(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.DEPLOY)
+    order(bench, GripperOrder.DEPLOY)
     payload = next(sent.payload for sent in bench.run(0.2) if sent.payload[0] in (0x32, 0x33))
     tail = 20 + 3 * payload[19]
     assert payload[tail : tail + 2] == bytes([OPEN | DOWN] * 2)
@@ -218,35 +218,35 @@ def test_the_state_byte_stands_in_both_places_where_clients_look(make: MakeGripp
 
 def test_switches_and_beams_are_on_the_user_inputs(make: MakeGripper) -> None:
     bench = make(thing=0.5)
-    order(bench, Order.CLOSE)
+    order(bench, GripperOrder.CLOSE)
     bench.run(0.5)
-    order(bench, Order.CARRY, value=50)
+    order(bench, GripperOrder.CARRY, value=50)
     halfway = bench.sips(1.3)[-1].digital_in
     assert halfway & 0x3F == 0b00_1111  # both beams obstructed, both paddles in contact, lift and grip between limits
     bare = make()
     assert bare.sip().digital_in == 0b1111_0000  # open and down: both limits; beams clear, no contact; pins 6, 7 open
-    order(bare, Order.CLOSE)
+    order(bare, GripperOrder.CLOSE)
     bare.run(0.5)
-    order(bare, Order.CARRY, value=50)
+    order(bare, GripperOrder.CARRY, value=50)
     assert bare.sips(0.5)[-1].digital_in & 0x3F == 0b11_0011  # the manual's idle pattern
     bare.send(Command.IOREQUEST, 1)
-    assert bare.packets(InputsOutputs, 0.3)[0].digital_in[0] & 0x3F == 0b11_0011
+    assert bare.packets(IoReport, 0.3)[0].digital_in[0] & 0x3F == 0b11_0011
 
 
 def test_a_peoplebots_switches_are_in_the_second_byte_and_its_user_inputs_stay_free(make: MakeGripper) -> None:
     bench = make("peoplebot", "peoplebot-sh", thing=0.5)
-    order(bench, Order.CLOSE)
+    order(bench, GripperOrder.CLOSE)
     sip = bench.sips(0.5)[-1]
     assert sip.gripper_state & 0x0F == PADDLES_MOVING
     assert sip.analog_port == 0b1011_1101  # paddles moving, no contact, both beams, lift at its limit
     assert sip.digital_in == 0xFF
-    order(bench, Order.CARRY, value=100)
+    order(bench, GripperOrder.CARRY, value=100)
     assert bench.sips(0.5)[-1].analog_port & 0b1100_0000 == 0b1100_0000
 
 
 def test_closing_the_connection_halts_the_gripper(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.UP)
+    order(bench, GripperOrder.UP)
     bench.run(1.0)
     bench.send(Command.CLOSE)
     bench.run(0.1)
@@ -257,7 +257,7 @@ def test_closing_the_connection_halts_the_gripper(make: MakeGripper) -> None:
 
 def test_a_reset_stops_a_gripper_on_its_way(make: MakeGripper) -> None:
     bench = make()
-    order(bench, Order.CLOSE, Order.UP)
+    order(bench, GripperOrder.CLOSE, GripperOrder.UP)
     bench.run(0.5)
     bench.controller.power_cycle()
     bench.step()
@@ -271,7 +271,7 @@ def test_a_gripper_that_is_wired_and_not_there_ends_in_an_error(bench_of: BenchO
     gripper = gripper_of(Fit({"gripper": "pioneer"}))
     assert gripper is not None
     bench.controller.fit_gripper(gripper)
-    order(bench.connect(), Order.UP)
+    order(bench.connect(), GripperOrder.UP)
     bench.run(9.0)
     assert bench.sip().gripper_state & LIFT_ERROR
 

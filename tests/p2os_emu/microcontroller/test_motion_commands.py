@@ -8,15 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from p2os.command_table import Command
-from p2os_emu.microcontroller.testing import STEP, Bench, PlainBody
+from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench, PlainBody
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 MODELS = ["powerbot-sh", "p3dx-sh", "p3at", "p2dx", "amigo-sh"]
 
 
 @pytest.mark.parametrize("speed", [0.5, -0.5, 0.001])
-def test_vel_reaches_its_speed_with_the_set_acceleration(robot: Bench, speed: float) -> None:
+def test_vel_reaches_its_speed_with_the_set_acceleration(robot: MicrocontrollerBench, speed: float) -> None:
     robot.send(Command.SETA, 0.5)
     robot.send(Command.VEL, speed)
     robot.run(0.5)
@@ -26,7 +26,7 @@ def test_vel_reaches_its_speed_with_the_set_acceleration(robot: Bench, speed: fl
     assert robot.turned == pytest.approx(0.0)
 
 
-def test_vel_turns_the_wheels_in_the_step_that_follows_it(robot: Bench) -> None:
+def test_vel_turns_the_wheels_in_the_step_that_follows_it(robot: MicrocontrollerBench) -> None:
     robot.run(0.3)
     robot.send(Command.VEL, 0.2)
     robot.step()
@@ -35,7 +35,7 @@ def test_vel_turns_the_wheels_in_the_step_that_follows_it(robot: Bench) -> None:
 
 @pytest.mark.parametrize("command", [Command.RVEL, Command.ROTATE])
 @pytest.mark.parametrize("speed", [0.6, -0.6])
-def test_rvel_and_rotate_turn_on_the_spot(robot: Bench, command: Command, speed: float) -> None:
+def test_rvel_and_rotate_turn_on_the_spot(robot: MicrocontrollerBench, command: Command, speed: float) -> None:
     robot.send(command, speed)
     robot.run(2.0)
     before = robot.turned
@@ -72,7 +72,7 @@ def test_head_ends_within_1_degree_without_overshoot(bench_of: BenchOf, subtype:
     assert robot.sip().heading == pytest.approx(radians(degrees), abs=radians(0.5))
 
 
-def test_move_takes_the_time_of_its_trapezoid(robot: Bench) -> None:
+def test_move_takes_the_time_of_its_trapezoid(robot: MicrocontrollerBench) -> None:
     """2 m at 0.5 m/s with 0.5 m/s²: 1 s up, 3 s along, 1 s down; the last millimetres cost a little more."""
     for command, value in ((Command.SETV, 0.5), (Command.SETA, 0.5), (Command.SETA, -0.5), (Command.MOVE, 2.0)):
         robot.send(command, value)
@@ -82,7 +82,7 @@ def test_move_takes_the_time_of_its_trapezoid(robot: Bench) -> None:
     assert robot.body.travel == pytest.approx(2.0, abs=0.005)
 
 
-def test_a_short_move_is_a_triangle(robot: Bench) -> None:
+def test_a_short_move_is_a_triangle(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 0.3)
     fastest = 0.0
     for _ in range(360):
@@ -92,13 +92,13 @@ def test_a_short_move_is_a_triangle(robot: Bench) -> None:
 
 
 @pytest.mark.parametrize(("heading", "turned"), [(350, -10), (-350, 10), (190, -170), (170, 170), (720, 0)])
-def test_head_turns_the_shorter_way(robot: Bench, heading: int, turned: int) -> None:
+def test_head_turns_the_shorter_way(robot: MicrocontrollerBench, heading: int, turned: int) -> None:
     robot.send(Command.HEAD, radians(heading))
     robot.run(6.0)
     assert robot.turned == pytest.approx(radians(turned), abs=radians(0.5))
 
 
-def test_dhead_adds_to_the_heading_and_dchead_to_the_setpoint(robot: Bench) -> None:
+def test_dhead_adds_to_the_heading_and_dchead_to_the_setpoint(robot: MicrocontrollerBench) -> None:
     robot.send(Command.HEAD, radians(90))
     robot.run(1.0)
     reached = robot.turned
@@ -114,7 +114,7 @@ def test_dhead_adds_to_the_heading_and_dchead_to_the_setpoint(robot: Bench) -> N
     assert robot.turned == pytest.approx(reached + radians(20), abs=radians(1))
 
 
-def test_control_shows_the_heading_setpoint(robot: Bench) -> None:
+def test_control_shows_the_heading_setpoint(robot: MicrocontrollerBench) -> None:
     robot.send(Command.HEAD, radians(90))
     assert robot.sip().control == pytest.approx(radians(90), abs=0.002)
     robot.send(Command.RVEL, 0.5)
@@ -123,7 +123,7 @@ def test_control_shows_the_heading_setpoint(robot: Bench) -> None:
     assert sip.control == pytest.approx(sip.heading)
 
 
-def test_translation_and_rotation_do_not_disturb_each_other(robot: Bench) -> None:
+def test_translation_and_rotation_do_not_disturb_each_other(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 1.0)
     robot.send(Command.HEAD, radians(90))
     robot.run(0.5)
@@ -133,7 +133,7 @@ def test_translation_and_rotation_do_not_disturb_each_other(robot: Bench) -> Non
     assert robot.body.travel == pytest.approx(1.0, abs=0.005)
 
 
-def test_a_new_command_of_the_same_kind_replaces_the_old_one_at_once(robot: Bench) -> None:
+def test_a_new_command_of_the_same_kind_replaces_the_old_one_at_once(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 2.0)
     robot.run(1.0)
     robot.send(Command.VEL, 0.1)
@@ -146,7 +146,7 @@ def test_a_new_command_of_the_same_kind_replaces_the_old_one_at_once(robot: Benc
 
 
 @pytest.mark.parametrize("limit", [Command.SETV, Command.SETRV])
-def test_a_changed_limit_acts_on_the_next_command_only(robot: Bench, limit: Command) -> None:
+def test_a_changed_limit_acts_on_the_next_command_only(robot: MicrocontrollerBench, limit: Command) -> None:
     drive = Command.VEL if limit is Command.SETV else Command.RVEL
 
     def speed() -> float:
@@ -163,7 +163,7 @@ def test_a_changed_limit_acts_on_the_next_command_only(robot: Bench, limit: Comm
     assert speed() == pytest.approx(radians(10), rel=0.05)
 
 
-def test_no_command_exceeds_the_top_speed_of_flash(robot: Bench) -> None:
+def test_no_command_exceeds_the_top_speed_of_flash(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SETV, 9.0)
     robot.send(Command.SETA, 2.0)
     robot.send(Command.VEL, 9.0)
@@ -172,7 +172,7 @@ def test_no_command_exceeds_the_top_speed_of_flash(robot: Bench) -> None:
 
 
 @pytest.mark.parametrize("command", [Command.SETRVDIR, Command.SETRV_DIRECTIONAL])
-def test_rotational_limits_can_differ_by_direction(robot: Bench, command: Command) -> None:
+def test_rotational_limits_can_differ_by_direction(robot: MicrocontrollerBench, command: Command) -> None:
     robot.send(command, radians(20))
     robot.send(command, radians(-40))
     for wanted, reached in ((radians(90), radians(20)), (radians(-90), radians(-40))):
@@ -184,7 +184,7 @@ def test_rotational_limits_can_differ_by_direction(robot: Bench, command: Comman
 
 
 @pytest.mark.parametrize("speed", [0.6, -0.6])
-def test_stop_takes_the_distance_of_its_deceleration(robot: Bench, speed: float) -> None:
+def test_stop_takes_the_distance_of_its_deceleration(robot: MicrocontrollerBench, speed: float) -> None:
     robot.send(Command.SETA, -0.5)
     robot.send(Command.VEL, speed)
     robot.run(3.0)
@@ -197,7 +197,7 @@ def test_stop_takes_the_distance_of_its_deceleration(robot: Bench, speed: float)
 
 
 @pytest.mark.parametrize("command", [Command.ESTOP, Command.ESTOP_ALIAS])
-def test_estop_ignores_the_deceleration_limit_and_stays_stopped(robot: Bench, command: Command) -> None:
+def test_estop_ignores_the_deceleration_limit_and_stays_stopped(robot: MicrocontrollerBench, command: Command) -> None:
     robot.send(Command.SETA, -0.1)
     robot.send(Command.VEL, 0.6)
     robot.run(3.0)
@@ -210,7 +210,7 @@ def test_estop_ignores_the_deceleration_limit_and_stays_stopped(robot: Bench, co
     assert robot.body.velocity == pytest.approx(0.2)
 
 
-def test_a_plain_stop_does_not_soften_an_emergency_stop(robot: Bench) -> None:
+def test_a_plain_stop_does_not_soften_an_emergency_stop(robot: MicrocontrollerBench) -> None:
     robot.send(Command.VEL, 0.6)
     robot.run(3.0)
     start = robot.body.travel
@@ -221,7 +221,7 @@ def test_a_plain_stop_does_not_soften_an_emergency_stop(robot: Bench) -> None:
     assert robot.body.travel - start == pytest.approx(0.6**2 / (2 * 2.0), abs=2 * 0.6 * STEP)
 
 
-def test_stop_ends_rotation_as_well(robot: Bench) -> None:
+def test_stop_ends_rotation_as_well(robot: MicrocontrollerBench) -> None:
     robot.send(Command.HEAD, radians(170))
     robot.run(1.0)
     robot.send(Command.STOP)
@@ -231,7 +231,7 @@ def test_stop_ends_rotation_as_well(robot: Bench) -> None:
     assert robot.turned == stood < radians(150)
 
 
-def test_disabled_motors_release_the_wheels_and_forget_what_was_commanded(robot: Bench) -> None:
+def test_disabled_motors_release_the_wheels_and_forget_what_was_commanded(robot: MicrocontrollerBench) -> None:
     robot.send(Command.VEL, 0.3)
     robot.run(2.0)
     robot.send(Command.ENABLE, 0)
@@ -251,7 +251,7 @@ def test_disabled_motors_release_the_wheels_and_forget_what_was_commanded(robot:
     assert robot.body.travel == stood
 
 
-def test_enabling_enabled_motors_does_not_disturb_a_motion(robot: Bench) -> None:
+def test_enabling_enabled_motors_does_not_disturb_a_motion(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 1.0)
     robot.run(1.0)
     robot.send(Command.ENABLE, 1)
@@ -259,7 +259,7 @@ def test_enabling_enabled_motors_does_not_disturb_a_motion(robot: Bench) -> None
     assert robot.body.travel == pytest.approx(1.0, abs=0.005)
 
 
-def test_a_robot_that_is_pushed_while_it_stands_returns(robot: Bench) -> None:
+def test_a_robot_that_is_pushed_while_it_stands_returns(robot: MicrocontrollerBench) -> None:
     robot.run(1.0)
     robot.body.left.travel += 0.02
     robot.body.right.travel += 0.02
@@ -267,7 +267,7 @@ def test_a_robot_that_is_pushed_while_it_stands_returns(robot: Bench) -> None:
     assert robot.body.travel == pytest.approx(0.0, abs=0.002)
 
 
-def test_a_standing_robot_does_not_creep(robot: Bench) -> None:
+def test_a_standing_robot_does_not_creep(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 0.5)
     robot.run(10.0)
     stood, told = robot.body.travel, robot.body.told
@@ -296,7 +296,7 @@ class TestVel2:
         ],
     )
     def test_both_encodings_that_clients_use_are_understood(
-        self, robot: Bench, frame: str, left: float, right: float
+        self, robot: MicrocontrollerBench, frame: str, left: float, right: float
     ) -> None:
         robot.controller.receive(bytes.fromhex(frame))
         robot.run(2.0)

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from p2os.command_table import Command
 from p2os.odometry import OdometryUnwrapper
 from p2os.packets import Encoders
-from p2os_emu.microcontroller.odometry import Odometry
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.odometry import OdometryIntegrator
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 
-def test_pose_follows_the_wheels(robot: Bench) -> None:
+def test_pose_follows_the_wheels(robot: MicrocontrollerBench) -> None:
     for command, value in ((Command.MOVE, 1.0), (Command.HEAD, radians(90)), (Command.MOVE, 0.5)):
         robot.send(command, value)
         robot.run(6.0)
@@ -25,13 +25,13 @@ def test_pose_follows_the_wheels(robot: Bench) -> None:
     assert sip.heading == pytest.approx(radians(90), abs=radians(0.3))
 
 
-def test_positions_on_the_wire_wrap_at_32768_counts(robot: Bench) -> None:
+def test_positions_on_the_wire_wrap_at_32768_counts(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, -0.5)
     robot.run(5.0)
     assert robot.sip().x == pytest.approx(32.768 - 0.5, abs=0.002)
 
 
-def test_a_long_drive_unwraps_to_the_true_distance(robot: Bench) -> None:
+def test_a_long_drive_unwraps_to_the_true_distance(robot: MicrocontrollerBench) -> None:
     unwrapper = OdometryUnwrapper(robot.model)
     robot.send(Command.SETA, 2.0)
     robot.send(Command.VEL, 1.5)
@@ -53,7 +53,7 @@ def test_encoders_count_the_models_ticks(bench_of: BenchOf, subtype: str) -> Non
     assert encoders.right == pytest.approx(robot.body.right.travel * robot.model.ticks_per_metre, abs=1)
 
 
-def test_encoders_count_down_in_reverse(robot: Bench) -> None:
+def test_encoders_count_down_in_reverse(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, -0.5)
     robot.run(5.0)
     robot.send(Command.ENCODER, 1)
@@ -61,7 +61,7 @@ def test_encoders_count_down_in_reverse(robot: Bench) -> None:
     assert encoders.left == pytest.approx(-0.5 * robot.model.ticks_per_metre, rel=0.01)
 
 
-def test_seto_makes_here_the_origin_before_the_next_sip(robot: Bench) -> None:
+def test_seto_makes_here_the_origin_before_the_next_sip(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 0.4)
     robot.send(Command.HEAD, 1.0)
     robot.run(5.0)
@@ -70,7 +70,7 @@ def test_seto_makes_here_the_origin_before_the_next_sip(robot: Bench) -> None:
     assert (sip.x, sip.y, sip.heading, sip.control) == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=0.002)
 
 
-def test_seto_ends_a_turn_but_not_a_translation(robot: Bench) -> None:
+def test_seto_ends_a_turn_but_not_a_translation(robot: MicrocontrollerBench) -> None:
     robot.send(Command.MOVE, 1.0)
     robot.send(Command.HEAD, radians(170))
     robot.run(1.0)
@@ -81,7 +81,7 @@ def test_seto_ends_a_turn_but_not_a_translation(robot: Bench) -> None:
     assert robot.body.travel == pytest.approx(1.0, abs=0.005)
 
 
-def test_head_after_seto_counts_from_the_new_origin(robot: Bench) -> None:
+def test_head_after_seto_counts_from_the_new_origin(robot: MicrocontrollerBench) -> None:
     robot.send(Command.HEAD, radians(90))
     robot.run(4.0)
     robot.send(Command.SETO)
@@ -91,7 +91,7 @@ def test_head_after_seto_counts_from_the_new_origin(robot: Bench) -> None:
 
 
 @pytest.mark.parametrize("speed", [0.001, -0.001])
-def test_a_millimetre_a_second_shows(robot: Bench, speed: float) -> None:
+def test_a_millimetre_a_second_shows(robot: MicrocontrollerBench, speed: float) -> None:
     robot.send(Command.VEL, speed)
     robot.run(1.0)
     sip = robot.sip()
@@ -99,27 +99,27 @@ def test_a_millimetre_a_second_shows(robot: Bench, speed: float) -> None:
     assert sip.moving
 
 
-def test_rotational_velocity_shows_in_tenths_of_a_degree(robot: Bench) -> None:
+def test_rotational_velocity_shows_in_tenths_of_a_degree(robot: MicrocontrollerBench) -> None:
     robot.send(Command.RVEL, radians(-30))
     robot.run(2.0)
     assert robot.sip().rotational_velocity == pytest.approx(radians(-30), abs=radians(0.06))
 
 
-def test_ticksmm_rescales_odometry_from_now_on(robot: Bench) -> None:
+def test_ticksmm_rescales_odometry_from_now_on(robot: MicrocontrollerBench) -> None:
     robot.send(Command.TICKSMM, 2 * 94)  # FLASH says 94 for this model
     robot.send(Command.VEL, 0.3)
     robot.run(4.0)
     assert robot.sip().x == pytest.approx(robot.body.travel / 2, abs=0.02)
 
 
-def test_revcount_rescales_turns(robot: Bench) -> None:
+def test_revcount_rescales_turns(robot: MicrocontrollerBench) -> None:
     robot.send(Command.REVCOUNT, 32550 // 2)
     robot.send(Command.RVEL, 0.25)
     robot.run(4.0)
     assert robot.sip().heading == pytest.approx(robot.turned * 2, abs=0.05)
 
 
-def test_driftfactor_bends_what_the_robot_takes_for_straight(robot: Bench) -> None:
+def test_driftfactor_bends_what_the_robot_takes_for_straight(robot: MicrocontrollerBench) -> None:
     robot.send(Command.DRIFTFACTOR, 82)  # one percent more on the left
     robot.send(Command.VEL, 0.5)
     robot.run(4.0)
@@ -135,7 +135,7 @@ def test_ticks_and_heading_depend_on_where_the_wheels_are_and_not_on_the_way(
     rolls: list[tuple[float, float]], factor: float, bench_of: BenchOf
 ) -> None:
     model = bench_of("p3dx-sh").model
-    odometry = Odometry(model)
+    odometry = OdometryIntegrator(model)
     left = right = 0.0
     odometry.update(left, right)
     for left_roll, right_roll in rolls:
@@ -151,7 +151,7 @@ def test_ticks_and_heading_depend_on_where_the_wheels_are_and_not_on_the_way(
 
 def test_a_circle_closes(bench_of: BenchOf) -> None:
     model = bench_of("p3dx-sh").model
-    odometry = Odometry(model)
+    odometry = OdometryIntegrator(model)
     odometry.update(0.0, 0.0)
     radius, steps = 1.0, 1000
     for step in range(1, steps + 1):

@@ -7,15 +7,15 @@ import pytest
 from p2os.accessory_packets import BatteryReport, Reset
 from p2os.command_table import Command
 from p2os.configuration import Configuration
-from p2os.packets import InputsOutputs
+from p2os.packets import IoReport
 from p2os.sip import SipFlag
 from p2os_emu.microcontroller import Flash
 from p2os_emu.microcontroller.battery import ChargeState
 from p2os_emu.microcontroller.charger import LOWERING, PATIENCE
 from p2os_emu.microcontroller.outputs import POWER_OUTPUTS
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 POWER = {
     Command.POWER_PC: "pc",
@@ -35,7 +35,7 @@ class TestPower:
         assert tuple(POWER.values()) == POWER_OUTPUTS
 
     @pytest.mark.parametrize("command", POWER, ids=lambda command: command.name)
-    def test_a_command_switches_its_output_and_no_other(self, robot: Bench, command: Command) -> None:
+    def test_a_command_switches_its_output_and_no_other(self, robot: MicrocontrollerBench, command: Command) -> None:
         robot.send(command, 0)
         robot.step()
         assert [name for name, on in robot.controller.outputs.power.items() if not on] == [POWER[command]]
@@ -43,14 +43,14 @@ class TestPower:
         robot.step()
         assert all(robot.controller.outputs.power.values())
 
-    def test_a_power_port_is_switched_by_its_number_and_11_is_the_lasers(self, robot: Bench) -> None:
+    def test_a_power_port_is_switched_by_its_number_and_11_is_the_lasers(self, robot: MicrocontrollerBench) -> None:
         for number, state in ((3, 0), (11, 0), (8, 0), (8, 1), (200, 0)):
             robot.send(Command.SETPBIOPORT, (number, state))
         robot.step()
         power = robot.controller.outputs.power
         assert {name for name, on in power.items() if not on} == {"port3", "lrf"}
 
-    def test_everything_is_on_after_the_power_switch(self, robot: Bench) -> None:
+    def test_everything_is_on_after_the_power_switch(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.POWER_LRF, 0)
         robot.send(Command.CLOSE)
         robot.step()
@@ -60,7 +60,7 @@ class TestPower:
 
 
 class TestServosDisplayLamp:
-    def test_a_servo_gets_pulses_of_ten_microseconds_a_count(self, robot: Bench) -> None:
+    def test_a_servo_gets_pulses_of_ten_microseconds_a_count(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.PTUPOS, (2, 150))
         robot.send(Command.PTUPOS, (5, 150))
         robot.step()
@@ -69,7 +69,7 @@ class TestServosDisplayLamp:
         robot.step()
         assert robot.controller.outputs.servos == {}
 
-    def test_the_display_shows_twenty_characters(self, robot: Bench) -> None:
+    def test_the_display_shows_twenty_characters(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.LCDWRITE, b"low battery, going home\0")
         robot.step()
         assert robot.controller.outputs.lcd == "low battery, going h"
@@ -77,14 +77,14 @@ class TestServosDisplayLamp:
         robot.step()
         assert robot.controller.outputs.lcd == "ok"
 
-    def test_the_lamp(self, robot: Bench) -> None:
+    def test_the_lamp(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.MOVINGBLINK, 0)
         robot.step()
         assert not robot.controller.outputs.lamp
 
 
 class TestBatteryPacket:
-    def test_one_answer_to_one_question_with_the_charge_in_percent(self, robot: Bench) -> None:
+    def test_one_answer_to_one_question_with_the_charge_in_percent(self, robot: MicrocontrollerBench) -> None:
         robot.controller.receive(bytes.fromhex("FA FB 06 3E 3B 01 00 3F 3B"))  # source: transcript
         sent = robot.run(1.0)
         (report,) = (each for each in sent if isinstance(each.packet, BatteryReport))
@@ -94,7 +94,7 @@ class TestBatteryPacket:
 
 
 class TestCharger:
-    def test_contacts_that_touch_a_dock_charge_with_the_motors_off(self, robot: Bench) -> None:
+    def test_contacts_that_touch_a_dock_charge_with_the_motors_off(self, robot: MicrocontrollerBench) -> None:
         robot.controller.panel.docked = True
         assert not robot.sip().charger_good
         robot.send(Command.CHARGE, 1)
@@ -109,7 +109,7 @@ class TestCharger:
         robot.run(0.2)
         assert robot.sip().charge_state == ChargeState.NOT_CHARGING
 
-    def test_enabling_the_motors_raises_them(self, robot: Bench) -> None:
+    def test_enabling_the_motors_raises_them(self, robot: MicrocontrollerBench) -> None:
         robot.controller.panel.docked = True
         robot.send(Command.CHARGE, 1)
         robot.run(LOWERING + 1.0)
@@ -119,7 +119,7 @@ class TestCharger:
         assert sip.motors_enabled
         assert not sip.charger_good
 
-    def test_contacts_without_power_are_raised_again(self, robot: Bench) -> None:
+    def test_contacts_without_power_are_raised_again(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.CHARGE, 1)
         robot.run(LOWERING + PATIENCE + 1.0)
         robot.controller.panel.docked = True
@@ -136,7 +136,9 @@ class TestCharger:
         assert not sip.charger_good
 
     @pytest.mark.parametrize(("mode", "stands"), [(0, False), (1, False), (2, True)])
-    def test_docking_mode_two_stops_where_power_comes(self, robot: Bench, mode: int, stands: bool) -> None:
+    def test_docking_mode_two_stops_where_power_comes(
+        self, robot: MicrocontrollerBench, mode: int, stands: bool
+    ) -> None:
         robot.send(Command.DOCK, mode)
         robot.send(Command.VEL, 0.3)
         robot.run(2.0)
@@ -165,20 +167,20 @@ class TestShutdown:
         assert robot.sip().battery == pytest.approx(real, abs=0.1)
 
 
-def send(robot: Bench, frame: str) -> None:
+def send(robot: MicrocontrollerBench, frame: str) -> None:
     robot.controller.receive(bytes.fromhex(frame))
     robot.step()
 
 
 class TestInfrared:
-    def test_sensors_show_in_the_fourth_byte_of_iopac_low_where_they_see(self, robot: Bench) -> None:
+    def test_sensors_show_in_the_fourth_byte_of_iopac_low_where_they_see(self, robot: MicrocontrollerBench) -> None:
         robot.body.infrared = 0b11111101
         robot.controller.panel.infrared = 0b11101111
         robot.send(Command.IOREQUEST, 1)
-        (packet,) = robot.packets(InputsOutputs, 0.2)
+        (packet,) = robot.packets(IoReport, 0.2)
         assert packet.digital_in[3] == 0b11101101
 
-    def test_ledge_sensors_show_in_the_flags(self, robot: Bench) -> None:
+    def test_ledge_sensors_show_in_the_flags(self, robot: MicrocontrollerBench) -> None:
         robot.body.far_ledge = True
         assert robot.sip().flags & (SipFlag.FAR_LEDGE | SipFlag.NEAR_LEDGE) == SipFlag.FAR_LEDGE
         robot.body.near_ledge = True
@@ -195,13 +197,13 @@ class TestInfrared:
 
 
 class TestReset:
-    def test_a_reset_that_says_why_has_another_type(self, robot: Bench) -> None:
+    def test_a_reset_that_says_why_has_another_type(self, robot: MicrocontrollerBench) -> None:
         robot.controller.power_cycle(b"\x05")
         (sent,) = (each for each in robot.run(0.1))
         assert sent.payload == b"\xfe\x05"
         assert sent.packet == Reset(b"\x05")
 
-    def test_a_commanded_reset_says_nothing_more(self, robot: Bench) -> None:
+    def test_a_commanded_reset_says_nothing_more(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.RESET)
         assert [each.payload for each in robot.run(0.1)] == [b"\xff"]
 
@@ -213,7 +215,7 @@ class TestReset:
 
 
 @pytest.mark.parametrize(("command", "value"), [(Command.DIGTEMPTEST, 1), (Command.SPOOFANALOGTEMP, 40)])
-def test_pretended_temperatures_do_no_harm(robot: Bench, command: Command, value: int) -> None:
+def test_pretended_temperatures_do_no_harm(robot: MicrocontrollerBench, command: Command, value: int) -> None:
     robot.send(command, value)
     assert len(robot.sips(1.0)) == 10
     robot.send(command, 0)
@@ -224,14 +226,14 @@ class TestAutoBaud:
     """A client that finds AUTOBAUD 2 raises the rate: HOSTBAUD, 10 ms, its own port, PULSE. Source: section 2."""
 
     def test_flash_says_whether_clients_should(self, bench_of: BenchOf) -> None:
-        plain: Bench = bench_of("p3dx-sh")
+        plain: MicrocontrollerBench = bench_of("p3dx-sh")
         flash = Flash.of(plain.model, "happy").changed({"auto_baud": 2})
         robot = bench_of("p3dx-sh", flash=flash).connect()
         robot.send(Command.CONFIG)
         (packet,) = robot.packets(Configuration, 0.2)
         assert packet.auto_baud == 2
 
-    def test_the_dance(self, robot: Bench) -> None:
+    def test_the_dance(self, robot: MicrocontrollerBench) -> None:
         controller = robot.controller
         assert controller.host_baud == 9600
         controller.receive(bytes.fromhex("FA FB 06 32 3B 02 00 34 3B"))  # source: transcript
@@ -253,7 +255,7 @@ class TestAutoBaud:
         robot.run(0.1)
         assert robot.controller.host_baud == 9600
 
-    def test_without_autobaud_the_rate_survives_the_client_and_its_death(self, robot: Bench) -> None:
+    def test_without_autobaud_the_rate_survives_the_client_and_its_death(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.HOSTBAUD, 4)
         robot.run(0.1)
         robot.pulsing = False

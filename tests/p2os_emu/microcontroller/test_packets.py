@@ -8,14 +8,14 @@ import pytest
 
 from p2os.command_table import Command
 from p2os.configuration import Configuration
-from p2os.packets import Encoders, InputsOutputs
+from p2os.packets import Encoders, IoReport
 from p2os.sip import StandardSip
-from p2os_emu.microcontroller.testing import STEP, Bench
+from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 
-def next_payload(robot: Bench) -> bytes:
+def next_payload(robot: MicrocontrollerBench) -> bytes:
     """The next packet, in the step that sends it."""
     for _ in range(12):
         sent = robot.run(STEP)
@@ -24,7 +24,7 @@ def next_payload(robot: Bench) -> bytes:
     raise AssertionError("no packet for a whole cycle")
 
 
-def test_sip_of_a_moving_arcos_robot_byte_by_byte(robot: Bench) -> None:
+def test_sip_of_a_moving_arcos_robot_byte_by_byte(robot: MicrocontrollerBench) -> None:
     """Offsets and units of fact sheet section 5."""
     robot.body.ranges = lambda disc: 1.5
     robot.controller.panel.battery = 25.2
@@ -77,7 +77,7 @@ def test_p2os_sends_raw_units(bench_of: BenchOf) -> None:
     assert struct.unpack_from("<H", payload, 21)[0] == pytest.approx(10000, abs=2)
 
 
-def test_type_says_whether_wheels_turn(robot: Bench) -> None:
+def test_type_says_whether_wheels_turn(robot: MicrocontrollerBench) -> None:
     assert next_payload(robot)[0] == 0x32
     robot.send(Command.VEL, 0.1)
     robot.run(0.2)
@@ -108,7 +108,7 @@ class TestConfiguration:
         assert (configuration.sip_cycle, configuration.watchdog) == (0.1, 2.0)
         assert robot.packets(Configuration, 1.0) == [], "one request, one packet"
 
-    def test_its_first_bytes_are_those_of_the_fact_sheet(self, robot: Bench) -> None:
+    def test_its_first_bytes_are_those_of_the_fact_sheet(self, robot: MicrocontrollerBench) -> None:
         robot.controller.receive(bytes.fromhex("FA FB 06 12 3B 01 00 13 3B"))  # CONFIG with an int, as one client sends
         payload = robot.run(0.1)[1].payload
         assert payload.startswith(b"\x20Pioneer\0powerbot-sh\0")
@@ -116,7 +116,7 @@ class TestConfiguration:
         assert struct.unpack_from("<BHHHHH", payload, after_serial) == (0, 360, 2000, 300, 2000, 500)
         assert payload[after_serial + 11 :].startswith(b"PowerBot1\0\x64\x00")
 
-    def test_it_reports_working_values_and_close_brings_flash_back(self, robot: Bench) -> None:
+    def test_it_reports_working_values_and_close_brings_flash_back(self, robot: MicrocontrollerBench) -> None:
         changes: list[tuple[Command, float]] = [
             (Command.SETV, 0.4),
             (Command.SETRV, radians(50)),
@@ -156,7 +156,7 @@ class TestConfiguration:
         assert fresh.ticks_per_mm == 94
 
     @pytest.mark.parametrize("value", [-65535, -1, 0, 65535])
-    def test_working_values_out_of_range_never_break_it(self, robot: Bench, value: int) -> None:
+    def test_working_values_out_of_range_never_break_it(self, robot: MicrocontrollerBench, value: int) -> None:
         for command in (5, 6, 10, 14, 20, 23, 44, 48, *range(82, 90), 93):
             magnitude = struct.pack("<H", abs(value))
             payload = bytes([command, 0x1B if value < 0 else 0x3B]) + magnitude
@@ -166,7 +166,7 @@ class TestConfiguration:
         assert configuration.acceleration > 0
         assert configuration.rotational_deceleration > 0
 
-    def test_auto_baud_tells_clients_to_keep_the_rate(self, robot: Bench) -> None:
+    def test_auto_baud_tells_clients_to_keep_the_rate(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.CONFIG)
         (configuration,) = robot.packets(Configuration, 0.2)
         assert configuration.auto_baud == 1
@@ -179,11 +179,9 @@ def framed(payload: bytes) -> bytes:
 
 
 class TestRequests:
-    @pytest.mark.parametrize(
-        ("command", "kind"), [(Command.ENCODER, Encoders), (Command.IOREQUEST, InputsOutputs)], ids=str
-    )
+    @pytest.mark.parametrize(("command", "kind"), [(Command.ENCODER, Encoders), (Command.IOREQUEST, IoReport)], ids=str)
     def test_one_then_many_then_none(
-        self, robot: Bench, command: Command, kind: type[Encoders] | type[InputsOutputs]
+        self, robot: MicrocontrollerBench, command: Command, kind: type[Encoders] | type[IoReport]
     ) -> None:
         robot.send(command, 1)
         assert len(robot.packets(kind, 1.0)) == 1
@@ -192,22 +190,22 @@ class TestRequests:
         robot.send(command, 0)
         assert robot.packets(kind, 1.0) == []
 
-    def test_extras_follow_the_sip_of_their_cycle(self, robot: Bench) -> None:
+    def test_extras_follow_the_sip_of_their_cycle(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.ENCODER, 5)
         robot.send(Command.IOREQUEST, 2)
         robot.send(Command.CONFIG)
         kinds = [sent.payload[0] for sent in robot.run(0.3)]
         assert kinds == [0x32, 0x20, 0x90, 0xF0, 0x32, 0x90, 0xF0, 0x32, 0x90, 0xF0]
 
-    def test_nothing_requested_goes_to_the_next_client(self, robot: Bench) -> None:
+    def test_nothing_requested_goes_to_the_next_client(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.IOREQUEST, 2)
         robot.run(0.5)
         robot.send(Command.CLOSE)
         robot.step()
         robot.connect()
-        assert robot.packets(InputsOutputs, 1.0) == []
+        assert robot.packets(IoReport, 1.0) == []
 
-    def test_encoder_packet_byte_by_byte(self, robot: Bench) -> None:
+    def test_encoder_packet_byte_by_byte(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.MOVE, -0.3)
         robot.run(4.0)
         robot.send(Command.ENCODER, 1)
@@ -216,7 +214,7 @@ class TestRequests:
         assert kind == 0x90
         assert left == right == pytest.approx(-0.3 * 94000, rel=0.01)
 
-    def test_io_packet_byte_by_byte_on_arcos(self, robot: Bench) -> None:
+    def test_io_packet_byte_by_byte_on_arcos(self, robot: MicrocontrollerBench) -> None:
         panel = robot.controller.panel
         panel.digital_in, panel.infrared, panel.battery = 0b10100101, 0b11111011, 24.0
         panel.analog[:] = [0.0, 5.0, 2.5, 0.0, 0.0, 0.0, 0.0, 1.0]
@@ -232,24 +230,24 @@ class TestRequests:
     def test_io_packet_of_older_firmware_has_no_infrared_byte(self, bench_of: BenchOf) -> None:
         robot = bench_of("p3at").connect()
         robot.send(Command.IOREQUEST, 1)
-        (packet,) = robot.packets(InputsOutputs, 0.2)
+        (packet,) = robot.packets(IoReport, 0.2)
         assert len(packet.digital_in) == 3
 
 
 class TestInputsAndOutputs:
-    def test_digout_changes_what_its_mask_names(self, robot: Bench) -> None:
+    def test_digout_changes_what_its_mask_names(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.DIGOUT, (0xF0, 0xFF))
         robot.send(Command.DIGOUT, (0x81, 0x01))
         assert robot.sip().digital_out == 0x71
         assert robot.controller.digital_out == 0x71
 
     @pytest.mark.parametrize("port", [-1, 8, 255])
-    def test_an_analog_port_that_does_not_exist_is_not_selected(self, robot: Bench, port: int) -> None:
+    def test_an_analog_port_that_does_not_exist_is_not_selected(self, robot: MicrocontrollerBench, port: int) -> None:
         robot.send(Command.ADSEL, 3)
         robot.send(Command.ADSEL, port)
         assert robot.sip().analog_port == 3
 
-    def test_readings_beyond_their_converters_are_cut_off(self, robot: Bench) -> None:
+    def test_readings_beyond_their_converters_are_cut_off(self, robot: MicrocontrollerBench) -> None:
         panel = robot.controller.panel
         panel.analog[0], panel.digital_in, panel.battery = 99.0, 0x1FF, -3.0
         sip = robot.sip()

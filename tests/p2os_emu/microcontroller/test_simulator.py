@@ -12,7 +12,7 @@ from geometry import Pose2D
 from p2os import Command, Family, Frame, FrameDecoder, RobotModel, decode_packet, encode_command, encode_frame
 from p2os.configuration import Configuration
 from p2os.simulator_packets import ExtendedLaser, MapChanged, SimulatedLaser, SimulatorState
-from p2os_emu.body import Beams, Echoes
+from p2os_emu.body import Echoes, ScanBeams
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.flat_world import FlatBody, FlatWorld
 from p2os_emu.links.line import LinkProfile
@@ -21,7 +21,7 @@ from p2os_emu.links.memory import MemoryLink
 WALL = 4.0
 
 
-def look(self: FlatBody, beams: Beams) -> Echoes:
+def look(self: FlatBody, beams: ScanBeams) -> Echoes:
     """A wall all round that reflects to the left."""
     bearings = beams.first + beams.step * np.arange(beams.count)
     return Echoes(np.full(beams.count, WALL), np.ones(beams.count), bearings > 0.0)

@@ -11,25 +11,25 @@ import pytest
 from p2os.command_table import Command
 from p2os.sip import StandardSip
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 POWERBOT_DISCS = [*range(7), *range(8, 15), *range(16, 23), *range(24, 31)]
 
 
-def firings(robot: Bench, seconds: float) -> list[tuple[int, ...]]:
+def firings(robot: MicrocontrollerBench, seconds: float) -> list[tuple[int, ...]]:
     before = len(robot.body.pings)
     robot.run(seconds)
     return robot.body.pings[before:]
 
 
-def test_a_powerbot_reports_its_28_discs_and_no_empty_slot(robot: Bench) -> None:
+def test_a_powerbot_reports_its_28_discs_and_no_empty_slot(robot: MicrocontrollerBench) -> None:
     reported = {number for sip in robot.sips(1.0) for number, _ in sip.sonar}
     assert sorted(reported) == POWERBOT_DISCS
 
 
-def test_one_disc_of_each_array_fires_every_40_ms_all_at_once_in_rising_order(robot: Bench) -> None:
+def test_one_disc_of_each_array_fires_every_40_ms_all_at_once_in_rising_order(robot: MicrocontrollerBench) -> None:
     fired = firings(robot, 2.0)
     assert len(fired) == 50
     assert all(len(discs) == 4 for discs in fired)
@@ -38,13 +38,13 @@ def test_one_disc_of_each_array_fires_every_40_ms_all_at_once_in_rising_order(ro
     assert all(discs == (n, n + 8, n + 16, n + 24) for n, discs in zip(first, fired, strict=True))
 
 
-def test_a_sip_carries_two_or_three_new_readings_of_each_array(robot: Bench) -> None:
+def test_a_sip_carries_two_or_three_new_readings_of_each_array(robot: MicrocontrollerBench) -> None:
     robot.sip()
     counts = {len(sip.sonar) for sip in robot.sips(5.0)}
     assert counts == {8, 12}
 
 
-def test_ranges_are_those_of_the_body(robot: Bench) -> None:
+def test_ranges_are_those_of_the_body(robot: MicrocontrollerBench) -> None:
     robot.body.ranges = lambda disc: 0.5 + disc / 100
     robot.sip()
     for number, distance in chain.from_iterable(sip.sonar for sip in robot.sips(1.0)):
@@ -61,7 +61,7 @@ def test_no_echo_reports_the_maximum_range(bench_of: BenchOf, subtype: str) -> N
 
 
 class TestSonarCommand:
-    def test_zero_and_one_switch_all_arrays(self, robot: Bench) -> None:
+    def test_zero_and_one_switch_all_arrays(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.SONAR, 0)
         assert firings(robot, 1.0) == []
         assert robot.sip().sonar_arrays == 0
@@ -69,7 +69,7 @@ class TestSonarCommand:
         assert robot.sip().sonar_arrays == 0b1111
         assert firings(robot, 0.5)
 
-    def test_bits_name_one_array(self, robot: Bench) -> None:
+    def test_bits_name_one_array(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.SONAR, 0b0110)  # off, array 3
         assert robot.sip().sonar_arrays == 0b1011
         robot.send(Command.SONAR, 0)
@@ -78,7 +78,7 @@ class TestSonarCommand:
         assert {disc // 8 for disc in chain.from_iterable(firings(robot, 1.0))} == {3}
 
     @pytest.mark.parametrize("argument", [0b1011, 0b1110, 0b1111])
-    def test_arrays_that_do_not_exist_are_ignored(self, robot: Bench, argument: int) -> None:
+    def test_arrays_that_do_not_exist_are_ignored(self, robot: MicrocontrollerBench, argument: int) -> None:
         robot.send(Command.SONAR, argument)
         assert robot.sip().sonar_arrays == 0b1111
 
@@ -104,7 +104,7 @@ class TestSonarCommand:
 
 
 class TestPolling:
-    def test_only_named_arrays_change_and_repeats_count(self, robot: Bench) -> None:
+    def test_only_named_arrays_change_and_repeats_count(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.POLLING, bytes([1, 2, 1, 3, 12]))
         fired = firings(robot, 4.0)
         first = Counter(discs[0] for discs in fired)
@@ -113,7 +113,7 @@ class TestPolling:
         assert {discs[1] for discs in fired} == {11}
         assert {discs[2] for discs in fired} == set(range(16, 23)), "array 3 was not named"
 
-    def test_an_empty_string_silences_everything(self, robot: Bench) -> None:
+    def test_an_empty_string_silences_everything(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.POLLING, b"")
         assert firings(robot, 1.0) == []
         assert robot.sip().sonar_arrays == 0
@@ -122,7 +122,7 @@ class TestPolling:
         ("command", "argument", "arrays"), [(Command.SONAR, 1, 0b1111), (Command.POLLING, b"\x09", 0b0010)]
     )
     def test_silence_ends_by_sonar_or_by_another_sequence(
-        self, robot: Bench, command: Command, argument: int | bytes, arrays: int
+        self, robot: MicrocontrollerBench, command: Command, argument: int | bytes, arrays: int
     ) -> None:
         robot.send(Command.POLLING, b"")
         robot.run(0.5)
@@ -130,21 +130,21 @@ class TestPolling:
         assert robot.sip().sonar_arrays == arrays
         assert firings(robot, 0.5)
 
-    def test_a_sequence_does_not_switch_on_what_sonar_switched_off(self, robot: Bench) -> None:
+    def test_a_sequence_does_not_switch_on_what_sonar_switched_off(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.SONAR, 0)
         robot.send(Command.POLLING, bytes([1, 2, 3]))
         assert firings(robot, 1.0) == []
 
-    def test_an_array_holds_16_firings(self, robot: Bench) -> None:
+    def test_an_array_holds_16_firings(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.POLLING, bytes([1] * 16 + [2]))
         assert {discs[0] for discs in firings(robot, 2.0)} == {0}
 
     @pytest.mark.parametrize("sequence", [b"\x00", b"\x21", b"\x08", b"123"])
-    def test_numbers_that_are_no_discs_change_nothing(self, robot: Bench, sequence: bytes) -> None:
+    def test_numbers_that_are_no_discs_change_nothing(self, robot: MicrocontrollerBench, sequence: bytes) -> None:
         robot.send(Command.POLLING, sequence)
         assert {disc for discs in firings(robot, 2.0) for disc in discs} == set(POWERBOT_DISCS)
 
-    def test_the_next_client_finds_the_default_order(self, robot: Bench) -> None:
+    def test_the_next_client_finds_the_default_order(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.POLLING, bytes([1]))
         robot.send(Command.CLOSE)
         robot.step()
@@ -154,11 +154,13 @@ class TestPolling:
 
 class TestSonarCycle:
     @pytest.mark.parametrize(("period", "expected"), [(0.1, 20), (0.02, 100), (0.5, 2.0 / 0.12)])
-    def test_it_changes_the_time_between_firings(self, robot: Bench, period: float, expected: float) -> None:
+    def test_it_changes_the_time_between_firings(
+        self, robot: MicrocontrollerBench, period: float, expected: float
+    ) -> None:
         robot.send(Command.SONARCYCLE, period)
         assert len(firings(robot, 2.0)) == pytest.approx(expected, abs=1)
 
-    def test_the_fastest_cycle_keeps_frames_short_and_reports_each_disc_once(self, robot: Bench) -> None:
+    def test_the_fastest_cycle_keeps_frames_short_and_reports_each_disc_once(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.SONARCYCLE, 0.002)
         robot.run(0.3)
         fired = firings(robot, 1.0)
@@ -168,7 +170,7 @@ class TestSonarCycle:
             assert isinstance(sent.packet, StandardSip)
             assert sorted(number for number, _ in sent.packet.sonar) == POWERBOT_DISCS
 
-    def test_the_newest_reading_of_a_disc_wins(self, robot: Bench) -> None:
+    def test_the_newest_reading_of_a_disc_wins(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.SONARCYCLE, 0.002)
         robot.run(0.3)
         calls = iter(range(10**6))

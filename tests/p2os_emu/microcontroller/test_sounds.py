@@ -8,17 +8,17 @@ import pytest
 from p2os.accessory_packets import PlaylistEntry
 from p2os.command_table import Command
 from p2os_emu.microcontroller.buzzer import KEPT, frequency
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 
-def say(robot: Bench, *pairs: tuple[int, int]) -> None:
+def say(robot: MicrocontrollerBench, *pairs: tuple[int, int]) -> None:
     robot.send(Command.SAY, bytes(byte for pair in pairs for byte in pair))
     robot.step()
 
 
-def played(robot: Bench) -> int:
+def played(robot: MicrocontrollerBench) -> int:
     return len(robot.controller.notes)
 
 
@@ -27,7 +27,7 @@ def test_tones_are_midi_notes_and_then_steps_of_32_hertz(tone: int, hertz: float
     assert frequency(tone) == pytest.approx(hertz, abs=0.001)
 
 
-def test_notes_are_played_one_after_the_other(robot: Bench) -> None:
+def test_notes_are_played_one_after_the_other(robot: MicrocontrollerBench) -> None:
     say(robot, (50, 69), (25, 0), (5, 81))
     first, rest, last = robot.controller.notes
     assert (first.frequency, first.seconds) == pytest.approx((440.0, 1.0))
@@ -38,7 +38,7 @@ def test_notes_are_played_one_after_the_other(robot: Bench) -> None:
     assert robot.controller.notes[-1].time == pytest.approx(last.time + last.seconds), "the buzzer was still busy"
 
 
-def test_a_tune_has_at_most_twenty_notes_and_the_last_fifty_are_remembered(robot: Bench) -> None:
+def test_a_tune_has_at_most_twenty_notes_and_the_last_fifty_are_remembered(robot: MicrocontrollerBench) -> None:
     say(robot, *[(1, 69)] * 30)
     assert len(robot.controller.notes) == 20
     for _ in range(5):
@@ -46,7 +46,7 @@ def test_a_tune_has_at_most_twenty_notes_and_the_last_fifty_are_remembered(robot
     assert len(robot.controller.notes) == KEPT
 
 
-def test_a_muted_buzzer_plays_nothing_until_it_is_switched_on_or_the_client_goes(robot: Bench) -> None:
+def test_a_muted_buzzer_plays_nothing_until_it_is_switched_on_or_the_client_goes(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SOUNDTOG, 0)
     say(robot, (1, 69))
     assert played(robot) == 0
@@ -61,7 +61,7 @@ def test_a_muted_buzzer_plays_nothing_until_it_is_switched_on_or_the_client_goes
     assert played(robot) == 2
 
 
-def test_half_a_pair_is_no_note(robot: Bench) -> None:
+def test_half_a_pair_is_no_note(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SAY, b"\x05")
     robot.step()
     assert robot.controller.notes == ()
@@ -69,10 +69,10 @@ def test_half_a_pair_is_no_note(robot: Bench) -> None:
 
 class TestAmigoBot:
     @pytest.fixture
-    def amigo(self, bench_of: BenchOf) -> Bench:
+    def amigo(self, bench_of: BenchOf) -> MicrocontrollerBench:
         return bench_of("amigo").connect()
 
-    def test_the_list_begins_with_how_many_sounds_there_are(self, amigo: Bench) -> None:
+    def test_the_list_begins_with_how_many_sounds_there_are(self, amigo: MicrocontrollerBench) -> None:
         amigo.send(Command.PLAYLIST, 0)
         head, *sounds = amigo.packets(PlaylistEntry, 0.2)
         assert head.number == len(sounds) > 1
@@ -81,12 +81,12 @@ class TestAmigoBot:
         for sound, following in pairwise(sounds):
             assert sound.offset + sound.length == following.offset
 
-    def test_one_sound_of_the_list(self, amigo: Bench) -> None:
+    def test_one_sound_of_the_list(self, amigo: MicrocontrollerBench) -> None:
         amigo.send(Command.PLAYLIST, 2)
         (sound,) = amigo.packets(PlaylistEntry, 0.2)
         assert (sound.number, sound.name) == (2, "hello")
 
-    def test_a_sound_is_played_by_its_number(self, amigo: Bench) -> None:
+    def test_a_sound_is_played_by_its_number(self, amigo: MicrocontrollerBench) -> None:
         for number in (2, 0, 99, -1):
             amigo.send(Command.SOUND, number)
         amigo.step()
@@ -94,7 +94,7 @@ class TestAmigoBot:
         assert (note.sound, note.frequency, note.seconds) == ("hello", None, 0.8)
 
 
-def test_other_robots_have_no_sounds(robot: Bench) -> None:
+def test_other_robots_have_no_sounds(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SOUND, 1)
     robot.send(Command.PLAYLIST, 0)
     assert [entry.number for entry in robot.packets(PlaylistEntry, 0.2)] == [0]

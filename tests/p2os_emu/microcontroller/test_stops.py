@@ -7,13 +7,13 @@ import pytest
 
 from p2os.command_table import Command
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.testing import STEP, Bench
+from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 
 class TestStopButton:
-    def test_it_brakes_hard_disables_the_motors_and_shows_in_the_flags(self, robot: Bench) -> None:
+    def test_it_brakes_hard_disables_the_motors_and_shows_in_the_flags(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.VEL, 0.5)
         robot.run(3.0)
         start = robot.body.travel
@@ -24,7 +24,7 @@ class TestStopButton:
         assert (sip.stop_button, sip.e_stalled, sip.motors_enabled) == (True, True, False)
         assert not robot.body.powered
 
-    def test_enable_is_refused_while_it_is_pressed_and_needed_afterwards(self, robot: Bench) -> None:
+    def test_enable_is_refused_while_it_is_pressed_and_needed_afterwards(self, robot: MicrocontrollerBench) -> None:
         panel = robot.controller.panel
         panel.stop_button = True
         robot.run(0.5)
@@ -38,14 +38,14 @@ class TestStopButton:
         sip = robot.sip()
         assert (sip.stop_button, sip.e_stalled, sip.motors_enabled) == (False, False, True)
 
-    def test_the_next_client_sees_a_stall_only_while_it_is_pressed(self, robot: Bench) -> None:
+    def test_the_next_client_sees_a_stall_only_while_it_is_pressed(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.CLOSE)
         robot.controller.panel.stop_button = True
         robot.run(0.5)
         robot.controller.panel.stop_button = False
         assert not robot.connect().sip().e_stalled
 
-    def test_without_estall_it_only_shows(self, robot: Bench) -> None:
+    def test_without_estall_it_only_shows(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.ESTALL, 0)
         robot.send(Command.VEL, 0.3)
         robot.run(2.0)
@@ -64,12 +64,12 @@ class TestStopButton:
 
 
 class TestBumpers:
-    def drive_into(self, robot: Bench, speed: float, *, front: int = 0, rear: int = 0) -> None:
+    def drive_into(self, robot: MicrocontrollerBench, speed: float, *, front: int = 0, rear: int = 0) -> None:
         robot.send(Command.VEL, speed)
         robot.run(1.0)
         robot.body.front_bumpers, robot.body.rear_bumpers = front, rear
 
-    def test_segments_show_in_the_stall_word(self, robot: Bench) -> None:
+    def test_segments_show_in_the_stall_word(self, robot: MicrocontrollerBench) -> None:
         robot.body.front_bumpers = 0b1000101
         robot.body.rear_bumpers = 0b10001
         stall = robot.sip().stall
@@ -83,7 +83,9 @@ class TestBumpers:
         assert robot.sip().stall == 0
 
     @pytest.mark.parametrize(("speed", "front", "rear"), [(0.3, 1, 0), (-0.3, 0, 1)])
-    def test_contact_on_the_way_stalls_both_wheels(self, robot: Bench, speed: float, front: int, rear: int) -> None:
+    def test_contact_on_the_way_stalls_both_wheels(
+        self, robot: MicrocontrollerBench, speed: float, front: int, rear: int
+    ) -> None:
         self.drive_into(robot, speed, front=front, rear=rear)
         robot.run(STEP)
         assert not robot.body.powered
@@ -95,12 +97,14 @@ class TestBumpers:
         assert abs(robot.body.travel - start) < 0.01, "power comes back again and again, contact takes it away"
 
     @pytest.mark.parametrize(("speed", "front", "rear"), [(-0.3, 1, 0), (0.3, 0, 1)])
-    def test_contact_behind_the_motion_does_not_stall(self, robot: Bench, speed: float, front: int, rear: int) -> None:
+    def test_contact_behind_the_motion_does_not_stall(
+        self, robot: MicrocontrollerBench, speed: float, front: int, rear: int
+    ) -> None:
         self.drive_into(robot, speed, front=front, rear=rear)
         robot.run(1.0)
         assert robot.body.velocity == pytest.approx(speed)
 
-    def test_a_robot_can_back_away_from_what_it_ran_into(self, robot: Bench) -> None:
+    def test_a_robot_can_back_away_from_what_it_ran_into(self, robot: MicrocontrollerBench) -> None:
         self.drive_into(robot, 0.3, front=1)
         robot.run(1.0)
         robot.send(Command.VEL, -0.3)
@@ -109,7 +113,7 @@ class TestBumpers:
 
     @pytest.mark.parametrize(("argument", "front_stalls", "rear_stalls"), [(0, 0, 0), (1, 1, 0), (2, 0, 1), (3, 1, 1)])
     def test_bumpstall_chooses_the_bumpers(
-        self, robot: Bench, argument: int, front_stalls: bool, rear_stalls: bool
+        self, robot: MicrocontrollerBench, argument: int, front_stalls: bool, rear_stalls: bool
     ) -> None:
         robot.send(Command.BUMPSTALL, argument)
         self.drive_into(robot, 0.3, front=1)
@@ -129,7 +133,7 @@ class TestBumpers:
 
 
 class TestWheelStall:
-    def test_pushing_a_wall_stalls_then_tries_again(self, robot: Bench) -> None:
+    def test_pushing_a_wall_stalls_then_tries_again(self, robot: MicrocontrollerBench) -> None:
         robot.body.wall = 0.3
         robot.send(Command.VEL, 0.3)
         robot.run(1.0)
@@ -142,7 +146,7 @@ class TestWheelStall:
         assert not all(stalled), "power is re-applied after STALLCOUNT"
         assert reached < robot.time
 
-    def test_power_is_off_for_stallcount(self, robot: Bench) -> None:
+    def test_power_is_off_for_stallcount(self, robot: MicrocontrollerBench) -> None:
         robot.body.wall = 0.1
         robot.send(Command.VEL, 0.3)
         robot.run(0.5)
@@ -153,7 +157,7 @@ class TestWheelStall:
         began = powered.index(False)
         assert powered.index(True, began) - began == pytest.approx(0.2 / STEP, abs=1)
 
-    def test_only_the_wheel_that_pushes_shows(self, robot: Bench) -> None:
+    def test_only_the_wheel_that_pushes_shows(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.VEL, 0.05)
         robot.run(1.0)
         wheel = robot.body.left
@@ -165,7 +169,7 @@ class TestWheelStall:
         stall = robot.sips(0.12)[-1]
         assert (stall.left_stalled, stall.right_stalled) == (True, False)
 
-    def test_effort_of_a_fast_wheel_does_not_count(self, robot: Bench) -> None:
+    def test_effort_of_a_fast_wheel_does_not_count(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.VEL, 0.5)
         robot.run(2.0)
         for _ in range(240):
@@ -173,7 +177,7 @@ class TestWheelStall:
             robot.body.left.load = robot.body.right.load = 1.0
         assert robot.body.powered
 
-    def test_the_robot_drives_on_when_the_wall_is_gone(self, robot: Bench) -> None:
+    def test_the_robot_drives_on_when_the_wall_is_gone(self, robot: MicrocontrollerBench) -> None:
         robot.body.wall = 0.2
         robot.send(Command.MOVE, 1.0)
         robot.run(4.0)

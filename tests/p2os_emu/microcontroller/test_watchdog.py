@@ -5,17 +5,17 @@ import pytest
 
 from p2os.command_table import Command
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.testing import Bench
+from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
-BenchOf = Callable[..., Bench]
+BenchOf = Callable[..., MicrocontrollerBench]
 
 
-def fall_silent(robot: Bench, seconds: float) -> None:
+def fall_silent(robot: MicrocontrollerBench, seconds: float) -> None:
     robot.pulsing = False
     robot.run(seconds)
 
 
-def test_robot_stops_when_pulses_cease_and_sips_go_on(robot: Bench) -> None:
+def test_robot_stops_when_pulses_cease_and_sips_go_on(robot: MicrocontrollerBench) -> None:
     robot.send(Command.VEL, 0.3)
     robot.run(2.0)
     fall_silent(robot, 1.4)
@@ -25,7 +25,7 @@ def test_robot_stops_when_pulses_cease_and_sips_go_on(robot: Bench) -> None:
     assert len(robot.sips(1.0)) == 10
 
 
-def test_robot_stops_with_its_deceleration(robot: Bench) -> None:
+def test_robot_stops_with_its_deceleration(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SETA, -0.2)
     robot.send(Command.VEL, 0.4)
     robot.run(2.0)
@@ -38,7 +38,7 @@ def test_robot_stops_with_its_deceleration(robot: Bench) -> None:
 
 
 @pytest.mark.parametrize("command", [Command.PULSE, Command.CONFIG])
-def test_next_packet_resumes_the_last_speed(robot: Bench, command: Command) -> None:
+def test_next_packet_resumes_the_last_speed(robot: MicrocontrollerBench, command: Command) -> None:
     robot.send(Command.VEL, 0.3)
     robot.run(2.0)
     fall_silent(robot, 5.0)
@@ -47,7 +47,7 @@ def test_next_packet_resumes_the_last_speed(robot: Bench, command: Command) -> N
     assert robot.body.velocity == pytest.approx(0.3)
 
 
-def test_next_packet_resumes_a_turn_to_its_heading(robot: Bench) -> None:
+def test_next_packet_resumes_a_turn_to_its_heading(robot: MicrocontrollerBench) -> None:
     robot.send(Command.SETRV, 0.3)
     robot.send(Command.HEAD, 3.0)
     robot.run(1.0)
@@ -58,7 +58,7 @@ def test_next_packet_resumes_a_turn_to_its_heading(robot: Bench) -> None:
     assert robot.turned == pytest.approx(3.0, abs=0.01)
 
 
-def test_a_stop_as_the_first_packet_after_silence_keeps_the_robot_still(robot: Bench) -> None:
+def test_a_stop_as_the_first_packet_after_silence_keeps_the_robot_still(robot: MicrocontrollerBench) -> None:
     robot.send(Command.VEL, 0.3)
     robot.run(2.0)
     fall_silent(robot, 5.0)
@@ -69,7 +69,7 @@ def test_a_stop_as_the_first_packet_after_silence_keeps_the_robot_still(robot: B
     assert robot.body.travel == stood
 
 
-def test_damaged_frames_do_not_feed_the_watchdog(robot: Bench) -> None:
+def test_damaged_frames_do_not_feed_the_watchdog(robot: MicrocontrollerBench) -> None:
     robot.send(Command.VEL, 0.3)
     robot.run(2.0)
     robot.pulsing = False

@@ -8,10 +8,17 @@ import pytest
 from configs import load
 from geometry import wrap_angle
 from p2os.accessories.arm_model import ArmModel
-from p2os.accessories.powercube import CubeCommand, CubeState, MotionKind, Parameter, Request, encode_request
+from p2os.accessories.powercube import (
+    CubeCommand,
+    CubeState,
+    ModuleParameter,
+    ModuleRequest,
+    MotionKind,
+    encode_request,
+)
 from p2os.robot_model import RobotModel
 from p2os_emu.accessories.powercube import PowerCubeArm
-from p2os_emu.body import Arm
+from p2os_emu.body import ArmMechanism
 from p2os_emu.fit import Fit
 from p2os_emu.world import STEP, RobotBody, World
 from p2os_emu.world.engine import engine
@@ -34,7 +41,7 @@ class Armed:
         self.model = load(ArmModel, "accessories", f"{variant}-arm")
         self.body = world.add_robot("robot", model, fit=Fit({"arm": variant}))
         assert self.body.arm is not None
-        self.arm: Arm = self.body.arm
+        self.arm: ArmMechanism = self.body.arm
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / STEP)):
@@ -111,21 +118,21 @@ def _lift(armed: Armed, load_kg: float) -> tuple[PowerCubeArm, float]:
     """Let the shoulder of the stretched arm raise a load that hangs at its finger tips; its modules, and deg raised."""
     device = PowerCubeArm(armed.model, armed.arm)
 
-    def tell(module: int, request: Request, seconds: float) -> None:
+    def tell(module: int, request: ModuleRequest, seconds: float) -> None:
         device.receive(encode_request(module, request))
         for step in range(round(seconds / STEP)):
             if step % 60 == 0:
-                device.receive(encode_request(1, Request(CubeCommand.GET, Parameter.STATE)))
+                device.receive(encode_request(1, ModuleRequest(CubeCommand.GET, ModuleParameter.STATE)))
             device.step(STEP)
             armed.world.step()
 
-    tell(0, Request(CubeCommand.HOME), 0.5)
-    tell(2, Request(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, radians(90)), 3.5)
+    tell(0, ModuleRequest(CubeCommand.HOME), 0.5)
+    tell(2, ModuleRequest(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, radians(90)), 3.5)
     finger = armed.model.gripper.mass_kg
     for link in (FIRST + 7, FIRST + 8):
         engine.changeDynamics(armed.body.body_id, link, mass=finger + load_kg / 2, physicsClientId=armed.world._client)
     before = armed.arm.positions[1]
-    tell(2, Request(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, radians(45)), 2.5)
+    tell(2, ModuleRequest(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, radians(45)), 2.5)
     return device, degrees(before - armed.arm.positions[1])
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from geometry import Pose2D, wrap_angle
 from p2os.robot_model import RobotModel
-from p2os_emu.body import Gripper
+from p2os_emu.body import GripperMechanism
 from p2os_emu.fit import Fit
 from p2os_emu.world import STEP, Block, RobotBody, World, WorldError, WorldSpec
 from p2os_emu.world.movable import Movable, Shape
@@ -32,7 +32,7 @@ class Hand:
         self.world = make_world(WorldSpec("hand", objects=(there,)))
         self.body = self.world.add_robot("robot", model, Pose2D(-RUN_UP), fit=WITH_GRIPPER[model.name])
         assert self.body.gripper is not None
-        self.gripper: Gripper = self.body.gripper
+        self.gripper: GripperMechanism = self.body.gripper
         while self.world.truth("robot").pose.x < 0.0:
             self.run(STEP, wheels=(0.1, 0.1))
         self.run(0.1)

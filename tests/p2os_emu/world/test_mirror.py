@@ -15,7 +15,7 @@ from p2os_emu.world import Block, MovingDoor, Person, World, WorldSpec
 from p2os_emu.world.floor import PIXELS, Floor, Texture, picture
 from p2os_emu.world.mirror import SKY, Mirror
 from p2os_emu.world.movable import Movable, Shape
-from p2os_emu.world.sight import News
+from p2os_emu.world.sight import SceneChanges
 from p2os_emu.world.view import View
 
 WIDTH, HEIGHT = 64, 48
@@ -82,7 +82,7 @@ def test_robots_come_move_and_go_in_the_mirror_as_in_the_world(mirror: Mirror) -
     model = load(RobotModel, "robots", "p3dx-sh")
     known: set[int] = set()
 
-    def follow(world: World) -> News:
+    def follow(world: World) -> SceneChanges:
         news = world.sight.news(known)
         mirror.apply(news)
         known.update(news.new)
@@ -112,10 +112,10 @@ def test_news_that_nobody_took_adds_up(mirror: Mirror) -> None:
         numbers = set(first.new)
         second = world.sight.news(numbers)
         first.add(second)
-    first.add(News(gone={max(numbers)}))
+    first.add(SceneChanges(gone={max(numbers)}))
     assert max(numbers) not in first.new
     assert first.gone == set()  # nobody has heard of it
-    second.add(News(gone={max(numbers)}))
+    second.add(SceneChanges(gone={max(numbers)}))
     assert second.gone == {max(numbers)}
     assert max(numbers) not in second.moved
 
@@ -123,7 +123,7 @@ def test_news_that_nobody_took_adds_up(mirror: Mirror) -> None:
 def test_what_never_moves_is_told_once(mirror: Mirror) -> None:
     with world_of(Block(2.0, 0.0, 0.0, 0.2, 1.0, 0.5)) as world:
         known = set(world.sight.news(set()).new)
-        assert world.sight.news(known) == News()
+        assert world.sight.news(known) == SceneChanges()
 
 
 @pytest.mark.parametrize("texture", [Texture.CHECKER, Texture.TILES, Texture.PLANKS])

@@ -9,7 +9,7 @@ import pytest
 
 from geometry import Pose2D
 from p2os.robot_model import RobotModel
-from p2os_emu.body import Beams
+from p2os_emu.body import ScanBeams
 from p2os_emu.world import STEP, MovingDoor, Person, World, WorldError, WorldSpec, load_world
 from p2os_emu.world.spec import DoorEntry, WallEntry
 
@@ -19,7 +19,7 @@ MakeWorld = Callable[..., World]
 WALL = tuple(WallEntry((2.0, -3.0), (2.0, 3.0), "wall", doors=(DoorEntry(2.5, 1.0),)).blocks())
 DOOR = MovingDoor("door", (2.0, -0.5), (2.0, 0.5))
 ROOM = WorldSpec("room", walls=WALL, moving_doors=(DOOR,))
-AHEAD = Beams(x=0.0, y=0.0, height=0.3, first=0.0, step=pi / 360, count=1, reach=8.0)
+AHEAD = ScanBeams(x=0.0, y=0.0, height=0.3, first=0.0, step=pi / 360, count=1, reach=8.0)
 FILE = """
 about = "a door"
 

@@ -12,9 +12,9 @@ import pytest
 
 from geometry import Pose2D
 from p2os.robot_model import RobotModel
-from p2os_emu.body import Beams
+from p2os_emu.body import ScanBeams
 from p2os_emu.world import STEP, Block, Person, World, WorldError, WorldSpec, load_world
-from p2os_emu.world.people import BODY_RADIUS, HIP, LEG_RADIUS, STEP_LENGTH, Route
+from p2os_emu.world.people import BODY_RADIUS, HIP, LEG_RADIUS, STEP_LENGTH, PersonRoute
 from p2os_emu.world.walk import Walk
 from p2os_emu.world.walkers import LOOK_AHEAD
 
@@ -23,7 +23,7 @@ MakeWorld = Callable[..., World]
 
 ANNA = Person("Anna", ((0.0, 0.0), (4.0, 0.0)), speed=1.0)
 ROUND = Person("Bert", ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), loops=True, speed=0.5)
-BEAMS = Beams(x=0.0, y=0.0, height=0.3, first=-pi / 4, step=pi / 720, count=361, reach=8.0)
+BEAMS = ScanBeams(x=0.0, y=0.0, height=0.3, first=-pi / 4, step=pi / 720, count=361, reach=8.0)
 FILE = """
 about = "somebody"
 
@@ -98,7 +98,7 @@ def test_somebody_walks_there_and_back_at_their_speed() -> None:
 
 
 def test_a_loop_is_walked_round_and_round() -> None:
-    length = Route(ROUND.route, loops=True).length
+    length = PersonRoute(ROUND.route, loops=True).length
     assert length == pytest.approx(4.0 + hypot(2.0, 2.0))
     places = walk(ROUND, 2 * length / 0.5)
     for lap in (1, 2):

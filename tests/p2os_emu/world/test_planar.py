@@ -9,7 +9,7 @@ import pytest
 
 from geometry import Pose2D
 from p2os.robot_model import RobotModel
-from p2os_emu.body import Beams, Echoes
+from p2os_emu.body import Echoes, ScanBeams
 from p2os_emu.world import Block, RobotBody, World, WorldSpec, load_world
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.rays import cast
@@ -17,10 +17,10 @@ from p2os_emu.world.rays import cast
 Models = Callable[[str], RobotModel]
 MakeWorld = Callable[..., World]
 
-HALF_TURN = Beams(0.0, 0.0, 0.2, -pi / 2, pi / 180, 181, 30.0)
+HALF_TURN = ScanBeams(0.0, 0.0, 0.2, -pi / 2, pi / 180, 181, 30.0)
 
 
-def engine_ranges(world: World, body: RobotBody, beams: Beams) -> list[float]:
+def engine_ranges(world: World, body: RobotBody, beams: ScanBeams) -> list[float]:
     """The same beams, cast by the physics engine."""
     pose = body.pose
     x, y = pose.transform(beams.x, beams.y)
@@ -49,7 +49,7 @@ def test_office_full_of_robots_looks_as_the_physics_engine_sees_it(
 
 
 @pytest.mark.parametrize("beams", [HALF_TURN, replace(HALF_TURN, first=-3.0, step=0.011, count=540)])
-def test_a_wall_in_front_is_met_where_geometry_has_it(beams: Beams, model: Models, make_world: MakeWorld) -> None:
+def test_a_wall_in_front_is_met_where_geometry_has_it(beams: ScanBeams, model: Models, make_world: MakeWorld) -> None:
     world = make_world(WorldSpec("walled", walls=(Block(3.05, 0.0, 0.0, 0.1, 4.0, 2.0, reflector=True),)))
     echoes = world.add_robot("robot", model("p3dx"), Pose2D(0.0, 0.0, 0.0)).scan(beams)
     for index in range(beams.count):
@@ -127,6 +127,6 @@ def test_corners_hide_nothing_and_let_nothing_through(model: Models, make_world:
     turns = [radians(30 * number) for number in range(12)]
     ring = tuple(Block(3.0 * cos(turn), 3.0 * sin(turn), turn, 0.2, 1.8, 2.0) for turn in turns)
     body = make_world(WorldSpec("ring", walls=ring)).add_robot("robot", model("p3dx"), Pose2D(0.0, 0.0, 0.0))
-    ranges = body.scan(Beams(0.0, 0.0, 0.2, -3.1, 0.0031, 2000, 30.0)).ranges
+    ranges = body.scan(ScanBeams(0.0, 0.0, 0.2, -3.1, 0.0031, 2000, 30.0)).ranges
     assert np.min(ranges) > 2.89
     assert np.max(ranges) < hypot(2.9, 0.9)

@@ -8,7 +8,7 @@ from math import copysign, inf, pi
 from apps.indoor_navigation.algorithms.planning.guide import spoken
 from apps.indoor_navigation.algorithms.planning.orders import Order
 from apps.indoor_navigation.algorithms.planning.situation import Situation
-from apps.indoor_navigation.algorithms.planning.states import Event, State
+from apps.indoor_navigation.algorithms.planning.states import MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import Waiting
 from apps.indoor_navigation.data import Place
 from geometry import wrap_angle
@@ -50,7 +50,7 @@ class Driving:
         if wanted is not None:
             situation.arrive(now)
         else:
-            self._machine.happens(Event.HAS_TURNED, now, "the way lies ahead")
+            self._machine.happens(MissionEvent.HAS_TURNED, now, "the way lies ahead")
         return None
 
     def go(self, now: float) -> Order | None:
@@ -61,7 +61,7 @@ class Driving:
         if self._has_arrived(now) or self._faces(now) or self._comes_no_farther(now) or self._is_barred(now):
             return None
         situation.end_making_way(now)
-        is_free = situation.state is not State.PASSING and situation.making_way.waiting is None
+        is_free = situation.state is not MissionState.PASSING and situation.making_way.waiting is None
         if is_free and now >= situation.looked_at + numbers.look:
             situation.looked_at = now
             guide.look_for_better(now)
@@ -69,7 +69,7 @@ class Driving:
         if self._has_to_turn(now):
             return None
         target = guide.target
-        speed = numbers.door_speed if situation.state is State.PASSING else numbers.speed
+        speed = numbers.door_speed if situation.state is MissionState.PASSING else numbers.speed
         is_stop = target.is_last or target.lines_up
         return Order("go", target.x, target.y, guide.heading(), speed, is_stop, guide.following)
 
@@ -77,17 +77,17 @@ class Driving:
         """To where there is room, as it came."""
         crumbs, guide = self._memory.crumbs, self._situation.guide
         if len(crumbs) - 1 <= self._back_to:
-            self._machine.happens(Event.HAS_BACKED, now, "there is room to turn")
+            self._machine.happens(MissionEvent.HAS_BACKED, now, "there is room to turn")
             return None
         x, y = crumbs.towards(self._back_to)
         if guide.off(guide.direction((x, y)) + pi) > ASTERN:
             self._held_at = self._backed_from
-            self._machine.happens(Event.HAS_BACKED, now, "the way back does not lead straight back")
+            self._machine.happens(MissionEvent.HAS_BACKED, now, "the way back does not lead straight back")
             return None
         if self._progress.is_stuck(guide.pose, now):
             self._held_at = self._backed_from
             if not self._situation.has_tried_enough(now):
-                self._machine.happens(Event.CAME_NO_FARTHER, now, "the robot cannot go back")
+                self._machine.happens(MissionEvent.CAME_NO_FARTHER, now, "the robot cannot go back")
             return None
         return Order("back", x, y, speed=self._numbers.back_speed)
 
@@ -102,7 +102,7 @@ class Driving:
         if not guide.is_off_way(self._numbers.door_until) or not self._memory.may_turn_to(place, guide.target.place):
             return False
         self._faced_at = place
-        self._machine.happens(Event.HAS_TO_TURN, now, "to look where it is to go")
+        self._machine.happens(MissionEvent.HAS_TO_TURN, now, "to look where it is to go")
         return True
 
     def _has_faced(self) -> bool:
@@ -127,7 +127,7 @@ class Driving:
             situation.is_there = True
             heading = situation.goal.heading
             if heading is not None and guide.off(heading) > self._numbers.heading:
-                self._machine.happens(Event.HAS_TO_TURN, now, "there, and turning to the heading that is wanted")
+                self._machine.happens(MissionEvent.HAS_TO_TURN, now, "there, and turning to the heading that is wanted")
             else:
                 situation.arrive(now)
             return True
@@ -149,25 +149,27 @@ class Driving:
             return False
         situation.barred = guide.ahead(barrier.ahead + self._memory.half_width)
         if not barrier.may_go:
-            self._machine.happens(Event.CAME_NO_FARTHER, now, f"a wall is in the way, {barrier.ahead:.1f} m ahead")
+            self._machine.happens(
+                MissionEvent.CAME_NO_FARTHER, now, f"a wall is in the way, {barrier.ahead:.1f} m ahead"
+            )
             return True
         if barrier.ahead > 2.0 * numbers.guide.stop_before:
             return False
         why = f"something is in the way, {barrier.ahead:.1f} m ahead"
         waiting = Waiting(why, now, now + numbers.patience, barrier.cost, situation.barred)
-        situation.wait_for(now, Event.WAY_BARRED, waiting)
+        situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         return True
 
     def _wait_at_end(self, now: float) -> None:
         """Of a way that ends short of something, or aside."""
         situation, numbers = self._situation, self._numbers
         if (waiting := situation.making_way.waiting) is not None:
-            situation.wait_for(now, Event.WAY_BARRED, waiting.aside(now + numbers.aside))
+            situation.wait_for(now, MissionEvent.WAY_BARRED, waiting.aside(now + numbers.aside))
             return
         place = situation.barred = situation.guide.barred_place()
         why = f"the only way is barred near {spoken(place)}"
         waiting = Waiting(why, now, now + numbers.hope, place=place, is_last_hope=True)
-        situation.wait_for(now, Event.WAY_BARRED, waiting)
+        situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
 
     def _comes_no_farther(self, now: float) -> bool:
         if not self._progress.is_stuck(self._situation.guide.pose, now):
@@ -177,7 +179,7 @@ class Driving:
             self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._numbers.progress.avoid_for)
             why = f"the robot comes no farther at {spoken(self._memory.place)}"
             if not self._backs(now, self._memory.way_back(self._situation.guide.target.place), why):
-                self._machine.happens(Event.CAME_NO_FARTHER, now, why)
+                self._machine.happens(MissionEvent.CAME_NO_FARTHER, now, why)
         return True
 
     def _has_to_turn(self, now: float) -> bool:
@@ -190,7 +192,7 @@ class Driving:
         way_back = self._memory.way_back(target) if has_no_room else None
         if not self._backs(now, way_back, "there is no room to turn to where the way leads"):
             self._progress.turn(place)
-            self._machine.happens(Event.HAS_TO_TURN, now, "the way leads elsewhere")
+            self._machine.happens(MissionEvent.HAS_TO_TURN, now, "the way leads elsewhere")
         return True
 
     def _backs(self, now: float, way_back: int | None, why: str) -> bool:
@@ -199,12 +201,12 @@ class Driving:
         if way_back is None or is_held:
             return False
         self._back_to, self._backed_from = way_back, self._memory.place
-        self._machine.happens(Event.HAS_TO_BACK, now, why)
+        self._machine.happens(MissionEvent.HAS_TO_BACK, now, why)
         return True
 
     def _mind_door(self, now: float) -> None:
         door, state = self._situation.guide.door(), self._situation.state
-        if door is not None and state is State.GOING:
-            self._machine.happens(Event.DOOR_AHEAD, now, f"through door {door}")
-        elif door is None and state is State.PASSING:
-            self._machine.happens(Event.DOOR_PASSED, now, "behind the door")
+        if door is not None and state is MissionState.GOING:
+            self._machine.happens(MissionEvent.DOOR_AHEAD, now, f"through door {door}")
+        elif door is None and state is MissionState.PASSING:
+            self._machine.happens(MissionEvent.DOOR_PASSED, now, "behind the door")

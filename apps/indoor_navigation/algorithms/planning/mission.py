@@ -8,10 +8,10 @@ from typing import Any
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.driving import Driving
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers, Note, Order, is_sound
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionNumbers, Order, is_sound
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.situation import Situation
-from apps.indoor_navigation.algorithms.planning.states import ACTIVE, Event, State
+from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
 from apps.indoor_navigation.data import DLEData, GoalPoint, ObstRead
 
@@ -27,17 +27,17 @@ class Navigator:
         self.memory = Memory(numbers.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
         self._situation = Situation(numbers, self.memory)
         driving, pausing = Driving(self._situation), Pausing(self._situation)
-        self._handlers: dict[State, Callable[[float], Order | None]] = {
-            State.REPLANNING: pausing.replan,
-            State.WAITING: pausing.wait,
-            State.TURNING: driving.turn,
-            State.GOING: driving.go,
-            State.PASSING: driving.go,
-            State.BACKING: driving.back,
+        self._handlers: dict[MissionState, Callable[[float], Order | None]] = {
+            MissionState.REPLANNING: pausing.replan,
+            MissionState.WAITING: pausing.wait,
+            MissionState.TURNING: driving.turn,
+            MissionState.GOING: driving.go,
+            MissionState.PASSING: driving.go,
+            MissionState.BACKING: driving.back,
         }
 
     @property
-    def state(self) -> State:
+    def state(self) -> MissionState:
         """What it is about."""
         return self._situation.state
 
@@ -52,7 +52,7 @@ class Navigator:
         return self._situation.machine.why
 
     @property
-    def notes(self) -> deque[Note]:
+    def notes(self) -> deque[MissionNote]:
         """What there is to tell, taken out by whoever tells it."""
         return self._situation.notes
 
@@ -67,7 +67,7 @@ class Navigator:
         situation = self._situation
         if goal.x is None or goal.y is None:
             if self.is_active:
-                situation.machine.happens(Event.CALLED_OFF, now, "cancelled")
+                situation.machine.happens(MissionEvent.CALLED_OFF, now, "cancelled")
             return
         if self.is_active and situation.goal.mission != goal.mission:
             situation.note("warning", f"given up, because {goal.mission} replaces it")
@@ -85,7 +85,7 @@ class Navigator:
             if self.is_active:
                 situation.is_there, situation.no_way_since = False, inf
                 situation.machine.happens(
-                    Event.POSE_JUMPED, now, "the robot's pose was set anew, and all that was seen is forgotten"
+                    MissionEvent.POSE_JUMPED, now, "the robot's pose was set anew, and all that was seen is forgotten"
                 )
         situation.progress.see(reading, now)
 
@@ -101,9 +101,9 @@ class Navigator:
         for _ in range(AT_ONCE):
             if not self.is_active:
                 break
-            waits_for_sight = self.state is State.WAITING and situation.waiting is FOR_SIGHT
+            waits_for_sight = self.state is MissionState.WAITING and situation.waiting is FOR_SIGHT
             if situation.is_blind(now) and not waits_for_sight:
-                situation.wait_for(now, Event.BLIND, FOR_SIGHT)
+                situation.wait_for(now, MissionEvent.BLIND, FOR_SIGHT)
             order = self._handlers[self.state](now)
             if order is not None:
                 return order

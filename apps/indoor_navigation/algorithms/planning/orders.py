@@ -56,7 +56,7 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
+class MissionNote:
     """Something that a person may want to know."""
 
     mission: str

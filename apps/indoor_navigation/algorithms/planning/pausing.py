@@ -9,7 +9,7 @@ from math import inf
 from apps.indoor_navigation.algorithms.planning.guide import spoken
 from apps.indoor_navigation.algorithms.planning.orders import REST, Order
 from apps.indoor_navigation.algorithms.planning.situation import Situation
-from apps.indoor_navigation.algorithms.planning.states import Event
+from apps.indoor_navigation.algorithms.planning.states import MissionEvent
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, Waiting
 
 
@@ -28,16 +28,16 @@ class Pausing:
         if guide.is_too_far(now):
             situation.give_up(now, f"{spoken(guide.goal)} is too far away to plan a way there")
         elif (found := situation.look(now)) is not None:
-            self._machine.happens(Event.WAY_FOUND, now, f"a way of {found:.1f} m")
+            self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
         elif (barred := guide.look_hoping(now)) is not None:
             why = f"the only way is barred near {spoken(guide.barred_place())}, {barred:.1f} m from here"
             situation.no_way_since = inf
-            self._machine.happens(Event.WAY_FOUND, now, why)
+            self._machine.happens(MissionEvent.WAY_FOUND, now, why)
         elif now - situation.no_way_since < sure:
             situation.no_way_since = min(situation.no_way_since, now)
             until = situation.no_way_since + sure
             waiting = Waiting("there is no way at the moment", now, until, place=situation.barred)
-            situation.wait_for(now, Event.WAY_BARRED, waiting)
+            situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         elif situation.doubts and guide.doubt_goal(now):
             situation.doubts = False  # somebody may have stood there; it is looked at once more, from nearer
         else:
@@ -50,7 +50,7 @@ class Pausing:
         if waiting is FOR_SIGHT:
             if situation.is_blind(now):
                 return REST
-            self._machine.happens(Event.SEES_AGAIN, now, "something is seen again")
+            self._machine.happens(MissionEvent.SEES_AGAIN, now, "something is seen again")
             return None
         if self._sees_end_of(waiting, now) or self._makes_way(waiting, now):
             return None
@@ -61,7 +61,7 @@ class Pausing:
             self._memory.grid.take_for_walls(*waiting.place, radius)
         elif waiting.cost < inf and situation.has_tried_enough(now):
             return None
-        self._machine.happens(Event.WAITED_ENOUGH, now, f"waited long enough: {waiting.why}")
+        self._machine.happens(MissionEvent.WAITED_ENOUGH, now, f"waited long enough: {waiting.why}")
         return None
 
     def _sees_end_of(self, waiting: Waiting, now: float) -> bool:
@@ -70,9 +70,9 @@ class Pausing:
         if not situation.is_time_to_look(now):
             return False
         if (found := situation.look_past(waiting, now)) is not None:
-            self._machine.happens(Event.WAY_FOUND, now, f"a way of {found:.1f} m")
+            self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
         elif waiting.hopes and situation.guide.is_hopeless(now):
-            self._machine.happens(Event.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
+            self._machine.happens(MissionEvent.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
         else:
             return False
         return True
@@ -83,7 +83,7 @@ class Pausing:
         is_time = now - self._machine.since >= self._numbers.courtesy and situation.making_way.is_worth(now)
         if not (is_time and situation.guide.make_way(waiting.place)):
             return False
-        self._machine.happens(Event.WAY_FOUND, now, "making way for whom or what is there")
+        self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for whom or what is there")
         situation.making_way.begin(waiting)
         return True
 

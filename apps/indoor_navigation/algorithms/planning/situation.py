@@ -5,9 +5,9 @@ from math import inf
 
 from apps.indoor_navigation.algorithms.planning.guide import Guide, spoken
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import MissionNumbers, Note
+from apps.indoor_navigation.algorithms.planning.orders import MissionNote, MissionNumbers
 from apps.indoor_navigation.algorithms.planning.progress import Progress
-from apps.indoor_navigation.algorithms.planning.states import TRANSITIONS, Event, State
+from apps.indoor_navigation.algorithms.planning.states import TRANSITIONS, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting
 from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.state_machine import Change, StateMachine
@@ -27,8 +27,10 @@ class Situation:
     def __init__(self, numbers: MissionNumbers, memory: Memory) -> None:
         self.numbers = numbers
         self.memory = memory
-        self.notes: deque[Note] = deque(maxlen=SAID)
-        self.machine: StateMachine[State, Event] = StateMachine(TRANSITIONS, State.IDLE, self._changed)
+        self.notes: deque[MissionNote] = deque(maxlen=SAID)
+        self.machine: StateMachine[MissionState, MissionEvent] = StateMachine(
+            TRANSITIONS, MissionState.IDLE, self._changed
+        )
         self.progress = Progress(numbers.progress)
         self.waiting = FOR_SIGHT
         self.seen_at = -inf
@@ -39,10 +41,10 @@ class Situation:
         self._set_out(goal)
         self.progress.begin()
         self.memory.begin_trail()
-        self.machine.happens(Event.TOLD, now, "told where to go")
+        self.machine.happens(MissionEvent.TOLD, now, "told where to go")
 
     @property
-    def state(self) -> State:
+    def state(self) -> MissionState:
         """What the robot is about."""
         return self.machine.state
 
@@ -58,7 +60,7 @@ class Situation:
             self.no_way_since = inf
         return found
 
-    def wait_for(self, now: float, event: Event, waiting: Waiting) -> None:
+    def wait_for(self, now: float, event: MissionEvent, waiting: Waiting) -> None:
         """Stand and wait."""
         self.waiting = waiting
         self.machine.happens(event, now, waiting.why)
@@ -81,11 +83,11 @@ class Situation:
     def arrive(self, now: float) -> None:
         """The mission has ended as it should."""
         self.memory.end_trail()
-        self.machine.happens(Event.ARRIVED, now, f"there, after {self.memory.travelled:.1f} m")
+        self.machine.happens(MissionEvent.ARRIVED, now, f"there, after {self.memory.travelled:.1f} m")
 
     def give_up(self, now: float, why: str) -> None:
         """The mission has ended otherwise."""
-        self.machine.happens(Event.GIVEN_UP, now, why)
+        self.machine.happens(MissionEvent.GIVEN_UP, now, why)
 
     def has_tried_enough(self, now: float) -> bool:
         """It has come no farther once more; after some times it gives up."""
@@ -98,7 +100,7 @@ class Situation:
     def note(self, level: str, what: str) -> None:
         """There is something to tell."""
         self.noted += 1
-        self.notes.append(Note(self.goal.mission, level, what))
+        self.notes.append(MissionNote(self.goal.mission, level, what))
 
     def _set_out(self, goal: GoalPoint) -> None:
         self.goal, self.guide, self.noted = goal, Guide(self.numbers.guide, self.memory, goal), 0
@@ -107,9 +109,9 @@ class Situation:
         self.no_way_since, self.looked_at = inf, -inf
         self.is_there, self.doubts = False, True
 
-    def _changed(self, change: Change[State, Event]) -> None:
+    def _changed(self, change: Change[MissionState, MissionEvent]) -> None:
         self.progress.go_on()
-        if change.after in (State.WAITING, State.REPLANNING):
+        if change.after in (MissionState.WAITING, MissionState.REPLANNING):
             self.making_way.end(change.at)
-        level = {State.FAILED: "error", State.WAITING: "warning"}.get(change.after, "info")
+        level = {MissionState.FAILED: "error", MissionState.WAITING: "warning"}.get(change.after, "info")
         self.note(level, f"{change.after}: {change.why}")

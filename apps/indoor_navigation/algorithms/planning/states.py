@@ -7,7 +7,7 @@ from typing import Final
 from apps.indoor_navigation.state_machine import from_each
 
 
-class State(StrEnum):
+class MissionState(StrEnum):
     """What the robot is about."""
 
     IDLE = "idle"
@@ -22,7 +22,7 @@ class State(StrEnum):
     CANCELLED = "cancelled"
 
 
-class Event(StrEnum):
+class MissionEvent(StrEnum):
     """What happens to a mission."""
 
     TOLD = "told"
@@ -44,27 +44,31 @@ class Event(StrEnum):
     GIVEN_UP = "given up"
 
 
-MOVING: Final = (State.TURNING, State.GOING, State.PASSING, State.BACKING)
-ACTIVE: Final = (*MOVING, State.WAITING, State.REPLANNING)
+MOVING: Final = (MissionState.TURNING, MissionState.GOING, MissionState.PASSING, MissionState.BACKING)
+ACTIVE: Final = (*MOVING, MissionState.WAITING, MissionState.REPLANNING)
 
-TRANSITIONS: Final[Mapping[tuple[State, Event], State]] = {
-    **from_each(State, Event.TOLD, State.REPLANNING),
-    **from_each(ACTIVE, Event.CALLED_OFF, State.CANCELLED),
-    **from_each(ACTIVE, Event.GIVEN_UP, State.FAILED),
-    **from_each(ACTIVE, Event.BLIND, State.WAITING),
-    **from_each(ACTIVE, Event.POSE_JUMPED, State.REPLANNING),
-    **from_each((State.REPLANNING, State.WAITING, State.GOING), Event.WAY_FOUND, State.GOING),
-    (State.TURNING, Event.WAY_FOUND): State.TURNING,
-    (State.PASSING, Event.WAY_FOUND): State.PASSING,
-    **from_each((*MOVING, State.REPLANNING), Event.WAY_BARRED, State.WAITING),
-    **from_each(MOVING, Event.CAME_NO_FARTHER, State.REPLANNING),
-    **from_each((State.WAITING,), Event.WAITED_ENOUGH, State.REPLANNING),
-    **from_each((State.WAITING,), Event.SEES_AGAIN, State.REPLANNING),
-    **from_each((State.GOING, State.PASSING), Event.HAS_TO_TURN, State.TURNING),
-    (State.TURNING, Event.HAS_TURNED): State.GOING,
-    **from_each((State.TURNING, State.GOING, State.PASSING), Event.HAS_TO_BACK, State.BACKING),
-    (State.BACKING, Event.HAS_BACKED): State.REPLANNING,
-    (State.GOING, Event.DOOR_AHEAD): State.PASSING,
-    (State.PASSING, Event.DOOR_PASSED): State.GOING,
-    **from_each(MOVING, Event.ARRIVED, State.DONE),
+TRANSITIONS: Final[Mapping[tuple[MissionState, MissionEvent], MissionState]] = {
+    **from_each(MissionState, MissionEvent.TOLD, MissionState.REPLANNING),
+    **from_each(ACTIVE, MissionEvent.CALLED_OFF, MissionState.CANCELLED),
+    **from_each(ACTIVE, MissionEvent.GIVEN_UP, MissionState.FAILED),
+    **from_each(ACTIVE, MissionEvent.BLIND, MissionState.WAITING),
+    **from_each(ACTIVE, MissionEvent.POSE_JUMPED, MissionState.REPLANNING),
+    **from_each(
+        (MissionState.REPLANNING, MissionState.WAITING, MissionState.GOING), MissionEvent.WAY_FOUND, MissionState.GOING
+    ),
+    (MissionState.TURNING, MissionEvent.WAY_FOUND): MissionState.TURNING,
+    (MissionState.PASSING, MissionEvent.WAY_FOUND): MissionState.PASSING,
+    **from_each((*MOVING, MissionState.REPLANNING), MissionEvent.WAY_BARRED, MissionState.WAITING),
+    **from_each(MOVING, MissionEvent.CAME_NO_FARTHER, MissionState.REPLANNING),
+    **from_each((MissionState.WAITING,), MissionEvent.WAITED_ENOUGH, MissionState.REPLANNING),
+    **from_each((MissionState.WAITING,), MissionEvent.SEES_AGAIN, MissionState.REPLANNING),
+    **from_each((MissionState.GOING, MissionState.PASSING), MissionEvent.HAS_TO_TURN, MissionState.TURNING),
+    (MissionState.TURNING, MissionEvent.HAS_TURNED): MissionState.GOING,
+    **from_each(
+        (MissionState.TURNING, MissionState.GOING, MissionState.PASSING), MissionEvent.HAS_TO_BACK, MissionState.BACKING
+    ),
+    (MissionState.BACKING, MissionEvent.HAS_BACKED): MissionState.REPLANNING,
+    (MissionState.GOING, MissionEvent.DOOR_AHEAD): MissionState.PASSING,
+    (MissionState.PASSING, MissionEvent.DOOR_PASSED): MissionState.GOING,
+    **from_each(MOVING, MissionEvent.ARRIVED, MissionState.DONE),
 }

@@ -12,7 +12,7 @@ from acromovi.lockstep import Lockstep
 from agents.platform import Agent, Container, Kinds, Outcome, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import query_key
-from apps.indoor_navigation.wiring import Part, load_wiring
+from apps.indoor_navigation.wiring import ComponentSpec, load_wiring
 from bus import BusError, MemoryBus, Refused, Sample, Subscription, keys
 from bus.messages import decode, encode
 from geometry import Pose2D
@@ -149,7 +149,7 @@ class House:
 
     def start(self, local: str) -> None:
         """Let a component live that does not; as it is when its program is started again."""
-        part: Part = self._parts[local]
+        part: ComponentSpec = self._parts[local]
         process = self._process(local)
         process.start(Kinds().find(part.kind)(part.agent(ROBOT), part.properties))
         self.processes[local] = process
