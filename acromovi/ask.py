@@ -54,8 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Ask once, and print the result."""
     from acromovi.known_agents import KnownAgents
+    from agents.platform.conversations.outcome import Ending, Outcome
     from agents.platform.names import AgentName
-    from agents.platform.outcome import Ending, Outcome
     from bus.errors import NotAllowed
     from bus.session import ZenohBus
 
@@ -112,7 +112,7 @@ async def asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
         NotAllowed: A secure bus does not let this program ask agents.
     """
     from agents.platform.agent import Agent
-    from agents.platform.container import Container
+    from agents.platform.container.container import Container
     from agents.platform.names import PASSER_BY, AgentName
 
     bus.check_may_query(peer.acl_key)

@@ -132,7 +132,7 @@ def reporter(program: str) -> "Callable[[Report], None]":
     """Says in a program's name what goes wrong with an agent: in one sentence where that is all there is to know."""
     from agents.face.errors import RobotError
     from agents.platform import AgentError
-    from agents.platform.container import log_report
+    from agents.platform.container.container import log_report
     from bus import BusError
     from configs import ConfigError
 

@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 async def leases(bus: "Bus") -> list[dict[str, Any]]:
     """All leases of all robots, in the order of what they are on."""
-    from agents.platform.talk import replies
+    from agents.platform.conversations.talk import replies
     from bus.errors import NoAnswer, Refused, TimedOut
     from bus.keys import LEASE_STATE, split
 

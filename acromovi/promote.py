@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _named(program: "RunningApplication", options: argparse.Namespace, own_name: str | None) -> "AgentName":
     """What its agent is called, after the owner of a key where the bus lets nobody else speak."""
-    from agents.face.backstage import PLATFORM
+    from agents.face.private_container import PLATFORM
     from agents.platform import AgentName
 
     name = options.name or program.name

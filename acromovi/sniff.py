@@ -14,7 +14,7 @@ from acromovi.options import add_bus, seconds
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
-    from acromovi.sniffer.ear import Listener
+    from acromovi.sniffer.listener import Listener
     from acromovi.sniffer.overheard import Heard, Overheard
     from acromovi.sniffer.sequence import Diagram
 
@@ -72,7 +72,7 @@ def new_file(text: str) -> Path:
 def run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
-    from acromovi.sniffer.ear import Listener
+    from acromovi.sniffer.listener import Listener
     from acromovi.sniffer.overheard import wanted
     from bus.session import ZenohBus
 

@@ -17,9 +17,9 @@ from acromovi.lockstep import Lockstep
 from bus import MemoryBus, NoAnswer, Refused, Sample, keys
 from bus.exchange import RawReply, key_expression
 from bus.messages import TwistStamped, encode, header, twist
+from gateway.command_server import LEASE_ARGUMENTS
 from gateway.commands import COMMANDS, TOKEN, CommandRow
 from gateway.faces.all_faces import FACES
-from gateway.orders import LEASE_ARGUMENTS
 from p2os_emu.world import load_world
 
 PAYLOADS = 1_000_000

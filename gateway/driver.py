@@ -28,11 +28,11 @@ from gateway.events import (
     RobotRejected,
     SipReceived,
 )
-from gateway.helm import RobotCommands
-from gateway.journey import is_at_rest
 from gateway.link_diagnosis import LinkDiagnosis, LinkProblem
+from gateway.motion_in_progress import is_at_rest
 from gateway.plausibility import Plausibility
 from gateway.rate_raiser import RateRaiser
+from gateway.robot_commands import RobotCommands
 from gateway.settings import Settings
 from p2os import (
     SIMULATOR_NAMES,

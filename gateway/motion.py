@@ -13,7 +13,7 @@ from math import inf, isfinite
 from gateway.connector import STOP
 from gateway.errors import CommandRefused
 from gateway.events import MotionEnd, MotionEnded
-from gateway.journey import MotionInProgress, is_at_rest
+from gateway.motion_in_progress import MotionInProgress, is_at_rest
 from gateway.obedience import Obedience
 from gateway.outbox import Outbox
 from p2os import Command, StandardSip, encode_command

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from gateway.journey import is_at_rest
+from gateway.motion_in_progress import is_at_rest
 from p2os import StandardSip
 
 PATIENCE = 1.0

@@ -13,13 +13,13 @@ from typing import Any
 from bus import Bus, BusUnavailable, Subscription, keys
 from bus.keys import Topic
 from bus.name_holder import BusProgram
+from gateway.command_server import Commander, CommandServer
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
 from gateway.events import Event
 from gateway.faces.all_faces import FACES
 from gateway.faces.cable_face import CableAdapter
-from gateway.orders import Commander, CommandServer
 from gateway.settings import Settings
 from gateway.streams import RobotPublishers
 

@@ -18,6 +18,7 @@ import configs
 from configs.extras import ExtraMissing
 from p2os_emu.cassette import CassetteError
 from p2os_emu.control import ControlSocket
+from p2os_emu.control_requests import ControlRequestHandler
 from p2os_emu.degradation import STAGES
 from p2os_emu.emulator import Emulator
 from p2os_emu.factory import Factory
@@ -31,7 +32,6 @@ from p2os_emu.lists import listing
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, EmulatorOptions, parse
 from p2os_emu.ports import Ports
 from p2os_emu.private_folder import CONTROL, private_folder
-from p2os_emu.requests import ControlRequestHandler
 from p2os_emu.runner import Runner
 from p2os_emu.tapes import Recording, check, serve
 from p2os_emu.team import EmulatedTeam, TeamError

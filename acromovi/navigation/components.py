@@ -8,8 +8,8 @@ from agents.platform.errors import AgentError
 from bus.bus import Bus
 
 if TYPE_CHECKING:
+    from agents.platform.conversations.outcome import Outcome
     from agents.platform.names import AgentName
-    from agents.platform.outcome import Outcome
 
 FACE = "user_interface"  # the component that people talk to
 SERVICE = "navigation"  # what every component offers
@@ -76,7 +76,7 @@ async def _answers(bus: Bus, key: str) -> list[Mapping[str, Any]]:
     """Of all who answer in time."""
     from contextlib import aclosing
 
-    from agents.platform.talk import replies
+    from agents.platform.conversations.talk import replies
     from bus.errors import NoAnswer, Refused, TimedOut
 
     found: list[Mapping[str, Any]] = []

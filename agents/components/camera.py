@@ -16,7 +16,7 @@ import numpy as np
 
 from agents.components.component import NS_PER_S, ElementAgent, failure
 from agents.platform import AgentName, request
-from agents.platform.talk import hand_over
+from agents.platform.conversations.talk import hand_over
 from bus import BusError, MessageError, Publisher, Refused, Sample, Subscription, keys
 from bus.keys import frame
 from bus.messages import CompressedImage, decode, header, stamp_ns

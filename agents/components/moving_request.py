@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import TypeVar
 
 from agents.platform import AgentName, agree, asker
-from agents.platform.talk import hand_over
+from agents.platform.conversations.talk import hand_over
 from bus import Bus, Refused
 
 T = TypeVar("T")

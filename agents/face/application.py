@@ -8,14 +8,14 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from agents.face.backstage import PLATFORM
 from agents.face.errors import Failed, Stopped
+from agents.face.loop_thread import LoopThread
+from agents.face.private_container import PLATFORM
 from agents.face.program import RunningApplication, find_program
-from agents.face.stage import LoopThread
 from agents.face.team import Team, look
 from agents.platform import FAIL_AGENT, Agent, AgentName, OneShot, Restart
+from agents.platform.conversations.talk import hand_over
 from agents.platform.hooks import marks
-from agents.platform.talk import hand_over
 
 SERVICE = "application"
 LEAVE = 1.0  # s in which a program that is told to end is expected to

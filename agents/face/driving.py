@@ -6,11 +6,11 @@ import contextlib
 import bus
 from agents.face.errors import Failed, NotThere, Refused, RobotError
 from agents.face.holding import ProgramLease
-from agents.face.stage import LoopThread
+from agents.face.loop_thread import LoopThread
 from agents.face.stall import Stall
 from agents.face.wording import in_api_words
+from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import in_words
-from agents.platform.talk import hand_over
 from bus import MessageError, Publisher, Sample, Subscription, keys, messages
 
 PERIOD = 0.1  # s; half a second of silence stops the robot

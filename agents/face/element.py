@@ -7,10 +7,10 @@ from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
 from agents.face.errors import NotThere, TimedOut, error_of
+from agents.face.loop_thread import LoopThread
 from agents.face.readings import OtherReading, Reading
-from agents.face.stage import LoopThread
 from agents.platform import AgentName
-from agents.platform.talk import hand_over
+from agents.platform.conversations.talk import hand_over
 from bus import MessageError, Sample, Subscription
 from bus.messages import decode_json
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import bus
 from agents.face.errors import LeaseLost, Refused
-from agents.face.stage import LoopThread
+from agents.face.loop_thread import LoopThread
 from agents.platform import AgentName, RequestNotDone
 
 if TYPE_CHECKING:  # who holds no lease need not load the services

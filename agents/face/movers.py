@@ -8,8 +8,8 @@ from agents.face.driving import ContinuousDrive
 from agents.face.element import ElementClient, R, plain
 from agents.face.errors import RobotError, TimedOut
 from agents.face.holding import ProgramLease
+from agents.face.loop_thread import LoopThread
 from agents.face.readings import ArmReading, BaseReading, GripperReading, PtzReading
-from agents.face.stage import LoopThread
 from agents.platform import AgentName
 from bus import keys
 from geometry import Pose2D

@@ -27,8 +27,8 @@ from typing import Any
 
 from agents.face.complaints import complaint
 from agents.face.errors import RobotError
+from agents.platform.conversations.handler import Handler, NotUnderstood
 from agents.platform.errors import in_words
-from agents.platform.handler import Handler, NotUnderstood
 
 PACKAGE = "apps"
 

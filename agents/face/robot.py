@@ -2,9 +2,10 @@
 
 from typing import TypeVar, cast
 
+from agents.face.discovery import Discovery
 from agents.face.element import ElementClient
 from agents.face.errors import RobotError
-from agents.face.horizon import Discovery
+from agents.face.loop_thread import LoopThread
 from agents.face.movers import ArmClient, BaseClient, GripperClient, PtzClient
 from agents.face.readings import Reading
 from agents.face.sensors import (
@@ -19,7 +20,6 @@ from agents.face.sensors import (
     SonarClient,
     SoundClient,
 )
-from agents.face.stage import LoopThread
 from agents.platform import AgentName, NameNotValid
 
 ELEMENTS: dict[str, type[ElementClient[Reading]]] = {

@@ -8,6 +8,7 @@ from typing import Any
 
 from agents.face.element import ElementClient
 from agents.face.errors import RobotError
+from agents.face.loop_thread import LoopThread
 from agents.face.picture import Picture
 from agents.face.readings import (
     BatteryReading,
@@ -21,7 +22,6 @@ from agents.face.readings import (
     SonarDiscPose,
     SonarReading,
 )
-from agents.face.stage import LoopThread
 from agents.platform import AgentName
 from agents.platform.errors import in_words
 from bus.keys import frame

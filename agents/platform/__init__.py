@@ -15,7 +15,13 @@ from agents.platform.behaviours import (
     Until,
     Waker,
 )
-from agents.platform.container import Container, Report
+from agents.platform.container.container import Container, Report
+from agents.platform.container.context import ContainerContext
+from agents.platform.conversations.fipa_contract_net import Bid, Tender
+from agents.platform.conversations.fipa_request import Request
+from agents.platform.conversations.fipa_subscribe import Values
+from agents.platform.conversations.outcome import Ending, Outcome
+from agents.platform.conversations.responder_conversation import agree, asker, attended
 from agents.platform.directory import Description, Directory
 from agents.platform.errors import (
     AclError,
@@ -28,18 +34,12 @@ from agents.platform.errors import (
     SetupFailed,
     UnknownAgent,
 )
-from agents.platform.fipa_contract_net import Bid, Tender
-from agents.platform.fipa_request import Request
-from agents.platform.fipa_subscribe import Values
-from agents.platform.home import ContainerContext
 from agents.platform.hooks import answers, every, on, proposes, request, subscription
 from agents.platform.kinds import Kinds, UnknownKind
 from agents.platform.life import AgentState, Step
 from agents.platform.mailbox import Mailbox, MailboxState, Template
 from agents.platform.names import AgentName, ContainerName
-from agents.platform.outcome import Ending, Outcome
 from agents.platform.schedule import DROP, FAIL_AGENT, Failure, Restart, Schedule
-from agents.platform.serving import agree, asker, attended
 from agents.platform.synchronizer import Synchronizer, listen_together
 
 __all__ = [

@@ -29,23 +29,23 @@ from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
-from agents.platform.desk import RequestDispatcher
-from agents.platform.door import DeliveryGate
-from agents.platform.ends import AgentEnd
+from agents.platform.container.context import ContainerContext
+from agents.platform.container.delivery_gate import DeliveryGate
+from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.handler import Handler
+from agents.platform.conversations.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
+from agents.platform.conversations.request_dispatcher import RequestDispatcher
+from agents.platform.conversations.responder_conversation import ResponderConversation
+from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import AclError, AgentError
-from agents.platform.handler import Handler
-from agents.platform.home import ContainerContext
 from agents.platform.hooks import hooks_of
 from agents.platform.life import AgentState, Step, after
-from agents.platform.luggage import MigrationState
 from agents.platform.mailbox import ANY, Mailbox, Template
+from agents.platform.mobility.migration_state import MigrationState
+from agents.platform.mobility.mobile_agent import MobileAgent
 from agents.platform.names import AgentName
-from agents.platform.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Schedule
-from agents.platform.serving import ResponderConversation
 from agents.platform.stream import Stream
-from agents.platform.talk import hand_over
-from agents.platform.traveller import MobileAgent
 from bus import JSON, Bus, Publisher, Subscription
 
 

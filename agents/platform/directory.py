@@ -12,10 +12,10 @@ from contextlib import aclosing
 from dataclasses import dataclass, field
 from typing import Any, Self
 
+from agents.platform.conversations.talk import replies
 from agents.platform.errors import AlreadyThere, DescriptionNotValid, NameNotValid
 from agents.platform.life import AgentState
 from agents.platform.names import AgentName
-from agents.platform.talk import replies
 from bus import Answer, Bus, NoAnswer, Refused, TimedOut
 from bus.bus import Closeable
 from bus.keys import robot_name

@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterable
 from types import FrameType
 
 from agents.platform.agent import Agent
+from agents.platform.conversations.talk import hand_over
 from agents.platform.names import AgentName
-from agents.platform.talk import hand_over
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Subscription
 from bus.messages import compiled_at

@@ -16,13 +16,13 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.face.application import SERVICE as APPLICATION
-from agents.face.backstage import PLATFORM
+from agents.face.private_container import PLATFORM
 from agents.face.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
-from agents.platform.ends import AgentEnd
+from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
-from agents.platform.talk import hand_over
 from agents.services.loaded import KIND, check_text, locate
 from agents.services.restarts import RestartRules, Restarts
 from bus import BusError, NoAnswer, Refused

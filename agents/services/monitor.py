@@ -13,9 +13,9 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, NameNotValid, OneShot, every, request
-from agents.platform.ends import AgentEnd
+from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.talk import hand_over
 from agents.platform.names import ContainerName
-from agents.platform.talk import hand_over
 from agents.services.diagnostics import Standing, diagnostic_array, worst
 from agents.services.events import History
 from agents.services.restarts import RestartRules

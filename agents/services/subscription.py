@@ -15,8 +15,8 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, Restart, asker, request, subscription
+from agents.platform.conversations.talk import hand_over
 from agents.platform.stream import Stream
-from agents.platform.talk import hand_over
 from agents.services.selection import Selection, SelectionNotValid
 from agents.services.sources import Hear, StreamSource, Subscriber, maker_of, source_key, token_of
 from bus import Refused

@@ -9,7 +9,7 @@ from math import inf, radians
 from gateway.elements.asked import SILENCE
 from gateway.elements.element import Element
 from gateway.events import TurnRateSeen
-from gateway.journey import is_at_rest
+from gateway.motion_in_progress import is_at_rest
 from p2os import Command, Configuration, GyroReport, StandardSip
 
 SENT, INSIDE = 1, 2

@@ -4,7 +4,7 @@ import asyncio
 import threading
 from contextlib import suppress
 
-from agents.platform.talk import hand_over
+from agents.platform.conversations.talk import hand_over
 from apps.indoor_navigation.algorithms.last_second import LastSecond
 from bus import Sample
 

@@ -7,7 +7,7 @@ import pytest
 
 from agents.components.wheels import STANDING
 from agents.platform import Agent, AgentName, Container, Ending
-from agents.platform.fipa_request import Request
+from agents.platform.conversations.fipa_request import Request
 from bus import messages
 from tests.agents.components.conftest import Lab
 

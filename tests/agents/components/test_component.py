@@ -8,7 +8,7 @@ import pytest
 from agents.components.all_components import COMPONENTS, component_for
 from agents.components.generic import Generic
 from agents.platform import Ending
-from agents.platform.talk import query
+from agents.platform.conversations.talk import query
 from bus import Refused, Sample, keys
 from bus.messages import Bumpers, header
 from tests.agents.components.bench import Bench

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
-from agents.face import horizon
+from agents.face import discovery
 from agents.face.readings import OtherReading
 from agents.platform import AgentName
 from bus import MemoryBus, messages
@@ -64,7 +64,7 @@ def stop(world: World, agent: str, team: Team) -> None:
 def test_a_robot_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(world: World, team: Team) -> None:
     assert team.robot("grumpy").base.pose().x == 0.0
     stop(world, "base@grumpy", team)
-    back = threading.Timer(3 * horizon.MEETING_TIME, lambda: world.add(BasePart("base@grumpy")))
+    back = threading.Timer(3 * discovery.MEETING_TIME, lambda: world.add(BasePart("base@grumpy")))
     back.start()
     assert team.robot("grumpy").base.move(1.0).x == 1.0
     back.join()
@@ -73,7 +73,7 @@ def test_a_robot_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(wor
 def test_an_element_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(world: World, team: Team) -> None:
     happy = team.robot("happy")
     stop(world, "laser@happy", team)
-    back = threading.Timer(3 * horizon.MEETING_TIME, lambda: world.add(Part("laser@happy", LASER)))
+    back = threading.Timer(3 * discovery.MEETING_TIME, lambda: world.add(Part("laser@happy", LASER)))
     back.start()
     assert happy.laser.nearest() == 0.7
     back.join()
@@ -82,7 +82,7 @@ def test_an_element_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(
 def test_a_robot_or_an_element_that_does_not_come_back_is_named_with_when_it_left(
     world: World, team: Team, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(horizon, "RETURN_TIME", 0.4)
+    monkeypatch.setattr(discovery, "RETURN_TIME", 0.4)
     stop(world, "laser@happy", team)
     with pytest.raises(NotThere, match=r"happy has lost its laser \d+ s ago; it has base"):
         _ = team.robot("happy").laser
@@ -99,7 +99,7 @@ def test_how_long_a_robot_is_waited_for_can_be_said(world: World, team: Team, wa
     comes = f"{wanted.get('having', 'base')}@{wanted.get('name', 'doc')}"
     with pytest.raises(NotThere):
         team.robot(within=0.0, **wanted)
-    late = threading.Timer(3 * horizon.MEETING_TIME, lambda: world.add(Part(comes)))
+    late = threading.Timer(3 * discovery.MEETING_TIME, lambda: world.add(Part(comes)))
     late.start()
     assert team.robot(within=60.0, **wanted).name == AgentName.parse(comes).platform
     late.join()
@@ -345,7 +345,7 @@ def test_who_was_refused_does_not_stop_what_another_drives(world: World) -> None
 def test_driving_ends_when_the_program_makes_no_call_any_more(
     world: World, team: Team, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.face.stage.ATTENTION", 0.2)
+    monkeypatch.setattr("agents.face.loop_thread.ATTENTION", 0.2)
     wheels: BasePart = world.agent("base@happy")
     team.robot("happy").base.drive(0.2)
     wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])

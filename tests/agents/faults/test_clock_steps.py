@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[3]
 WALL_CLOCKS = {"time.time", "time.time_ns", "datetime.now", "datetime.datetime.now", "datetime.utcnow", "date.today"}
 IN_QUESTION = re.compile(r"time\.time|from time|datetime|today")  # to read the others would take long
 READ_IT = {
-    "agents/platform/container.py": "the time in reports, records and reply_by",
+    "agents/platform/container/container.py": "the time in reports, records and reply_by",
     "bus/name_holder.py": "which of two programs that took one name together leaves",
     "bus/secure.py": "whether a certificate is valid",
     "cameras/reader.py": "stamps of pictures",

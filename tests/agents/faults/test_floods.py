@@ -3,7 +3,7 @@
 import asyncio
 
 from agents.platform import AclMessage, AgentName, Ending, Outcome, Performative
-from agents.platform.desk import MOST_AT_ALL, MOST_REQUESTS
+from agents.platform.conversations.request_dispatcher import MOST_AT_ALL, MOST_REQUESTS
 from agents.platform.mailbox import CAPACITY, ROOM, SHARE
 from bus import MemoryBus, ZenohBus
 from tests.agents.faults.pair import RESPONDER, Pair, Place

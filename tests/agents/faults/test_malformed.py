@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from agents.platform import AclMessage, Outcome, Performative
 from agents.platform.acl import MAX_SIZE
-from agents.platform.protocols import PROTOCOLS
+from agents.platform.conversations.protocols import PROTOCOLS
 from bus import Sample
 from bus.exchange import RawReply, key_expression
 from tests.agents.faults.pair import INITIATOR, RESPONDER, Pair

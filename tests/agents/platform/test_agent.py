@@ -29,8 +29,8 @@ from agents.platform import (
     on,
     request,
 )
-from agents.platform.desk import MOST_REQUESTS
-from agents.platform.outcome import why_of
+from agents.platform.conversations.outcome import why_of
+from agents.platform.conversations.request_dispatcher import MOST_REQUESTS
 from agents.platform.schedule import FAIL_AGENT
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Conversation, MemoryBus, MemoryNetwork, NoAnswer, Refused, Sample

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Iterator
 import pytest
 
 from agents.platform import AclMessage, Agent, AgentName, Outcome, Performative, request, subscription
-from agents.platform.askers import UNSEEN_TIME
+from agents.platform.conversations.askers import UNSEEN_TIME
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus
 from tests.agents.platform.two_containers import TwoContainers

@@ -3,7 +3,7 @@
 import threading
 from typing import Any
 
-from agents.platform.door import DeliveryGate
+from agents.platform.container.delivery_gate import DeliveryGate
 from bus import Conversation, Sample
 from tests.waiting import patience, wait_until
 

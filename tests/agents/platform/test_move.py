@@ -22,7 +22,7 @@ from agents.platform import (
     Report,
     RequestNotDone,
 )
-from agents.platform.talk import query
+from agents.platform.conversations.talk import query
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, Refused
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from agents.platform import Agent, AgentName, Ending, RequestNotDone, Values, subscription
-from agents.platform.desk import MOST_REQUESTS
+from agents.platform.conversations.request_dispatcher import MOST_REQUESTS
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Refused
 from tests.agents.platform.two_containers import TwoContainers

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from agents.platform import AclMessage, Agent, AgentName, Container, Ending, Outcome, Performative
-from agents.platform.desk import MOST_REQUESTS
+from agents.platform.conversations.request_dispatcher import MOST_REQUESTS
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
 from agents.services.audit import MEMORY, REFUSALS_A_SECOND

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from agents.platform import Agent, Container, Kinds
-from agents.platform.talk import query
+from agents.platform.conversations.talk import query
 from agents.services.loaded import KIND, digest
 from bus import MemoryBus, MemoryNetwork, Refused
 
@@ -56,7 +56,7 @@ class Place:
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Place:
-    monkeypatch.setattr("agents.face.horizon.MEETING_TIME", 0.1)
+    monkeypatch.setattr("agents.face.discovery.MEETING_TIME", 0.1)
     return Place(tmp_path)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from agents.platform import FAIL_AGENT, Agent, AgentName, Ending, Kinds, request
-from agents.platform.talk import query
+from agents.platform.conversations.talk import query
 from agents.services.monitor import Monitor
 from bus import MemoryBus
 from bus.messages import DiagnosticArray, DiagnosticStatus, decode, header

@@ -11,16 +11,16 @@ from collections.abc import Callable
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.container.context import ContainerContext
+from agents.platform.conversations.handler import Handler, NotUnderstood
+from agents.platform.conversations.parsed_request import ParsedRequest
+from agents.platform.conversations.protocols import REQUESTS, Protocol, read
+from agents.platform.conversations.responder_conversation import ResponderConversation
+from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import AclError
-from agents.platform.handler import Handler, NotUnderstood
-from agents.platform.home import ContainerContext
 from agents.platform.life import AgentState
 from agents.platform.names import AgentName
-from agents.platform.opening import ParsedRequest
-from agents.platform.protocols import REQUESTS, Protocol, read
 from agents.platform.schedule import LETTING_GO
-from agents.platform.serving import ResponderConversation
-from agents.platform.talk import hand_over
 from bus import Conversation
 from bus.validation import sentence
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from agents.face.errors import NotThere
 from agents.platform import AgentName, Directory
-from agents.platform.talk import hand_over
+from agents.platform.conversations.talk import hand_over
 from bus import Bus
 
 MEETING_TIME = 3.0  # s in which whoever is there has been seen, on a loaded machine too

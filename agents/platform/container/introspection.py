@@ -5,9 +5,9 @@ from typing import Any
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
+from agents.platform.conversations.responder_conversation import ResponderConversation
 from agents.platform.kinds import kind_of
 from agents.platform.schedule import Running
-from agents.platform.serving import ResponderConversation
 from agents.platform.stream import Stream
 
 MOST_MESSAGES = 20  # of those that wait in the mailbox, the oldest

@@ -7,9 +7,9 @@ from contextvars import ContextVar
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.container.context import ContainerContext
 from agents.platform.errors import in_words
 from agents.platform.heartbeat import watched
-from agents.platform.home import ContainerContext
 from agents.platform.names import AgentName
 from bus import BusUnavailable, Conversation, KeyNotValid, Refused
 from bus.heartbeat import SILENCE, heartbeat_key

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.acl import AclMessage
-from agents.platform.dialogue import ONTOLOGY
-from agents.platform.handler import Handler, NotUnderstood
+from agents.platform.conversations.handler import Handler, NotUnderstood
+from agents.platform.conversations.initiator_conversation import ONTOLOGY
 from configs.suggestion import hint
 
 

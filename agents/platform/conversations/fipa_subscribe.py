@@ -11,10 +11,10 @@ from types import TracebackType
 from typing import Any, Self
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.dialogue import ConversationEnded, InitiatorConversation
-from agents.platform.opening import ParsedRequest
-from agents.platform.outcome import Outcome
-from agents.platform.serving import ResponderConversation
+from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
+from agents.platform.conversations.outcome import Outcome
+from agents.platform.conversations.parsed_request import ParsedRequest
+from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-subscribe"
 FOREVER = 1e8  # s, three years: the bus wants to know until when a conversation lasts

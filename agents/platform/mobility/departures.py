@@ -18,18 +18,18 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from agents.platform.agent import Agent
-from agents.platform.door import Caller, QueuedMessage
-from agents.platform.ends import AgentEnd
+from agents.platform.container.delivery_gate import Caller, QueuedMessage
+from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.talk import query
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
-from agents.platform.luggage import MigrationState, enveloped, packed
+from agents.platform.mobility.migration_state import MigrationState, enveloped, packed
 from agents.platform.names import AgentName, ContainerName
-from agents.platform.talk import query
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
 
 if TYPE_CHECKING:
-    from agents.platform.container import Container
+    from agents.platform.container.container import Container
 
 DRAIN_TIME = 5.0  # s for what is under way to end
 ADOPT_TIME = 35.0  # s for the other container; longer than a setup may take

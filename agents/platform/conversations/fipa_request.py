@@ -11,12 +11,12 @@ from contextlib import aclosing
 from typing import Any
 
 from agents.platform.acl import Performative
-from agents.platform.dialogue import ConversationEnded, InitiatorConversation
-from agents.platform.handler import Handler as Handler
-from agents.platform.handler import NotUnderstood as NotUnderstood
-from agents.platform.opening import ParsedRequest
-from agents.platform.outcome import Ending, Outcome
-from agents.platform.serving import ResponderConversation
+from agents.platform.conversations.handler import Handler as Handler
+from agents.platform.conversations.handler import NotUnderstood as NotUnderstood
+from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
+from agents.platform.conversations.outcome import Ending, Outcome
+from agents.platform.conversations.parsed_request import ParsedRequest
+from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-request"
 CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.acl import AclMessage
-from agents.platform.door import QueuedMessage
+from agents.platform.container.delivery_gate import QueuedMessage
 from agents.platform.errors import NotMoved
 
 

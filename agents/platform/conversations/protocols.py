@@ -4,11 +4,11 @@ from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from agents.platform import fipa_contract_net, fipa_query, fipa_request, fipa_subscribe
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.handler import Handler, NotUnderstood
-from agents.platform.opening import ParsedRequest, read_opening
-from agents.platform.serving import ResponderConversation
+from agents.platform.conversations import fipa_contract_net, fipa_query, fipa_request, fipa_subscribe
+from agents.platform.conversations.handler import Handler, NotUnderstood
+from agents.platform.conversations.parsed_request import ParsedRequest, read_opening
+from agents.platform.conversations.responder_conversation import ResponderConversation
 
 REQUESTS = fipa_request.PROTOCOL
 SUBSCRIPTIONS = fipa_subscribe.PROTOCOL

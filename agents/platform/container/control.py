@@ -27,22 +27,22 @@ import uuid
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from agents.platform.arrivals import Arrivals
-from agents.platform.departures import Departures
+from agents.platform.container.introspection import introspect
+from agents.platform.conversations.talk import hand_over
 from agents.platform.directory import check_free
 from agents.platform.errors import AgentError, in_words
-from agents.platform.introspection import introspect
 from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
-from agents.platform.luggage import opened, unpacked
+from agents.platform.mobility.arrivals import Arrivals
+from agents.platform.mobility.departures import Departures
+from agents.platform.mobility.migration_state import opened, unpacked
 from agents.platform.names import AgentName
-from agents.platform.talk import hand_over
 from bus import BusError, BusUnavailable, Conversation, Subscription
 from bus.name_holder import BusProgram
 from bus.validation import check_value
 
 if TYPE_CHECKING:
-    from agents.platform.container import Container
+    from agents.platform.container.container import Container
 
 log = logging.getLogger("agents")
 

@@ -5,19 +5,19 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.dialogue import InitiatorConversation
-from agents.platform.door import new_label
-from agents.platform.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
-from agents.platform.fipa_contract_net import PROTOCOL as CALLS
-from agents.platform.fipa_query import PROTOCOL as QUERIES
-from agents.platform.fipa_request import PROTOCOL as REQUESTS
-from agents.platform.fipa_request import Request, ask_to
-from agents.platform.fipa_subscribe import FOREVER, KEEP, Values
-from agents.platform.fipa_subscribe import PROTOCOL as SUBSCRIPTIONS
-from agents.platform.home import ContainerContext
+from agents.platform.container.context import ContainerContext
+from agents.platform.container.delivery_gate import new_label
+from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
+from agents.platform.conversations.fipa_contract_net import PROTOCOL as CALLS
+from agents.platform.conversations.fipa_query import PROTOCOL as QUERIES
+from agents.platform.conversations.fipa_request import PROTOCOL as REQUESTS
+from agents.platform.conversations.fipa_request import Request, ask_to
+from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
+from agents.platform.conversations.fipa_subscribe import PROTOCOL as SUBSCRIPTIONS
+from agents.platform.conversations.initiator_conversation import InitiatorConversation
+from agents.platform.conversations.outcome import Outcome
+from agents.platform.conversations.talk import query
 from agents.platform.names import AgentName
-from agents.platform.outcome import Outcome
-from agents.platform.talk import query
 from bus.bus import QUERY_TIMEOUT
 
 PATIENCE = 10.0  # s for a conversation, unless the one who begins it says otherwise

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agents.platform.agent import Agent
-from agents.platform.door import QueuedMessage
-from agents.platform.ends import AgentEnd
+from agents.platform.container.context import ContainerContext
+from agents.platform.container.delivery_gate import QueuedMessage
+from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.talk import query
 from agents.platform.errors import NotMoved, UnknownAgent
-from agents.platform.home import ContainerContext
 from agents.platform.life import AgentState
-from agents.platform.luggage import MigrationState
+from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
-from agents.platform.talk import query
 from bus import BusError
 
 if TYPE_CHECKING:
-    from agents.platform.container import Container
+    from agents.platform.container.container import Container
 
 ANSWER_TIME = 5.0  # s for the other container to say who lives in it
 LOOK = 1.0  # s between two looks at what has become of the container from which an agent came

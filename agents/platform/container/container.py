@@ -12,10 +12,10 @@ from typing import Any, Self
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
-from agents.platform.askers import Askers
-from agents.platform.control import Control
+from agents.platform.container.control import Control
+from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.askers import Askers
 from agents.platform.directory import check_free
-from agents.platform.ends import AgentEnd
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words
 from agents.platform.heartbeat import Heartbeats
 from agents.platform.kinds import Kinds, kind_of

@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 from agents.face.errors import RobotError
-from agents.face.stage import LAST_WORDS, LoopThread
+from agents.face.loop_thread import LAST_WORDS, LoopThread
 from agents.platform import Agent, AgentError, AgentName, Container
 from bus import Bus, BusError, NotAllowed, ZenohBus
 from configs.loader import ConfigError

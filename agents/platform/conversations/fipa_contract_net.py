@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.dialogue import ConversationEnded, InitiatorConversation
+from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
+from agents.platform.conversations.outcome import Ending, Outcome
+from agents.platform.conversations.parsed_request import ParsedRequest
+from agents.platform.conversations.responder_conversation import ResponderConversation
 from agents.platform.names import AgentName
-from agents.platform.opening import ParsedRequest
-from agents.platform.outcome import Ending, Outcome
-from agents.platform.serving import ResponderConversation
 from bus import Refused
 
 PROTOCOL = "fipa-contract-net"

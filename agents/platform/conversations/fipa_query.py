@@ -5,8 +5,8 @@ changes nothing.
 """
 
 from agents.platform.acl import Performative
-from agents.platform.opening import ParsedRequest
-from agents.platform.serving import ResponderConversation
+from agents.platform.conversations.parsed_request import ParsedRequest
+from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-query"
 

@@ -14,8 +14,8 @@ from gateway.elements.element import Element
 from gateway.elements.joystick import JoystickElement
 from gateway.errors import CommandRefused
 from gateway.events import Event, MotionEnd
-from gateway.journey import MotionInProgress, Move, Turn
 from gateway.motion import MotionTracker
+from gateway.motion_in_progress import MotionInProgress, Move, Turn
 from gateway.odometry import OdometryTracker
 from gateway.outbox import Outbox
 from gateway.settings import Settings

@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Protocol
 
 from agents.platform.acl import AclMessage
-from agents.platform.ends import AgentEnd
+from agents.platform.container.ends import AgentEnd
 from agents.platform.names import AgentName
 from bus import Bus
 

@@ -9,13 +9,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from agents.platform.acl import Performative
-from agents.platform.desk import RequestDispatcher
-from agents.platform.door import Caller, DeliveryGate, QueuedMessage
+from agents.platform.container.delivery_gate import Caller, DeliveryGate, QueuedMessage
+from agents.platform.conversations.initiator import Initiator
+from agents.platform.conversations.request_dispatcher import RequestDispatcher
 from agents.platform.errors import NotMoved
-from agents.platform.initiator import Initiator
 from agents.platform.life import AgentState, Step, after
-from agents.platform.luggage import MigrationState
 from agents.platform.mailbox import Mailbox
+from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.schedule import Schedule
 from bus import Conversation
 

@@ -11,12 +11,12 @@ from contextlib import aclosing
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.door import new_label
+from agents.platform.container.context import ContainerContext
+from agents.platform.container.delivery_gate import new_label
+from agents.platform.conversations.outcome import Ending, Outcome, why_of
+from agents.platform.conversations.talk import replies
 from agents.platform.errors import AclError
-from agents.platform.home import ContainerContext
 from agents.platform.names import AgentName
-from agents.platform.outcome import Ending, Outcome, why_of
-from agents.platform.talk import replies
 from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
 
 ONTOLOGY = "acromovi"

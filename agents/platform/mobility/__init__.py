@@ -1,0 +1,1 @@
+"""Agents that move from one container to another with their state."""
