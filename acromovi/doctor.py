@@ -170,7 +170,7 @@ class _Visit:
         self._sips: list[StandardSip] = []
         self.deadline = steady_clock() + PORT_PATIENCE
 
-    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+    def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events; raises GatewayError when there is no robot."""
         self._search.take(events, self._driver.link_problem, now)
         self._sips += [event.sip for event in events if isinstance(event, SipReceived)]

@@ -249,7 +249,7 @@ class _Host:
                 new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,
             )
-        self._robot.happened(events, now, self._stamp_ns())
+        self._robot.on_events(events, now, self._stamp_ns())
         for part, element in self._elements.items():
             self._robot.element_happened(self._faces[part], element.step(), self._stamp_ns())
 

@@ -107,23 +107,23 @@ def feed(parser: Parser, frames: int, seed: int = SEED) -> tuple[int, float]:
 
 def lots(parser: Parser, seed: int = SEED) -> Iterator[tuple[int, bytes]]:
     """Generated frames without end: how many, and their bytes on the wire."""
-    chance = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     while True:
-        content = parser.corpus[int(chance.integers(len(parser.corpus)))]
+        content = parser.corpus[int(rng.integers(len(parser.corpus)))]
         rows = np.tile(np.frombuffer(content, np.uint8), (LOT, 1))
-        mask = chance.random(rows.shape, np.float32) < chance.choice(REPLACED)
-        if chance.random() < 0.8:
+        mask = rng.random(rows.shape, np.float32) < rng.choice(REPLACED)
+        if rng.random() < 0.8:
             mask[:, : parser.keep] = False
-        np.copyto(rows, chance.integers(0, 256, rows.shape, np.uint8), where=mask)
+        np.copyto(rows, rng.integers(0, 256, rows.shape, np.uint8), where=mask)
         wire = parser.seal(rows).reshape(-1)
-        yield LOT, (_damaged(wire, chance) if chance.random() < 0.25 else wire).tobytes()
+        yield LOT, (_damaged(wire, rng) if rng.random() < 0.25 else wire).tobytes()
 
 
-def _damaged(wire: Bytes, chance: np.random.Generator) -> Bytes:
+def _damaged(wire: Bytes, rng: np.random.Generator) -> Bytes:
     """Some bytes replaced, some lost, some doubled."""
-    places = chance.integers(0, len(wire), (3, max(1, len(wire) // 300)))
+    places = rng.integers(0, len(wire), (3, max(1, len(wire) // 300)))
     wire = wire.copy()
-    wire[places[0]] = chance.integers(0, 256, places.shape[1], np.uint8)
+    wire[places[0]] = rng.integers(0, 256, places.shape[1], np.uint8)
     repeats = np.ones(len(wire), np.int64)
     repeats[places[1]] = 0
     repeats[places[2]] = 2

@@ -207,9 +207,9 @@ def mutants(seed: int = SEED) -> Iterator[tuple[str, bytes, bytes]]:
             continue
         suffix, arguments = rng.choice(proper)
         match rng.random():
-            case chance if chance < 0.02:
+            case random_choice if random_choice < 0.02:
                 yield suffix, rng.choice(HOSTILE_PAYLOADS), b""
-            case chance if chance < 0.15:
+            case random_choice if random_choice < 0.15:
                 yield suffix, damaged(json.dumps(arguments).encode(), rng), b""
             case _:
                 yield suffix, _written(mutated(arguments, rng), rng), b""
@@ -227,13 +227,13 @@ def mutated(arguments: Mapping[str, Any], rng: random.Random) -> dict[str, Any]:
         return changed
     for name in arguments:
         match rng.random():
-            case chance if chance < 0.2:
+            case random_choice if random_choice < 0.2:
                 changed[name] = rng.choice(HOSTILE)
-            case chance if chance < 0.4:
+            case random_choice if random_choice < 0.4:
                 changed[name] = rng.choice(WORDS)
-            case chance if chance < 0.55:
+            case random_choice if random_choice < 0.55:
                 changed[name] = rng.uniform(-3.0, 3.0)
-            case chance if chance < 0.75:
+            case random_choice if random_choice < 0.75:
                 del changed[name]
     if rng.random() < 0.1:
         changed[rng.choice(["do", "on", "", "\ud800", "x" * 1000])] = rng.choice(HOSTILE)
@@ -247,9 +247,9 @@ def damaged(payload: bytes, rng: random.Random) -> bytes:
         if data:
             data[rng.randrange(len(data))] = rng.choice([0, 0xFF, 0x7F, 0x80, rng.randrange(256)])
     match rng.random():
-        case chance if chance < 0.2:
+        case random_choice if random_choice < 0.2:
             del data[rng.randrange(len(data) + 1) :]
-        case chance if chance < 0.4:
+        case random_choice if random_choice < 0.4:
             data += rng.randbytes(rng.choice([1, 3, 8, 1000]))
     return bytes(data)
 

@@ -268,8 +268,8 @@ class _Account:
 
     def predicted(self, samples: int) -> float:
         """How many packets pass the checksum although they are damaged, by the chances of so many."""
-        chance = sum(map(chance_to_pass, self._samples[:samples])) / min(samples, len(self._samples))
-        return self._outcome.sent * chance + self.false_checks / 65536
+        rng = sum(map(chance_to_pass, self._samples[:samples])) / min(samples, len(self._samples))
+        return self._outcome.sent * rng + self.false_checks / 65536
 
     def _search(self, data: bytes, arrived: Mapping[int, tuple[int, _Injected]]) -> Iterator[tuple[int, bytes]]:
         """Find the frames in bytes with silence behind them: where, and the payload; count everything else."""
@@ -372,7 +372,7 @@ def _sum(payload: bytes) -> int:
 
 def _drive(model: RobotModel, packets: int, seed: int) -> Iterator[bytes]:
     """Frames of a robot that drives in circles past things, one for each `SIP_PERIOD`."""
-    codec, chance = SipCodec(model), Random(seed)
+    codec, rng = SipCodec(model), Random(seed)
     still = codec.decode(bytes([0x33]) + bytes(31))
     radius, half_track = SPEED / TURN, model.wheel_track / 2
     for number in range(packets):
@@ -386,6 +386,6 @@ def _drive(model: RobotModel, packets: int, seed: int) -> Iterator[bytes]:
             battery=12.6,
             battery_fine=12.6,
             flags=3,
-            sonar=tuple((chance.randrange(16), chance.uniform(0.2, 5.0)) for _ in range(READINGS)),
+            sonar=tuple((rng.randrange(16), rng.uniform(0.2, 5.0)) for _ in range(READINGS)),
         )
         yield encode_frame(codec.encode(sip))

@@ -78,7 +78,7 @@ class Backoff:
 class BridgeListener(Protocol):
     """Who is told what happens, on the bridge's thread."""
 
-    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+    def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events, maybe none.
 
         Args:
@@ -176,7 +176,7 @@ class Bridge(Generic[D]):
                 data = self._read() if has_bytes else b""
                 stamp_ns = time.time_ns()
                 events = self._work(data, now)
-            listener.happened(events, now, stamp_ns)
+            listener.on_events(events, now, stamp_ns)
 
     def stop(self) -> None:
         """Let `run` return; from any thread or signal handler."""

@@ -107,7 +107,7 @@ class Gateway:
         """When `happened` is due even without events, s."""
         return inf if self._robot is None else self._robot.deadline
 
-    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+    def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events.
 
         Raises:
@@ -131,7 +131,7 @@ class Gateway:
             self._robot = self._joined
             self._robot.publish_kept(self._kept.values())
             events, self._kept = [], {}
-        self._robot.happened(events, now, stamp_ns)
+        self._robot.on_events(events, now, stamp_ns)
         self._say_elements(now)
 
     def close(self) -> None:

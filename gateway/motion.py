@@ -56,7 +56,7 @@ class MotionTracker:
         self._is_open = False
         self._mode = _Mode.UNASKED
         self._speeds: dict[Command, tuple[bytes, float]] = {}  # last frame of each kind, and when it was queued
-        self._journey: MotionInProgress | None = None
+        self._motion: MotionInProgress | None = None
         self._obedience = Obedience()
         self._asked = STANDSTILL
         self._cmd_vel_at = -inf
@@ -80,7 +80,7 @@ class MotionTracker:
     @property
     def motion_id(self) -> str | None:
         """The long motion that is under way."""
-        return None if self._journey is None else self._journey.motion_id
+        return None if self._motion is None else self._motion.motion_id
 
     @property
     def is_asked_to_move(self) -> bool:
@@ -127,7 +127,7 @@ class MotionTracker:
         self._set_speed(Command.VEL, self._asked[0], now)
         self._set_speed(Command.RVEL, self._asked[1], now)
 
-    def travel(self, journey: MotionInProgress, now: float) -> None:
+    def travel(self, motion: MotionInProgress, now: float) -> None:
         """Begin a long motion in place of whatever is in force.
 
         Raises:
@@ -137,7 +137,7 @@ class MotionTracker:
         self._finish(MotionEnd.REPLACED)
         self._outbox.drop(Command.VEL, Command.RVEL)
         self._mode = _Mode.TRAVELLING
-        self._journey = journey
+        self._motion = motion
         self._queue_journey()
 
     def stop(self, now: float) -> None:
@@ -198,8 +198,8 @@ class MotionTracker:
         self.is_rolling = not is_at_rest(sip)
         self._follow_motors(sip, now)
         self._obedience.judge(*(self._asked if self._mode is _Mode.DRIVING else STANDSTILL), sip, now)
-        if self._journey is not None:
-            end = self._journey.update(sip, now)
+        if self._motion is not None:
+            end = self._motion.update(sip, now)
             if end is None:
                 self._queue_journey()
             else:
@@ -245,14 +245,14 @@ class MotionTracker:
             self._speeds[command] = frame, now
 
     def _queue_journey(self) -> None:
-        if self._journey is not None:
-            for index, frame in enumerate(self._journey.frames()):
+        if self._motion is not None:
+            for index, frame in enumerate(self._motion.frames()):
                 self._outbox.put(("journey", index), frame)
 
     def _finish(self, end: MotionEnd) -> None:
-        journey, self._journey = self._journey, None
-        if journey is not None:
-            self._report(MotionEnded(journey.motion_id, journey.kind, end, journey.done, journey.goal, journey.unit))
+        motion, self._motion = self._motion, None
+        if motion is not None:
+            self._report(MotionEnded(motion.motion_id, motion.kind, end, motion.done, motion.goal, motion.unit))
 
     def _follow_motors(self, sip: StandardSip, now: float) -> None:
         went_off = self._motors_on and not sip.motors_enabled

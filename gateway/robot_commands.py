@@ -1,6 +1,6 @@
 """What a commander may ask of a robot: velocities, long motions, stops, and its elements.
 
-`Driver` is a helm with a robot at the other end of a line.
+`Driver` obeys these commands with a robot at the other end of a line.
 """
 
 import itertools
@@ -229,9 +229,9 @@ class RobotCommands(ABC):
         for element in self._elements.values():
             element.halt(now)
 
-    def _travel(self, journey: MotionInProgress, now: float) -> str:
-        self._motion.travel(journey, now)
-        return journey.motion_id
+    def _travel(self, motion_in_progress: MotionInProgress, now: float) -> str:
+        self._motion.travel(motion_in_progress, now)
+        return motion_in_progress.motion_id
 
     def _turn(self, kind: str, angle: float, now: float) -> str:
         if not abs(angle) <= LONGEST_TURN:

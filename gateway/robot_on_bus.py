@@ -70,7 +70,7 @@ class RobotOnBus(Subscription):
         self._driver = driver
         self._settings = settings
         self._cable_faces = cable_faces
-        self._orders = CommandServer(name, bus, commander, new_token, wall_clock, cable_faces)
+        self._server = CommandServer(name, bus, commander, new_token, wall_clock, cable_faces)
         self._streams = RobotPublishers(name, bus, driver, model, cable_faces)
         self._elements = ElementTokens(name, bus)
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
@@ -81,7 +81,7 @@ class RobotOnBus(Subscription):
         )
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
-            self._orders,
+            self._server,
             self._streams,
             self._elements,
             self._lease_state,
@@ -92,9 +92,9 @@ class RobotOnBus(Subscription):
     @property
     def deadline(self) -> float:
         """When `happened` is due even without events, s."""
-        return min(self._streams.due_at, self._orders.deadline)
+        return min(self._streams.due_at, self._server.deadline)
 
-    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+    def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Publish what follows from the driver's events, and from time.
 
         Args:
@@ -110,15 +110,15 @@ class RobotOnBus(Subscription):
             if self._has_answered:  # whoever acts on a token finds a robot that obeys
                 with self._streams.guarded("elements"):
                     self._elements.follow(self._present())
-            if now >= self._orders.deadline:
-                self._orders.settle()
-            self._orders.bindings.follow()
-            if self._orders.lease_has_changed:
-                self._orders.lease_has_changed = False
+            if now >= self._server.deadline:
+                self._server.settle()
+            self._server.bindings.follow()
+            if self._server.lease_has_changed:
+                self._server.lease_has_changed = False
                 with self._streams.guarded(keys.LEASE_STATE.suffix):
-                    self._lease_state.put(self._orders.leases.state(now))
+                    self._lease_state.put(self._server.leases.state(now))
             with self._streams.guarded("status"):
-                self._streams.publish_status(self._orders.refused, self._orders.recent_notice(now), now, stamp_ns)
+                self._streams.publish_status(self._server.refused, self._server.recent_notice(now), now, stamp_ns)
 
     def publish_kept(self, events: Iterable[tuple[Event, int]]) -> None:
         """Publish events from before the robot was on the bus, each with its stamp as in `happened`."""

@@ -114,8 +114,8 @@ def _emulate(options: EmulatorOptions) -> None:
         for path in options.fault_files:
             schedule_file(faults, path, emulator.time)
         runner = Runner(emulator, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
-        desk = ControlRequestHandler(team, faults, runner)
-        control = ControlSocket(_control_path(options, stack), poller, desk.answer)
+        requests = ControlRequestHandler(team, faults, runner)
+        control = ControlSocket(_control_path(options, stack), poller, requests.answer)
         stack.callback(control.close)
         runner.between_steps += [control.serve, cameras.tend]
         if not options.quiet:

@@ -110,64 +110,64 @@ def _shown(value: Any) -> str:
     return text if len(text) <= _LONGEST_QUOTE else text[: _LONGEST_QUOTE - 1] + "…"
 
 
-def _truth(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    rows = {robot.name: robot_row(desk.emulator, robot) for robot in desk.robots(fields)}
-    answer = {"robots": rows, **surroundings_rows(desk.emulator), "time": desk.emulator.time, **_pace(desk)}
+def _truth(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    rows = {robot.name: robot_row(handler.emulator, robot) for robot in handler.robots(fields)}
+    answer = {"robots": rows, **surroundings_rows(handler.emulator), "time": handler.emulator.time, **_pace(handler)}
     if len(rows) == 1:  # meant or alone: spares the asker a level
         answer |= {key: next(iter(rows.values()))[key] for key in ("x", "y", "heading")}
     return answer
 
 
-def _pose(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    robot = desk.robot(fields)
-    here = desk.emulator.truth(robot.name).pose
+def _pose(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    robot = handler.robot(fields)
+    here = handler.emulator.truth(robot.name).pose
     there = Pose2D(fields.get("x", here.x), fields.get("y", here.y), fields.get("heading", here.heading))
     if fields.keys() - {"robot"}:
         try:
-            desk.emulator.place(robot.name, there)
+            handler.emulator.place(robot.name, there)
         except ValueError as error:
             raise RequestError(str(error)) from error
-    pose = desk.emulator.truth(robot.name).pose
+    pose = handler.emulator.truth(robot.name).pose
     return {"robot": robot.name, "x": pose.x, "y": pose.y, "heading": pose.heading}
 
 
-def _door(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+def _door(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     try:
-        desk.emulator.set_door(fields["name"], fields["open"])
+        handler.emulator.set_door(fields["name"], fields["open"])
     except ValueError as error:
         raise RequestError(str(error)) from error
     return {"door": fields["name"], "open": fields["open"]}
 
 
-def _fault(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+def _fault(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     try:
-        fault = desk.faults.schedule(parse_fault(fields["fault"]), desk.emulator.time)
+        fault = handler.faults.schedule(parse_fault(fields["fault"]), handler.emulator.time)
     except FaultError as error:
         raise RequestError(str(error)) from error
     return _fault_row(fault)
 
 
-def _clear(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    numbers = [fields["number"]] if "number" in fields else [fault.number for fault in desk.faults.faults]
+def _clear(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    numbers = [fields["number"]] if "number" in fields else [fault.number for fault in handler.faults.faults]
     try:
         for number in numbers:
-            desk.faults.clear(number)
+            handler.faults.clear(number)
     except FaultError as error:
         raise RequestError(str(error)) from error
     return {"cleared": numbers}
 
 
-def _faults(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    known = {name: _fault_explained(desk, kind) for name, kind in FAULTS.items()}
-    return {"faults": [_fault_row(fault) for fault in desk.faults.faults], "known": known}
+def _faults(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    known = {name: _fault_explained(handler, kind) for name, kind in FAULTS.items()}
+    return {"faults": [_fault_row(fault) for fault in handler.faults.faults], "known": known}
 
 
-def _fault_explained(desk: ControlRequestHandler, kind: FaultKind) -> dict[str, Any]:
+def _fault_explained(handler: ControlRequestHandler, kind: FaultKind) -> dict[str, Any]:
     return {
         "meaning": kind.meaning,
         "ending": kind.ending,
         "parameters": {key: parameter.meaning for key, parameter in kind.parameters.items()},
-        "robots": [robot.name for robot in desk.emulator.robots.values() if kind.can_befall(robot)],
+        "robots": [robot.name for robot in handler.emulator.robots.values() if kind.can_befall(robot)],
     }
 
 
@@ -182,44 +182,44 @@ def _fault_row(fault: Fault) -> dict[str, Any]:
     }
 
 
-def _step(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+def _step(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     count = fields.get("n", 1)
-    if not desk.runner.is_paused:
+    if not handler.runner.is_paused:
         raise RequestError('the emulator runs by the clock; {"do": "pause"} first')
     if not 1 <= count <= _MOST_STEPS:
         raise RequestError(f'"n" must be from 1 to {_MOST_STEPS}, not {count}')
-    desk.runner.step(count)
-    return {"time": desk.emulator.time}
+    handler.runner.step(count)
+    return {"time": handler.emulator.time}
 
 
-def _pause(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    desk.runner.pause(fields.get("on", True))
-    return {"time": desk.emulator.time, **_pace(desk)}
+def _pause(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    handler.runner.pause(fields.get("on", True))
+    return {"time": handler.emulator.time, **_pace(handler)}
 
 
-def _speed(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    factor = fields.get("factor", desk.runner.speed)
+def _speed(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    factor = fields.get("factor", handler.runner.speed)
     if factor <= 0:
         raise RequestError(f'"factor" must be above zero, not {factor}; {{"do": "pause"}} stops time')
     if not SLOWEST <= factor <= FASTEST:
         raise RequestError(f'"factor" must be from {SLOWEST:g} to {FASTEST:g}, not {factor:g}')
     if "factor" in fields:
-        desk.runner.speed = factor
-    return _pace(desk)
+        handler.runner.speed = factor
+    return _pace(handler)
 
 
-def _pace(desk: ControlRequestHandler) -> dict[str, Any]:
+def _pace(handler: ControlRequestHandler) -> dict[str, Any]:
     return {
-        "speed": desk.runner.speed,
-        "paused": desk.runner.is_paused,
-        "late_dropped": desk.runner.late_dropped,
-        "lost": desk.runner.lost,
-        "degraded": list(desk.runner.degradation.given_up),
+        "speed": handler.runner.speed,
+        "paused": handler.runner.is_paused,
+        "late_dropped": handler.runner.late_dropped,
+        "lost": handler.runner.lost,
+        "degraded": list(handler.runner.degradation.given_up),
     }
 
 
-def _joystick(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    robot = desk.robot(fields)
+def _joystick(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    robot = handler.robot(fields)
     panel = robot.microcontroller.panel
     if panel.joystick is None:
         raise RequestError(f"{robot.name} has no joystick fitted; give it one with --fit joystick")
@@ -230,35 +230,35 @@ def _joystick(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     return {"robot": robot.name, **panel.joystick._asdict()}
 
 
-def _reset(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    names = [robot.name for robot in desk.robots(fields)]
+def _reset(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    names = [robot.name for robot in handler.robots(fields)]
     for name in names:
-        desk.emulator.restart(name)
+        handler.emulator.restart(name)
     return {"reset": names}
 
 
-def _add(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+def _add(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     place = fields.keys() & {"x", "y", "heading"}
     if place and not place >= {"x", "y"}:
         raise RequestError('a place needs "x" and "y"; leave both out and the world finds one')
     pose = Pose2D(fields["x"], fields["y"], fields.get("heading", 0.0)) if place else None
     text = fields["model"] + (f":{fields['name']}" if "name" in fields else "")
     try:
-        robot = desk.team.add(text, pose, parts=[part for part in fields.get("fit", "").split(",") if part])
+        robot = handler.team.add(text, pose, parts=[part for part in fields.get("fit", "").split(",") if part])
     except (TeamError, ConfigError, PortError) as error:
         raise RequestError(str(error)) from error
-    return {"robot": desk.team.entry(robot)}
+    return {"robot": handler.team.entry(robot)}
 
 
-def _remove(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    robot = desk.robot(fields)
-    desk.emulator.remove(robot.name)
+def _remove(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    robot = handler.robot(fields)
+    handler.emulator.remove(robot.name)
     return {"removed": robot.name}
 
 
-def _quit(desk: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
-    desk.runner.leave()
-    return {"time": desk.emulator.time}
+def _quit(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
+    handler.runner.leave()
+    return {"time": handler.emulator.time}
 
 
 _TYPE_NAMES = {str: "text", float: "a finite number", int: "a whole number", bool: "true or false"}

@@ -185,10 +185,10 @@ class Emulator:
         if pose is not None:
             _check_place(pose)
         flash = flash or self.flash(model, name)
-        controller = Microcontroller(model, name, flash=flash, seed=self._chance(name, "firmware"), fit=fit)
-        body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._chance(name, "faults")))
+        controller = Microcontroller(model, name, flash=flash, seed=self._rng(name, "firmware"), fit=fit)
+        body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._rng(name, "faults")))
         profile = profile or self._profile
-        line = EmulatedLine(link, profile, self._chance(name, "line"))
+        line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
             controller.simulate(Simulator(model, Hand(self, robot), body))
@@ -211,10 +211,10 @@ class Emulator:
 
     def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link], profile: LinkProfile) -> None:
         for part in robot.fit.parts:
-            chance = Random(self._chance(robot.name, part))
-            bench = FittingContext(robot.model, robot.fit, robot.microcontroller, robot.body, chance)
+            rng = Random(self._rng(robot.name, part))
+            bench = FittingContext(robot.model, robot.fit, robot.microcontroller, robot.body, rng)
             if part in robot.fit.cables:
-                line = EmulatedLine(cables[part], profile.of_accessories, self._chance(robot.name, f"{part} line"))
+                line = EmulatedLine(cables[part], profile.of_accessories, self._rng(robot.name, f"{part} line"))
                 robot.cables[part] = Cable(partial(cabled, part, bench), line)
             else:
                 plug_in(part, bench)
@@ -279,10 +279,10 @@ class Emulator:
             self._stop_deserted()
         robots = tuple(self.robots.values())
         now = self._world.time
-        sayings = [robot.think(now) for robot in robots]
+        replies = [robot.think(now) for robot in robots]
         self._world.step()
         now = self._world.time
-        for robot, saying in zip(robots, sayings, strict=True):
+        for robot, saying in zip(robots, replies, strict=True):
             robot.line.send(saying, now, robot.microcontroller.host_baud)
         # After the robots, whose packets come by the clock: twenty scans take longer than all the rest.
         for robot in robots:
@@ -302,7 +302,7 @@ class Emulator:
                 robot.microcontroller.receive(_FAREWELL)
             robot.was_attached = attached
 
-    def _chance(self, name: str, part: str) -> int:
+    def _rng(self, name: str, part: str) -> int:
         """A seed that stays the same whatever other robots there are."""
         return Random(f"{self._seed} {name} {part}").getrandbits(32)
 

@@ -26,14 +26,14 @@ class SonarFaults:
     noisy: Mapping[int, float] = field(default_factory=dict)
     reach: tuple[float, float] = (0.1, 5.0)
 
-    def heard(self, disc: int, distance: float, chance: Random) -> float:
+    def heard(self, disc: int, distance: float, rng: Random) -> float:
         """What a disc reports in place of what it heard, m."""
         if disc in self.stuck:
             return self.stuck[disc]
         if disc in self.dead:
             return float("inf")
-        if disc in self.noisy and chance.random() < self.noisy[disc]:
-            return chance.uniform(*self.reach)
+        if disc in self.noisy and rng.random() < self.noisy[disc]:
+            return rng.uniform(*self.reach)
         return distance
 
 
@@ -47,7 +47,7 @@ class FaultyBody:
     sonar: what is wrong with the discs.
     """
 
-    def __init__(self, body: Body, chance: Random) -> None:
+    def __init__(self, body: Body, rng: Random) -> None:
         """Put a body behind its faults, of which there are none yet.
 
         Args:
@@ -57,7 +57,7 @@ class FaultyBody:
         self.bumpers = NO_BUMPERS
         self.sonar = HEALTHY_SONAR
         self._body = body
-        self._chance = chance
+        self._rng = rng
         self._grip = WHOLE
         self._blocked = FREE
         self._wanted: tuple[float, float] | None = None  # m/s; None while the motors have no power
@@ -125,7 +125,7 @@ class FaultyBody:
         ranges = self._body.ping(discs)
         if self.sonar is HEALTHY_SONAR:
             return ranges
-        return [self.sonar.heard(disc, heard, self._chance) for disc, heard in zip(discs, ranges, strict=True)]
+        return [self.sonar.heard(disc, heard, self._rng) for disc, heard in zip(discs, ranges, strict=True)]
 
     def scan(self, beams: ScanBeams) -> Echoes:
         """As `Body.scan`."""

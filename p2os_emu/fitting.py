@@ -36,7 +36,7 @@ class FittingContext(NamedTuple):
     fit: Fit
     microcontroller: Microcontroller
     body: Body
-    chance: Random
+    rng: Random
 
 
 def _powercube(bench: FittingContext) -> Device:
@@ -68,7 +68,7 @@ def _wire_gripper(bench: FittingContext) -> None:
 
 def _fit_gyro(bench: FittingContext, inside: bool) -> None:
     spec = load(AnalogGyroSpec, "accessories", "analog-gyro")
-    bench.microcontroller.fit_gyro(AnalogGyro(spec, bench.chance), inside)
+    bench.microcontroller.fit_gyro(AnalogGyro(spec, bench.rng), inside)
 
 
 def _head_model(bench: FittingContext) -> HeadModel:
@@ -79,7 +79,7 @@ PLUGGED: Mapping[tuple[str, str], Callable[[FittingContext], None]] = {
     ("gyro", "analog"): lambda bench: _fit_gyro(bench, inside=False),
     ("gyro", "controller"): lambda bench: _fit_gyro(bench, inside=True),
     ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
-        Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.chance)
+        Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.rng)
     ),
     ("ptz", "vcc4"): lambda bench: bench.microcontroller.plug(HEAD_PORT, lambda: Vcc4(_head_model(bench))),
     ("ptz", "evid30"): lambda bench: bench.microcontroller.plug(HEAD_PORT, lambda: EviD30(_head_model(bench))),

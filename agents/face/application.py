@@ -61,10 +61,10 @@ class Application(Agent):
 
     async def setup(self) -> None:
         """Begin."""
-        self._stage = LoopThread(self, asyncio.get_running_loop())
-        self._horizon = await look(self._stage)
+        self._thread = LoopThread(self, asyncio.get_running_loop())
+        self._discovery = await look(self._thread)
         self._program = await self.load()
-        self._team = Team.of(self._stage, self._horizon)
+        self._team = Team.of(self._thread, self._discovery)
         for function in self._program.functions:
             for mark in marks(function):
                 mark.begin(self, self._threaded(function))
@@ -77,23 +77,23 @@ class Application(Agent):
     def suspend(self) -> None:
         """Rest; the program waits at its next call."""
         super().suspend()
-        self._stage.suspend()
+        self._thread.suspend()
 
     def resume(self) -> None:
         """Go on."""
         super().resume()
-        self._stage.resume()
+        self._thread.resume()
 
     def mark_deleted(self) -> None:
         """End the program at its next call."""
         super().mark_deleted()
-        self._stage.stop(f"{self.name} is stopped")
+        self._thread.stop(f"{self.name} is stopped")
 
     async def take_down(self) -> None:
         """Stop what it moves."""
-        self._horizon.close()
+        self._discovery.close()
         try:
-            await self._stage.halt()
+            await self._thread.halt()
         finally:
             self.ended.set()  # last: who waits for this may close the container, and who has stopped it is to hear so
 

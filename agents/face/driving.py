@@ -21,8 +21,8 @@ SILENCE = 0.6  # s after a stop until the gateway obeys a stream again
 class ContinuousDrive:
     """One robot that is driven so. All of it belongs to the stage's event loop."""
 
-    def __init__(self, stage: LoopThread, robot: str) -> None:
-        self._stage = stage
+    def __init__(self, thread: LoopThread, robot: str) -> None:
+        self._thread = thread
         self._robot = robot
         self._velocity = (0.0, 0.0)
         self._token = ""
@@ -48,7 +48,7 @@ class ContinuousDrive:
                 f"{stalled[1]:g} rad/s; drive another way"
             )
         if not self._is_streaming:
-            await asyncio.sleep(self._obeyed_from - self._stage.loop.time())
+            await asyncio.sleep(self._obeyed_from - self._thread.loop.time())
         try:
             token = lease.token if lease is not None else ""
             await self._ask(linear, angular, token)
@@ -71,11 +71,11 @@ class ContinuousDrive:
         with contextlib.suppress(asyncio.CancelledError):  # it was cancelled just now, as it is meant to be
             await task
         halt = messages.twist(0.0, 0.0)  # the stream may not have begun, and the robot drives as it was asked to
-        self._stage.agent.bus.send(keys.CMD_VEL.key(self._robot), halt, self._token.encode())
+        self._thread.agent.bus.send(keys.CMD_VEL.key(self._robot), halt, self._token.encode())
 
     def has_stopped(self) -> None:
         """The robot has been told to stop, and will obey no stream until that has been silent for a while."""
-        self._obeyed_from = self._stage.loop.time() + SILENCE
+        self._obeyed_from = self._thread.loop.time() + SILENCE
 
     @property
     def _is_streaming(self) -> bool:
@@ -85,14 +85,14 @@ class ContinuousDrive:
         """The first velocity is asked for, since a stream is not answered."""
         given = {"linear": linear, "angular": angular, **({"token": token} if token else {})}
         try:
-            await self._stage.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
+            await self._thread.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
         except bus.Refused as err:
             raise Refused(f"{self._robot} refuses to drive: {in_api_words(in_words(err), 'base')}") from err
         except TimeoutError as err:
             raise NotThere(f"nobody drives {self._robot}; see whether its p2os-gateway runs") from err
 
     async def _stream(self) -> None:
-        publisher = self._stage.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name)
+        publisher = self._thread.agent.bus.publisher(keys.CMD_VEL.key(self._robot), keys.CMD_VEL.type_name)
         with publisher as wheels, self._listen():
             while self._is_to_go_on:
                 self._say(wheels, *self._velocity)
@@ -102,21 +102,21 @@ class ContinuousDrive:
     @property
     def _is_to_go_on(self) -> bool:
         is_ours = self._lease is None or self._lease.is_held
-        return self._stage.is_attended and is_ours and self._stalled is None
+        return self._thread.is_attended and is_ours and self._stalled is None
 
     def _listen(self) -> Subscription:
         """Hear the stall flags of the wheels."""
         key = keys.BUMPERS.key(self._robot)
-        return self._stage.agent.bus.subscribe(key, self._take_flags, urgent=True)
+        return self._thread.agent.bus.subscribe(key, self._take_flags, urgent=True)
 
     def _take_flags(self, sample: Sample) -> None:
         with contextlib.suppress(MessageError):  # the next one will be better
             flags = messages.decode(keys.BUMPERS.type_name, sample.payload)
-            hand_over(self._stage.loop, self._hear_flags, bool(flags.stall_left or flags.stall_right))
+            hand_over(self._thread.loop, self._hear_flags, bool(flags.stall_left or flags.stall_right))
 
     def _hear_flags(self, is_stalled: bool) -> None:
         is_driven = self._is_streaming and self._velocity != (0.0, 0.0)
-        if is_driven and self._stall.hear(is_stalled, self._stage.loop.time()):
+        if is_driven and self._stall.hear(is_stalled, self._thread.loop.time()):
             self._stalled = self._velocity
 
     def _say(self, wheels: Publisher, linear: float, angular: float) -> None:

@@ -27,9 +27,9 @@ class ElementClient(Generic[R]):
 
     reading: ClassVar[type[Reading]] = OtherReading
 
-    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
+    def __init__(self, thread: LoopThread, agent: AgentName) -> None:
         self.agent = agent
-        self._stage = stage
+        self._thread = thread
 
     def ask(self, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:
         """Ask for anything that its agent does, and wait for the end; `acromovi directory` shows what it does.
@@ -44,7 +44,7 @@ class ElementClient(Generic[R]):
             RobotError: It was not done; which one says how that came.
         """
         given = {name: plain(value) for name, value in arguments.items()}
-        outcome = self._stage.call(self._stage.agent.request(self.agent, request, reply_within=within, **given))
+        outcome = self._thread.call(self._thread.agent.request(self.agent, request, reply_within=within, **given))
         if not outcome.is_done:
             raise error_of(outcome, self.agent, request)
         return numbered(outcome.result)
@@ -55,8 +55,8 @@ class ElementClient(Generic[R]):
         Raises:
             RobotError: There is none, or none that is fresh.
         """
-        if self._stage.only_looks:
-            return self._read(self._stage.call(self._stage.agent.query(self.agent.results_key)))
+        if self._thread.only_looks:
+            return self._read(self._thread.call(self._thread.agent.query(self.agent.results_key)))
         return self._read(self.ask("read"))
 
     def watch(self, within: float = PATIENCE) -> Iterator[R]:
@@ -69,27 +69,27 @@ class ElementClient(Generic[R]):
             TimedOut: It has fallen silent.
         """
         latest: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
-        with closing(self._stage.call(self._listen(latest))):
+        with closing(self._thread.call(self._listen(latest))):
             while True:
-                yield self._read(self._stage.call(self._next(latest, within)))
+                yield self._read(self._thread.call(self._next(latest, within)))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.agent}>"
 
     async def _listen(self, latest: "asyncio.Queue[dict[str, Any]]") -> Subscription:
-        bus = self._stage.agent.bus
+        bus = self._thread.agent.bus
         return bus.subscribe(self.agent.results_key, lambda sample: self._take(sample, latest), urgent=True)
 
     def _take(self, sample: Sample, latest: "asyncio.Queue[dict[str, Any]]") -> None:
         with suppress(MessageError):  # the next one will be better
-            hand_over(self._stage.loop, _replace, latest, decode_json(sample.payload))
+            hand_over(self._thread.loop, _replace, latest, decode_json(sample.payload))
 
     async def _next(self, latest: "asyncio.Queue[dict[str, Any]]", within: float) -> dict[str, Any]:
         try:
             async with asyncio.timeout(within):
                 return await latest.get()
         except TimeoutError as err:
-            outcome = await self._stage.agent.request(self.agent, "read", reply_within=PATIENCE)
+            outcome = await self._thread.agent.request(self.agent, "read", reply_within=PATIENCE)
             if not outcome.is_done:
                 raise error_of(outcome, self.agent, "read") from err
             raise TimedOut(f"{self.agent} has sent nothing for {within:g} s") from err

@@ -20,8 +20,8 @@ class ProgramLease:
     suspended; motions then raise `LeaseLost`, as they do from the moment on that somebody is about to take it.
     """
 
-    def __init__(self, stage: LoopThread, element: AgentName | str) -> None:
-        self._stage = stage
+    def __init__(self, thread: LoopThread, element: AgentName | str) -> None:
+        self._thread = thread
         self._element = element
         self._held: HeldLease | None = None
         self._letting_go = AsyncExitStack()
@@ -73,21 +73,21 @@ class ProgramLease:
         async def enter() -> "HeldLease":
             try:
                 return await self._letting_go.enter_async_context(
-                    leased(self._stage.agent, str(self._element), priority=priority, seconds=seconds, notice=notice)
+                    leased(self._thread.agent, str(self._element), priority=priority, seconds=seconds, notice=notice)
                 )
             except (RequestNotDone, bus.Refused) as err:
                 raise Refused(f"no lease on {self._element}: {err}") from err
 
-        self._stage.moving[self] = self._letting_go.aclose  # however the program ends
+        self._thread.moving[self] = self._letting_go.aclose  # however the program ends
         try:
-            self._held = self._stage.call(enter())
+            self._held = self._thread.call(enter())
         except BaseException:
             self.release()
             raise
 
     def release(self) -> None:
         """Give it back, also when the program is to end."""
-        if self._stage.moving.pop(self, None):
+        if self._thread.moving.pop(self, None):
             with suppress(TimeoutError):  # nobody takes it: it expires
-                self._stage.last(self._letting_go.aclose())
+                self._thread.last(self._letting_go.aclose())
         self._held = None

@@ -20,8 +20,8 @@ MOTION = 300.0  # s for the longest motion; what is stuck or dead says so earlie
 class Mover(ElementClient[R], Generic[R]):
     """An element that moves, and so can be leased, and stopped."""
 
-    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
-        super().__init__(stage, agent)
+    def __init__(self, thread: LoopThread, agent: AgentName) -> None:
+        super().__init__(thread, agent)
         self._lease: ProgramLease | None = None
 
     @contextmanager
@@ -37,13 +37,13 @@ class Mover(ElementClient[R], Generic[R]):
             LeaseLost: In the block, by whatever moves the element: somebody of a higher priority has taken it, or is
                 about to; `wanted_by` tells who, before.
         """
-        before, lease = self._lease, ProgramLease(self._stage, self.agent)
+        before, lease = self._lease, ProgramLease(self._thread, self.agent)
         lease.take(priority, seconds, notice)
         self._lease = lease
         try:
             yield lease
         finally:
-            if self in self._stage.moving:
+            if self in self._thread.moving:
                 self._stop_at_once()
             self._lease = before
             lease.release()
@@ -71,33 +71,33 @@ class Mover(ElementClient[R], Generic[R]):
         """Ask for a motion and wait for its end; a wait that is broken off stops it."""
         if token := self._token:
             arguments["token"] = token
-        self._stage.moving[self] = self._halt
+        self._thread.moving[self] = self._halt
         try:
             result = self.ask(request, within=MOTION, **arguments)
         except TimedOut:
             self._stop_at_once()
             raise
         except RobotError as err:
-            self._stage.moving.pop(self, None)  # it has not begun, or has ended
+            self._thread.moving.pop(self, None)  # it has not begun, or has ended
             if self._lease is not None and (loss := self._lease.loss):
                 raise loss from err
             raise
         except BaseException:  # Ctrl-C, or the program is to end
             self._stop_at_once()
             raise
-        self._stage.moving.pop(self, None)
+        self._thread.moving.pop(self, None)
         return result
 
     def _done(self, request: str, /, **arguments: Any) -> R:
         return self._read(self._move(request, **arguments))
 
     def _stop_at_once(self) -> None:
-        self._stage.last(self._halt())
-        self._stage.moving.pop(self, None)
+        self._thread.last(self._halt())
+        self._thread.moving.pop(self, None)
 
     async def _halt(self) -> None:
         if not self._is_anothers:
-            await self._stage.agent.request(self.agent, "stop", reply_within=1.0, **self._right)
+            await self._thread.agent.request(self.agent, "stop", reply_within=1.0, **self._right)
 
 
 class BaseClient(Mover[BaseReading]):
@@ -109,9 +109,9 @@ class BaseClient(Mover[BaseReading]):
 
     reading = BaseReading
 
-    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
-        super().__init__(stage, agent)
-        self._driving = ContinuousDrive(stage, agent.platform)
+    def __init__(self, thread: LoopThread, agent: AgentName) -> None:
+        super().__init__(thread, agent)
+        self._driving = ContinuousDrive(thread, agent.platform)
 
     def pose(self) -> Pose2D:
         """Where the robot believes it is: m, m, rad."""
@@ -144,20 +144,20 @@ class BaseClient(Mover[BaseReading]):
                 raises this; a call to drive another way is obeyed.
         """
         if seconds is None:
-            self._stage.moving[self] = self._halt
+            self._thread.moving[self] = self._halt
             try:
-                self._stage.call(self._driving.go(plain(linear), plain(angular), self._lease))
+                self._thread.call(self._driving.go(plain(linear), plain(angular), self._lease))
             except RobotError:
-                self._stage.moving.pop(self, None)  # it is at rest, or moved by somebody else
+                self._thread.moving.pop(self, None)  # it is at rest, or moved by somebody else
                 raise
         else:
             self._go("drive", linear=linear, angular=angular, seconds=seconds)
 
     def stop(self) -> None:
         """Stop."""
-        self._stage.call(self._driving.end())
+        self._thread.call(self._driving.end())
         self.ask("stop")
-        self._stage.moving.pop(self, None)
+        self._thread.moving.pop(self, None)
         self._driving.has_stopped()
 
     def enable(self, on: bool = True) -> None:
@@ -169,16 +169,16 @@ class BaseClient(Mover[BaseReading]):
         self.ask("estop", on=on)
 
     def _go(self, request: str, /, **arguments: Any) -> Pose2D:
-        self._stage.call(self._driving.end())
+        self._thread.call(self._driving.end())
         return self._done(request, **arguments).pose
 
     async def _halt(self) -> None:
         await self._driving.end()
         if self._is_anothers:
             return
-        outcome = await self._stage.agent.request(self.agent, "stop", reply_within=1.0)
+        outcome = await self._thread.agent.request(self.agent, "stop", reply_within=1.0)
         if not outcome.is_done:  # its agent is gone; the robot's driver may not be
-            await self._stage.agent.query(keys.STOP.key(self.agent.platform), timeout=0.5)
+            await self._thread.agent.query(keys.STOP.key(self.agent.platform), timeout=0.5)
         self._driving.has_stopped()
 
 

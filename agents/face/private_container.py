@@ -39,7 +39,7 @@ class PrivateContainer:
         self._thread.start()
         self._container = Container(home, name)
         agent = Agent(AgentName(name, home.own_name or PLATFORM))
-        self.stage = LoopThread(agent, self._loop)
+        self.thread = LoopThread(agent, self._loop)
         try:
             self._join(agent)
         except (BusError, AgentError, TimeoutError) as err:
@@ -73,7 +73,7 @@ class PrivateContainer:
             self._run(self._container.start(agent), OPENING_TIME)
         except NotAllowed:  # who may only look needs no agent that others see
             self._run(agent.look_on(self._container), OPENING_TIME)
-            self.stage.only_looks = True
+            self.thread.only_looks = True
 
     def _run(self, work: Coroutine[Any, Any, Any], within: float) -> None:
         asyncio.run_coroutine_threadsafe(work, self._loop).result(within)

@@ -51,16 +51,16 @@ class Robot:
     name: on the bus.
     """
 
-    def __init__(self, stage: LoopThread, horizon: Discovery, name: str) -> None:
+    def __init__(self, thread: LoopThread, discovery: Discovery, name: str) -> None:
         self.name = name
-        self._stage = stage
-        self._horizon = horizon
+        self._thread = thread
+        self._discovery = discovery
         self._elements: dict[str, ElementClient[Reading]] = {}
 
     @property
     def elements(self) -> list[str]:
         """The names of the elements that it has now."""
-        return self._stage.call(self._horizon.elements(self.name))
+        return self._thread.call(self._discovery.elements(self.name))
 
     def has(self, element: str) -> bool:
         """Whether it has an element now."""
@@ -77,8 +77,8 @@ class Robot:
                 agent = AgentName(name, self.name)
             except NameNotValid as err:
                 raise RobotError(str(err)) from err
-            self._stage.call(self._horizon.element(agent))
-            self._elements[name] = ELEMENTS.get(name, ElementClient)(self._stage, agent)
+            self._thread.call(self._discovery.element(agent))
+            self._elements[name] = ELEMENTS.get(name, ElementClient)(self._thread, agent)
         return self._elements[name]
 
     def stop(self) -> None:

@@ -32,8 +32,8 @@ class SonarClient(ElementClient[SonarReading]):
 
     reading = SonarReading
 
-    def __init__(self, stage: LoopThread, agent: AgentName) -> None:
-        super().__init__(stage, agent)
+    def __init__(self, thread: LoopThread, agent: AgentName) -> None:
+        super().__init__(thread, agent)
         self._discs: dict[int, SonarDiscPose] | None = None
 
     @property
@@ -44,7 +44,7 @@ class SonarClient(ElementClient[SonarReading]):
             RobotError: The agent does not answer.
         """
         if self._discs is None:
-            described = self._stage.call(self._stage.agent.query(self.agent.description_key))
+            described = self._thread.call(self._thread.agent.query(self.agent.description_key))
             rows = dict(described.get("properties") or {}).get("discs") or []
             self._discs = {disc.number: disc for disc in (_disc(row, self.agent) for row in rows)}
         return dict(self._discs)

@@ -41,22 +41,22 @@ class Team:
             RobotError: It cannot be reached.
         """
         complain_in_a_sentence()
-        backstage = PrivateContainer(bus or default_bus())
-        self._backstage: PrivateContainer | None = backstage
-        self._begin(backstage.stage, backstage.stage.call(look(backstage.stage)))
+        own_container = PrivateContainer(bus or default_bus())
+        self._own_container: PrivateContainer | None = own_container
+        self._begin(own_container.thread, own_container.thread.call(look(own_container.thread)))
         atexit.register(self.close)
 
     @classmethod
-    def of(cls, stage: LoopThread, horizon: Discovery) -> Self:
+    def of(cls, thread: LoopThread, discovery: Discovery) -> Self:
         """A team for a program whose agent lives in somebody else's container."""
         team = cls.__new__(cls)
-        team._backstage = None
-        team._begin(stage, horizon)
+        team._own_container = None
+        team._begin(thread, discovery)
         return team
 
     def robots(self, having: str | tuple[str, ...] = ()) -> list[Robot]:
         """All robots, or those that have an element, or several, in the order of the alphabet."""
-        return [self._robot(name) for name in self._stage.call(self._horizon.robots(_tuple(having)))]
+        return [self._robot(name) for name in self._thread.call(self._discovery.robots(_tuple(having)))]
 
     def robot(self, name: str = "", having: str | tuple[str, ...] = (), within: float | None = None) -> Robot:
         """One robot; waits for a robot that is starting or restarting.
@@ -73,12 +73,12 @@ class Team:
         if within is not None and not within >= 0.0:
             raise RobotError(f"within must be a time of 0 s or more, not {within!r}")
         if not name:
-            return self._robot(self._stage.call(self._horizon.any_robot(_tuple(having), within)))
+            return self._robot(self._thread.call(self._discovery.any_robot(_tuple(having), within)))
         try:
             robot_name(name)
         except BusError as err:
             raise RobotError(str(err)) from err
-        self._stage.call(self._horizon.robot(name, _tuple(having), within))
+        self._thread.call(self._discovery.robot(name, _tuple(having), within))
         return self._robot(name)
 
     def ask(self, agent: str, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:
@@ -99,7 +99,7 @@ class Team:
         except NameNotValid as err:
             raise RobotError(str(err)) from err
         given = {name: plain(value) for name, value in arguments.items()}
-        outcome = self._stage.call(self._stage.agent.request(peer, request, reply_within=within, **given))
+        outcome = self._thread.call(self._thread.agent.request(peer, request, reply_within=within, **given))
         if not outcome.is_done:
             raise error_of(outcome, agent, request)
         return numbered(outcome.result)
@@ -122,7 +122,7 @@ class Team:
         """
         from agents.services.leases import NAMED  # here and not at the top: few programs hold names
 
-        lease = ProgramLease(self._stage, f"{NAMED}{name}")
+        lease = ProgramLease(self._thread, f"{NAMED}{name}")
         lease.take(priority, seconds, notice)
         try:
             yield lease
@@ -131,7 +131,7 @@ class Team:
 
     def sleep(self, seconds: float) -> None:
         """Wait; what drives goes on driving."""
-        self._stage.call(asyncio.sleep(seconds))
+        self._thread.call(asyncio.sleep(seconds))
 
     def every(self, period: float) -> Iterator[float]:
         """Beats for a `for` loop, every `period` seconds, each with the s since the first; beats missed are left out.
@@ -143,7 +143,7 @@ class Team:
         """
         if not period > 0.0:
             raise RobotError(f"every takes a period of more than 0 s, not {period!r}")
-        clock = self._stage.loop.time
+        clock = self._thread.loop.time
         start, beat = clock(), 0
         while True:
             try:
@@ -155,15 +155,15 @@ class Team:
 
     def close(self) -> None:
         """Stop what it moves, release what it holds, and leave the bus. Closing twice does no harm."""
-        backstage, self._backstage = self._backstage, None
-        if backstage is None:
+        own_container, self._own_container = self._own_container, None
+        if own_container is None:
             return
         atexit.unregister(self.close)
         try:
-            self._stage.last(self._stage.halt())
+            self._thread.last(self._thread.halt())
         finally:
-            self._horizon.close()
-            backstage.close()
+            self._discovery.close()
+            own_container.close()
 
     def __enter__(self) -> Self:
         return self
@@ -173,19 +173,19 @@ class Team:
     ) -> None:
         self.close()
 
-    def _begin(self, stage: LoopThread, horizon: Discovery) -> None:
-        self._stage = stage
-        self._horizon = horizon
+    def _begin(self, thread: LoopThread, discovery: Discovery) -> None:
+        self._thread = thread
+        self._discovery = discovery
         self._robots: dict[str, Robot] = {}
 
     def _robot(self, name: str) -> Robot:
-        return self._robots.setdefault(name, Robot(self._stage, self._horizon, name))
+        return self._robots.setdefault(name, Robot(self._thread, self._discovery, name))
 
 
 def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else names
 
 
-async def look(stage: LoopThread) -> Discovery:
+async def look(thread: LoopThread) -> Discovery:
     """Begin to look round from a stage."""
-    return Discovery(stage.agent.bus)
+    return Discovery(thread.agent.bus)

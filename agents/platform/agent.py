@@ -64,8 +64,8 @@ class Agent(MobileAgent):
         self.mailbox = Mailbox()
         self._unreadable = 0
         self._state = AgentState.INITIATED
-        self._desk = RequestDispatcher(self.name, lambda: self._state, self._rouse)
-        self._door = DeliveryGate(self._take, self._desk.begin)
+        self._dispatcher = RequestDispatcher(self.name, lambda: self._state, self._rouse)
+        self._door = DeliveryGate(self._take, self._dispatcher.begin)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, AgentEnd.FAILED))
@@ -97,7 +97,7 @@ class Agent(MobileAgent):
     @property
     def malformed(self) -> int:
         """How much came that was no message, or began no conversation."""
-        return self._unreadable + self._desk.malformed
+        return self._unreadable + self._dispatcher.malformed
 
     @property
     def bus(self) -> Bus:
@@ -112,7 +112,7 @@ class Agent(MobileAgent):
     @property
     def in_flight(self) -> list[ResponderConversation]:
         """The conversations that it is answering, oldest first."""
-        return self._desk.under_way
+        return self._dispatcher.under_way
 
     def describe(self) -> dict[str, Any]:
         """What the directory says of it."""
@@ -122,10 +122,10 @@ class Agent(MobileAgent):
             "state": str(self._state),
             "container": self.home.name,
             "services": list(self.services),
-            "requests": self._desk.names(REQUESTS),
-            "answers": self._desk.names(QUERIES),
-            "subscriptions": self._desk.names(SUBSCRIPTIONS),
-            "proposals": self._desk.names(CALLS),
+            "requests": self._dispatcher.names(REQUESTS),
+            "answers": self._dispatcher.names(QUERIES),
+            "subscriptions": self._dispatcher.names(SUBSCRIPTIONS),
+            "proposals": self._dispatcher.names(CALLS),
             "properties": self.properties,
         }
 
@@ -160,19 +160,19 @@ class Agent(MobileAgent):
 
     def answer(self, name: str, function: Callable[..., Any], *, agrees_itself: bool = False) -> None:
         """Let a function answer requests of a name, as `request` does for a method."""
-        self._desk.add(REQUESTS, Handler(name, function, agrees_itself))
+        self._dispatcher.add(REQUESTS, Handler(name, function, agrees_itself))
 
     def answer_subscriptions(self, name: str, function: Callable[..., AsyncIterator[Any]]) -> None:
         """Let an async generator function answer subscriptions to a name, as `subscription` does for a method."""
-        self._desk.add(SUBSCRIPTIONS, Handler(name, function))
+        self._dispatcher.add(SUBSCRIPTIONS, Handler(name, function))
 
     def answer_queries(self, name: str, function: Callable[..., Any]) -> None:
         """Let a function answer queries of a name, as `answers` does for a method."""
-        self._desk.add(QUERIES, Handler(name, function))
+        self._dispatcher.add(QUERIES, Handler(name, function))
 
     def answer_calls(self, name: str, function: Callable[..., Any]) -> None:
         """Let a function make proposals for a request, as `proposes` does for a method."""
-        self._desk.add(CALLS, Handler(name, function))
+        self._dispatcher.add(CALLS, Handler(name, function))
 
     async def receive(self, template: Template = ANY) -> AclMessage:
         """The oldest message in the mailbox that the template wants; waits for one."""
@@ -226,7 +226,7 @@ class Agent(MobileAgent):
         """Be in a container unseen, for one whom the bus lets only look: it listens, and is neither found nor asked."""
         self._move_in(home)
 
-    async def arrive(self, home: ContainerContext, luggage: MigrationState) -> None:
+    async def arrive(self, home: ContainerContext, migration: MigrationState) -> None:
         """Come into a container from another: set up and unpack, and let all that comes wait until `settle`."""
         self._go(Step.MOVE)
         self._schedule.gate.shut()
@@ -235,8 +235,8 @@ class Agent(MobileAgent):
         await self.setup()
         if self._state is AgentState.DELETED:
             return
-        self.unpack(luggage.state)
-        self._unload(luggage)
+        self.unpack(migration.state)
+        self._unload(migration)
         for method, hook in hooks_of(self):
             hook.begin(self, method)
         self._listen_to_others()
@@ -264,16 +264,16 @@ class Agent(MobileAgent):
         """Withdraw from the bus and stop all it does; whoever waits for an answer is told."""
         while self._open:
             self._open.pop().close()  # the last declared first: out of the directory before it falls silent
-        clinging = await self._desk.close() + await self._schedule.stop()
+        clinging = await self._dispatcher.close() + await self._schedule.stop()
         if clinging:
             self._report(f"{' and '.join(clinging)} goes on although it was told to end", None)
 
     def _move_in(self, home: ContainerContext) -> None:
         self._home, self._loop = home, asyncio.get_running_loop()
-        self._desk.open(home)
+        self._dispatcher.open(home)
 
     def _listen_to_others(self) -> None:
-        self._open.append(self.bus.subscribe(self.name.acl_key, self._door.letter, urgent=True))
+        self._open.append(self.bus.subscribe(self.name.acl_key, self._door.queued, urgent=True))
         self._open.append(self.bus.converse(self.name.acl_key, self._door.caller, urgent=True))
 
     def _enter_directory(self) -> None:
@@ -298,7 +298,7 @@ class Agent(MobileAgent):
         except AclError:
             self._unreadable += 1
             return
-        if self._desk.hear(message) or self.mailbox.deliver(message, len(payload)):
+        if self._dispatcher.hear(message) or self.mailbox.deliver(message, len(payload)):
             self._rouse()
 
     def _rouse(self) -> None:

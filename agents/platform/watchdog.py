@@ -92,9 +92,9 @@ def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:
     for one in agent.behaviours:
         if one.task is task:
             return f"the behaviour {one.behaviour.name}"
-    for serving in agent.in_flight:
-        if serving.works_in(task):
-            return serving.what
+    for conversation in agent.in_flight:
+        if conversation.works_in(task):
+            return conversation.what
     return None
 
 

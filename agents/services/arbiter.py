@@ -255,7 +255,7 @@ class Arbiter(Agent):
     def _on_life(self, name: AgentName, lives: bool) -> None:
         """An agent has come or gone."""
         if not lives:
-            self._keeper.bury(name)
+            self._keeper.on_holder_death(name)
 
     def _on_robot(self, key: str, lives: bool) -> None:
         """A gateway has come, perhaps for the second time, and has forgotten its leases then."""

@@ -119,7 +119,7 @@ class Book:
         """Whether somebody is about to take over a place."""
         return any(claim.wish.place.conflicts_with(place) for claim in self._claims)
 
-    def stir(self) -> None:
+    def notify(self) -> None:
         """Something has been given back: whoever waits looks again."""
         for claim in self._claims:
             claim.stirred.set()

@@ -51,7 +51,7 @@ class LeaseManager(Closeable):
             return  # it has ended already, for another reason
         if grant.timer is not None:
             grant.timer.cancel()
-        self._book.stir()
+        self._book.notify()
         self._note(how, grant, **({"by": by} if by else {}))
         if event is not None:
             self.inform(grant.holder, grant.id, grant.place, event, 0.0, by)
@@ -86,7 +86,7 @@ class LeaseManager(Closeable):
             except GatewayAway:
                 await asyncio.sleep(TRY_AGAIN)
 
-    def bury(self, holder: AgentName) -> None:
+    def on_holder_death(self, holder: AgentName) -> None:
         """A holder has died: whatever it was moving stops."""
         for grant in [grant for grant in self._book.grants.values() if grant.holder == holder]:
             self.work(self.take_back(grant))

@@ -49,7 +49,7 @@ class CableThread(Generic[D]):
         """From now on bring what happens to the bus."""
         self._joined = robot, face
 
-    def happened(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
+    def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events, on the cable's own thread; what comes before there is a robot is lost."""
         if self._joined is not None and events:
             robot, face = self._joined

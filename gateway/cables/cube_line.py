@@ -54,13 +54,13 @@ class CubeLine:
         self.unanswered = 0
         self._decoder = ModuleTelegramDecoder()
         self._outgoing = bytearray()
-        self._orders: dict[_Subject, _Order] = {}
+        self._server: dict[_Subject, _Order] = {}
 
     def clear(self) -> None:
         """Forget what waits, and what has half come."""
         self._decoder = ModuleTelegramDecoder()
         self._outgoing.clear()
-        self._orders.clear()
+        self._server.clear()
 
     def ask(self, module: int, request: ModuleRequest) -> None:
         """Send a question; nobody minds if it is lost, since it comes again."""
@@ -69,17 +69,17 @@ class CubeLine:
     def order(self, module: int, request: ModuleRequest, now: float) -> None:
         """Send what must arrive: it is repeated until it is answered."""
         telegram = encode_request(module, request)
-        self._orders[_subject(module, request)] = _Order(telegram, now + ANSWER_WINDOW, TRIES - 1)
+        self._server[_subject(module, request)] = _Order(telegram, now + ANSWER_WINDOW, TRIES - 1)
         self._outgoing += telegram
 
     @property
     def has_orders(self) -> bool:
         """Some have not been answered."""
-        return bool(self._orders)
+        return bool(self._server)
 
     def drop_orders(self) -> None:
         """Repeat nothing that was ordered up to now, and let nothing of it leave that has not."""
-        self._orders.clear()
+        self._server.clear()
         self._outgoing.clear()
 
     def receive(self, data: bytes) -> Iterable[ModuleAnswer]:
@@ -92,7 +92,7 @@ class CubeLine:
             except DecodeError:
                 self.damaged["content"] += 1
                 continue
-            self._orders.pop(_subject(module, reply), None)
+            self._server.pop(_subject(module, reply), None)
             yield ModuleAnswer(module, reply)
         if self._decoder.damaged:
             self.damaged["telegram"] += self._decoder.damaged
@@ -100,10 +100,10 @@ class CubeLine:
 
     def repeat(self, now: float) -> None:
         """Give orders again that have not been answered in time."""
-        for subject, waiting in list(self._orders.items()):
+        for subject, waiting in list(self._server.items()):
             if now >= waiting.ask_again_at:
                 if waiting.tries == 0:
-                    del self._orders[subject]
+                    del self._server[subject]
                     self.unanswered += 1
                 else:
                     waiting.tries -= 1

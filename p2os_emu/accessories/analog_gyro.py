@@ -31,12 +31,12 @@ class AnalogGyroSpec:
 class AnalogGyro:
     """One gyro; its age is the time since it got power."""
 
-    def __init__(self, spec: AnalogGyroSpec, chance: Random) -> None:
+    def __init__(self, spec: AnalogGyroSpec, rng: Random) -> None:
         self.spec = spec
-        self._chance = chance
-        self._rest = spec.rest_count + chance.gauss(0.0, spec.bias_counts)
-        self._rest_per_k = chance.gauss(0.0, spec.bias_counts_per_k)
-        self._counts_per_deg_s = (1.0 + chance.gauss(0.0, spec.scale_error)) / spec.deg_s_per_count
+        self._rng = rng
+        self._rest = spec.rest_count + rng.gauss(0.0, spec.bias_counts)
+        self._rest_per_k = rng.gauss(0.0, spec.bias_counts_per_k)
+        self._counts_per_deg_s = (1.0 + rng.gauss(0.0, spec.scale_error)) / spec.deg_s_per_count
 
     def sample(self, turn_rate: float, age: float) -> GyroSample:
         """Take one reading.
@@ -48,7 +48,7 @@ class AnalogGyro:
         spec = self.spec
         warmth = spec.warm_up_k * (1.0 - exp(-age / spec.warm_up_s))
         rest = self._rest + self._rest_per_k * warmth
-        count = rest - degrees(turn_rate) * self._counts_per_deg_s + self._chance.gauss(0.0, spec.noise_counts)
+        count = rest - degrees(turn_rate) * self._counts_per_deg_s + self._rng.gauss(0.0, spec.noise_counts)
         celsius = spec.ambient_deg_c + warmth
         heat = spec.temperature_count_at_0_deg_c + celsius * spec.temperature_counts_per_k
         return GyroSample(_within(count, TOP_COUNT), _within(heat, TOP_TEMPERATURE))

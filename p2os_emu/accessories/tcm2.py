@@ -74,10 +74,10 @@ class Tcm2:
     the spot has measured it: that takes a full turn.
     """
 
-    def __init__(self, spec: Tcm2Spec, chance: Random) -> None:
+    def __init__(self, spec: Tcm2Spec, rng: Random) -> None:
         self.spec = spec
-        self._chance = chance
-        self._hard_iron = MagneticField(*(chance.gauss(0.0, spec.hard_iron_t) for _ in range(3)))
+        self._rng = rng
+        self._hard_iron = MagneticField(*(rng.gauss(0.0, spec.hard_iron_t) for _ in range(3)))
         self.reset()
 
     def reset(self) -> None:
@@ -121,12 +121,12 @@ class Tcm2:
         if self._calibrating:
             self._seen = (self._seen or Extent.of(field)).including(field)
         forward, right = field.forward - self._correction[0], field.right - self._correction[1]
-        spec, chance = self.spec, self._chance
+        spec, rng = self.spec, self._rng
         tilt = radians(spec.tilt_noise_deg)
         return CompassReport(
             heading=atan2(-right, forward) % (2 * pi),
-            pitch=chance.gauss(0.0, tilt),
-            roll=chance.gauss(0.0, tilt),
+            pitch=rng.gauss(0.0, tilt),
+            roll=rng.gauss(0.0, tilt),
             field_x=forward,
             field_y=right,
             field_z=field.down,
@@ -139,12 +139,12 @@ class Tcm2:
 
     def _field(self, heading: float, nearby: tuple[float, float]) -> MagneticField:
         """What the magnetometer sees, with the iron of the robot and noise."""
-        spec, iron, chance = self.spec, self._hard_iron, self._chance
+        spec, iron, rng = self.spec, self._hard_iron, self._rng
         north = radians(spec.north_deg)
         x, y = spec.horizontal_t * cos(north) + nearby[0], spec.horizontal_t * sin(north) + nearby[1]
         forward, left = x * cos(heading) + y * sin(heading), y * cos(heading) - x * sin(heading)
         return MagneticField(
-            forward + iron.forward + chance.gauss(0.0, spec.field_noise_t),
-            -left + iron.right + chance.gauss(0.0, spec.field_noise_t),
-            spec.down_t + iron.down + chance.gauss(0.0, spec.field_noise_t),
+            forward + iron.forward + rng.gauss(0.0, spec.field_noise_t),
+            -left + iron.right + rng.gauss(0.0, spec.field_noise_t),
+            spec.down_t + iron.down + rng.gauss(0.0, spec.field_noise_t),
         )

@@ -54,17 +54,17 @@ class Impairments:
 class Delay:
     """Every piece of bytes arrives later, and none overtakes another."""
 
-    def __init__(self, delay: float, jitter: float, chance: Random) -> None:
+    def __init__(self, delay: float, jitter: float, rng: Random) -> None:
         self._delay = delay
         self._jitter = jitter
-        self._chance = chance
+        self._rng = rng
         self._on_its_way: deque[tuple[float, bytes]] = deque()
         self._last_due = 0.0
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
         if data:
-            self._last_due = max(self._last_due, now + self._delay + self._jitter * self._chance.random())
+            self._last_due = max(self._last_due, now + self._delay + self._jitter * self._rng.random())
             self._on_its_way.append((self._last_due, data))
         arrived = b""
         while self._on_its_way and self._on_its_way[0][0] <= now + _ROUNDING:
@@ -75,10 +75,10 @@ class Delay:
 class Loss:
     """Bytes vanish: seldom in good times, often in bursts."""
 
-    def __init__(self, impairments: Impairments, chance: Random) -> None:
+    def __init__(self, impairments: Impairments, rng: Random) -> None:
         rates = impairments.loss, impairments.burst_loss, impairments.burst_start, impairments.burst_end
         # Each draws from a source of its own: how the bytes are cut into calls must not mix them.
-        lost, lost_in_burst, begin, end = (Hits(rate, Random(chance.getrandbits(64))) for rate in rates)
+        lost, lost_in_burst, begin, end = (Hits(rate, Random(rng.getrandbits(64))) for rate in rates)
         self._hits = lost, lost_in_burst
         self._changes = begin, end
         self._in_burst = False
@@ -105,8 +105,8 @@ class Loss:
 class BitErrors:
     """Bits turn round, each by itself."""
 
-    def __init__(self, rate: float, chance: Random) -> None:
-        self._hits = Hits(rate, chance)
+    def __init__(self, rate: float, rng: Random) -> None:
+        self._hits = Hits(rate, rng)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
@@ -119,39 +119,39 @@ class BitErrors:
 class ByteDamage:
     """Bytes become other bytes; a byte that is hit never stays what it was."""
 
-    def __init__(self, rate: float, chance: Random) -> None:
-        self._hits = Hits(rate, chance)
-        self._chance = chance
+    def __init__(self, rate: float, rng: Random) -> None:
+        self._hits = Hits(rate, rng)
+        self._rng = rng
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
         heard = bytearray(data)
         for index in self._hits.among(len(data)):
-            heard[index] ^= self._chance.randint(1, 255)
+            heard[index] ^= self._rng.randint(1, 255)
         return bytes(heard)
 
 
 class Duplication:
     """Frames come twice."""
 
-    def __init__(self, rate: float, chance: Random) -> None:
+    def __init__(self, rate: float, rng: Random) -> None:
         self._rate = rate
-        self._chance = chance
+        self._rng = rng
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
-        return b"".join(frame * (1 + (self._chance.random() < self._rate)) for frame in split_frames(data))
+        return b"".join(frame * (1 + (self._rng.random() < self._rate)) for frame in split_frames(data))
 
 
 class Noise:
     """Every byte becomes noise; their number stays."""
 
-    def __init__(self, chance: Random) -> None:
-        self._chance = chance
+    def __init__(self, rng: Random) -> None:
+        self._rng = rng
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
-        return self._chance.randbytes(len(data)) if data else data
+        return self._rng.randbytes(len(data)) if data else data
 
 
 class Silence:
@@ -187,9 +187,9 @@ class Hits:
     How the trials are cut into calls does not matter.
     """
 
-    def __init__(self, rate: float, chance: Random) -> None:
+    def __init__(self, rate: float, rng: Random) -> None:
         self._rate = rate
-        self._chance = chance
+        self._rng = rng
         self._misses = self._draw()
 
     def among(self, count: int) -> Iterator[int]:
@@ -215,4 +215,4 @@ class Hits:
             return math.inf
         if self._rate >= 1.0:
             return 0
-        return int(math.log(1.0 - self._chance.random()) / math.log1p(-self._rate))
+        return int(math.log(1.0 - self._rng.random()) / math.log1p(-self._rate))

@@ -162,9 +162,9 @@ class EmulatedLine:
 
 
 LINE_FAULTS: Mapping[str, Callable[[Random, float], LinkStage]] = {
-    "half-duplex": lambda chance, rate: Silence(),
-    "frozen": lambda chance, rate: Freeze(),
-    "noisy": lambda chance, rate: BitErrors(rate, chance),
-    "garbled": lambda chance, rate: Noise(chance),
+    "half-duplex": lambda rng, rate: Silence(),
+    "frozen": lambda rng, rate: Freeze(),
+    "noisy": lambda rng, rate: BitErrors(rate, rng),
+    "garbled": lambda rng, rate: Noise(rng),
 }
 """What may go wrong with a line, by name."""

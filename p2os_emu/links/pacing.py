@@ -125,15 +125,15 @@ class BaudCheck:
     fixed_baud: what a device between the two ends demands of both; None if there is none.
     """
 
-    def __init__(self, chance: Random, fixed_baud: int | None = None) -> None:
-        self._chance = chance
+    def __init__(self, rng: Random, fixed_baud: int | None = None) -> None:
+        self._rng = rng
         self._fixed_baud = fixed_baud
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `Stage.carry`."""
         if not data or self._agree(rates):
             return data
-        return self._chance.randbytes(len(data))
+        return self._rng.randbytes(len(data))
 
     def _agree(self, rates: Rates) -> bool:
         middle = self._fixed_baud or rates.host

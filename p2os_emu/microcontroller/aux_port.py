@@ -23,14 +23,14 @@ class AuxPort:
     baud: its rate, bit/s. device: what is plugged in.
     """
 
-    __slots__ = ("_buffer", "_chance", "_make", "_number", "_wanted", "baud", "device")
+    __slots__ = ("_buffer", "_make", "_number", "_rng", "_wanted", "baud", "device")
 
-    def __init__(self, number: int, baud: int, chance: Random) -> None:
+    def __init__(self, number: int, baud: int, rng: Random) -> None:
         self.baud = baud
         self.device: Device | None = None
         self._make: Callable[[], Device] | None = None
         self._number = number
-        self._chance = chance
+        self._rng = rng
         self.clear()
 
     def plug(self, make: Callable[[], Device]) -> None:
@@ -80,4 +80,4 @@ class AuxPort:
         return AuxData(self._number, data)
 
     def _carried(self, data: bytes, device: Device) -> bytes:
-        return data if device.baud == self.baud else self._chance.randbytes(len(data))
+        return data if device.baud == self.baud else self._rng.randbytes(len(data))

@@ -58,9 +58,9 @@ class RobotBody:
         magnets: Sequence[Magnet],
         name: str,
         scene: PlanarScene,
-        chance: np.random.Generator | None,
+        rng: np.random.Generator | None,
     ) -> None:
-        self._chance = chance
+        self._rng = rng
         self._objects = objects
         self._name = name
         self._scene = scene
@@ -151,9 +151,9 @@ class RobotBody:
     def scan(self, beams: ScanBeams) -> Echoes:
         """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""
         echoes = self._scene.cast(beams, self.pose, self._name)
-        if self._chance is None or not beams.noise:
+        if self._rng is None or not beams.noise:
             return echoes
-        disturbed = echoes.ranges + self._chance.normal(0.0, beams.noise, beams.count)
+        disturbed = echoes.ranges + self._rng.normal(0.0, beams.noise, beams.count)
         return echoes._replace(ranges=np.maximum(disturbed, 0.0))
 
     def rest(self) -> None:

@@ -44,7 +44,7 @@ class Opening:
     def run(self, seconds: float) -> None:
         def tell() -> None:
             events = [event for at, event in self.bench.events if at == self.bench.now]
-            self.gateway.happened(events, self.bench.now, int(self.bench.now * NS))
+            self.gateway.on_events(events, self.bench.now, int(self.bench.now * NS))
 
         self.bench.run(seconds, tell)
 

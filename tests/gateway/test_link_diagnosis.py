@@ -169,7 +169,7 @@ def test_state_and_diagnostics_carry_the_cause(bench: "Bench") -> None:
     bus.subscribe("happy/**", lambda sample: heard.__setitem__(sample.key, sample))
     robot = RobotOnBus("happy", bus, bench.driver, _Commander(bench), Settings())
     bench.cut = True
-    bench.run(4.0, lambda: robot.happened([], bench.now, int(bench.now * 1e9)))
+    bench.run(4.0, lambda: robot.on_events([], bench.now, int(bench.now * 1e9)))
     state = messages.decode(heard["happy/state"].type_name, heard["happy/state"].payload)
     assert [fault for fault in state.faults if "no robot answers" in fault]
     found = messages.decode(heard["happy/diagnostics"].type_name, heard["happy/diagnostics"].payload)

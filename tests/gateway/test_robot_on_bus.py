@@ -56,7 +56,7 @@ class Office:
     def run(self, seconds: float, each: Callable[[], None] | None = None) -> None:
         def tell() -> None:
             events = [event for at, event in self.bench.events if at == self.bench.now]
-            self.robot.happened(events, self.bench.now, self.stamp)
+            self.robot.on_events(events, self.bench.now, self.stamp)
             if each is not None:
                 each()
 

@@ -174,12 +174,12 @@ class TestOnBothPorts:
                 second.drive()
 
     def test_random_bytes_do_no_harm(self, port: list[str]) -> None:
-        chance = random.Random(2)
+        rng = random.Random(2)
         with program("--robot", "p3dx", *port) as emulator:
             with client_of(emulator.ports[0]) as client:
                 for _ in range(50):
-                    client.say(chance.randbytes(chance.randrange(1, 300)))
-                    client.say(b"\xfa\xfb" + chance.randbytes(20))
+                    client.say(rng.randbytes(rng.randrange(1, 300)))
+                    client.say(b"\xfa\xfb" + rng.randbytes(20))
             with client_of(emulator.ports[0]) as client:
                 # A frame begun by the noise ends 100 ms after its last byte, at the latest at the end of a SIP cycle.
                 assert emulator.ask(do="pause")["ok"]

@@ -72,19 +72,19 @@ class DeliveryGate:
 
     # On the bus's thread.
 
-    def letter(self, sample: Sample) -> None:
+    def queued(self, sample: Sample) -> None:
         """A message has come."""
         with self._lock:
             if not self._keeps_letters and self._known is None:
                 self._take(sample.payload)
                 return
-            letter = QueuedMessage(_label_of(sample), sample.payload)
-            if not self._is_new(letter.label):
+            queued = QueuedMessage(_label_of(sample), sample.payload)
+            if not self._is_new(queued.label):
                 return
             if not self._keeps_letters:
                 self._take(sample.payload)
             elif len(self._kept) < MOST_LETTERS:
-                self._kept.append(letter)
+                self._kept.append(queued)
             else:
                 self.lost += 1
 
@@ -130,7 +130,7 @@ class DeliveryGate:
         with self._lock:
             self._keeps_letters = True
 
-    def letters(self) -> list[QueuedMessage]:
+    def waiting(self) -> list[QueuedMessage]:
         """The messages that wait, which go on waiting."""
         with self._lock:
             return [each for each in self._kept if isinstance(each, QueuedMessage)]
@@ -143,13 +143,13 @@ class DeliveryGate:
             each for each in kept if isinstance(each, Caller)
         ]
 
-    def bring(self, letters: Iterable[QueuedMessage]) -> None:
+    def bring(self, waiting: Iterable[QueuedMessage]) -> None:
         """Let in messages that came to the other door."""
-        for letter in letters:
+        for queued in waiting:
             with self._lock:
-                is_new = self._is_new(letter.label)
+                is_new = self._is_new(queued.label)
             if is_new:
-                self._take(letter.payload)
+                self._take(queued.payload)
 
     def open(self) -> None:
         """Let in what waits, in the order in which it came, and then whatever comes."""

@@ -62,5 +62,5 @@ def _stream(running: Running, stream: Stream) -> dict[str, Any]:
     return {"key": stream.name.removeprefix("on "), "skipped": stream.skipped, "failures": running.failures}
 
 
-def _conversation(serving: ResponderConversation) -> dict[str, Any]:
-    return {**_head(serving.message), "agreed": serving.has_agreed}
+def _conversation(conversation: ResponderConversation) -> dict[str, Any]:
+    return {**_head(conversation.message), "agreed": conversation.has_agreed}

@@ -66,7 +66,7 @@ async def call_for(dialogues: Sequence[InitiatorConversation], choose: Choose, b
         BusUnavailable: The bus is closed.
     """
     bids: list[Bid] = []
-    callers = [_Caller(dialogue, bids) for dialogue in dialogues]
+    callers = [_Caller(initiated, bids) for initiated in dialogues]
     try:
         await _all_answered(callers, bids_within)
         in_time = tuple(bids)
@@ -85,19 +85,19 @@ async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
                 await caller.answered.wait()
 
 
-async def propose(serving: ResponderConversation, opening: ParsedRequest) -> None:
+async def propose(conversation: ResponderConversation, opening: ParsedRequest) -> None:
     """Make a proposal, and do what it is about if it is accepted."""
     assert opening.task is not None
-    serving.say(Performative.PROPOSE, await opening.handler.call(opening.arguments))
+    conversation.say(Performative.PROPOSE, await opening.handler.call(opening.arguments))
     try:
         async with asyncio.timeout(PROPOSAL_TIME):
-            answer = await serving.heard()
+            answer = await conversation.heard()
     except TimeoutError:
-        serving.commit()
+        conversation.commit()
         raise Refused(f"nobody has accepted this proposal within {PROPOSAL_TIME:g} s") from None
     if answer.performative is Performative.ACCEPT_PROPOSAL:
-        serving.commit()
-        serving.say(Performative.INFORM, await opening.task.call(opening.arguments))
+        conversation.commit()
+        conversation.say(Performative.INFORM, await opening.task.call(opening.arguments))
 
 
 class _Caller:
@@ -106,11 +106,11 @@ class _Caller:
     bid: what it has proposed. answered: set once it has, or will not.
     """
 
-    def __init__(self, dialogue: InitiatorConversation, bids: list[Bid]) -> None:
-        self.peer = dialogue.peer
+    def __init__(self, initiated: InitiatorConversation, bids: list[Bid]) -> None:
+        self.peer = initiated.peer
         self.bid: Bid | None = None
         self.answered = asyncio.Event()
-        self._dialogue = dialogue
+        self._initiated = initiated
         self._bids = bids
         self._is_accepted = False
         self._turned_down: Outcome | None = None
@@ -122,10 +122,10 @@ class _Caller:
             return
         if accept:
             self._is_accepted = True
-            self._dialogue.say(Performative.ACCEPT_PROPOSAL)
+            self._initiated.say(Performative.ACCEPT_PROPOSAL)
             return
-        self._dialogue.say(Performative.REJECT_PROPOSAL)
-        self._dialogue.end()
+        self._initiated.say(Performative.REJECT_PROPOSAL)
+        self._initiated.end()
         why = f"{self.peer} has proposed nothing within {within:g} s"
         self._turned_down = (
             Outcome(Ending.REJECTED, why="another proposal was accepted, or none")
@@ -144,14 +144,14 @@ class _Caller:
 
     async def _hear(self) -> Outcome:
         try:
-            async with aclosing(self._dialogue.replies()) as heard:
+            async with aclosing(self._initiated.replies()) as heard:
                 async for reply in heard:
                     if reply.performative is Performative.PROPOSE and self.bid is None:
                         self._note(reply)
                     elif reply.performative is Performative.INFORM and self._is_accepted:
-                        return self._dialogue.done(reply.content)
+                        return self._initiated.done(reply.content)
                     else:
-                        raise self._dialogue.misplaced(reply)
+                        raise self._initiated.misplaced(reply)
         except ConversationEnded as over:
             self._withdraw()
             return over.outcome

@@ -11,7 +11,7 @@ from agents.platform.conversations.responder_conversation import ResponderConver
 PROTOCOL = "fipa-query"
 
 
-async def tell_whether(serving: ResponderConversation, opening: ParsedRequest) -> None:
+async def tell_whether(conversation: ResponderConversation, opening: ParsedRequest) -> None:
     """Tell true or false.
 
     Raises:
@@ -20,5 +20,5 @@ async def tell_whether(serving: ResponderConversation, opening: ParsedRequest) -
     result = await opening.handler.call(opening.arguments)
     if not isinstance(result, bool):
         raise TypeError(f"{opening.handler.name} is not something that is so or not; ask what it is, with query-ref")
-    serving.agree()
-    serving.say(Performative.INFORM, result)
+    conversation.agree()
+    conversation.say(Performative.INFORM, result)

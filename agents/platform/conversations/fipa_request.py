@@ -22,7 +22,7 @@ PROTOCOL = "fipa-request"
 CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended
 
 
-async def ask_to(dialogue: InitiatorConversation) -> Outcome:
+async def ask_to(initiated: InitiatorConversation) -> Outcome:
     """Ask another agent to do something, and wait for the end.
 
     Raises:
@@ -30,12 +30,12 @@ async def ask_to(dialogue: InitiatorConversation) -> Outcome:
         BusUnavailable: The bus is closed.
     """
     try:
-        async with aclosing(dialogue.replies()) as heard:
+        async with aclosing(initiated.replies()) as heard:
             async for reply in heard:
                 if reply.performative is Performative.INFORM:
-                    return dialogue.done(reply.content)
+                    return initiated.done(reply.content)
                 if reply.performative is not Performative.AGREE:
-                    raise dialogue.misplaced(reply)
+                    raise initiated.misplaced(reply)
     except ConversationEnded as over:
         return over.outcome
     raise AssertionError("a dialogue ends with a reply or with ConversationEnded")
@@ -44,10 +44,10 @@ async def ask_to(dialogue: InitiatorConversation) -> Outcome:
 class Request:
     """A request under way. Awaiting it gives its outcome."""
 
-    def __init__(self, dialogue: InitiatorConversation) -> None:
+    def __init__(self, initiated: InitiatorConversation) -> None:
         """Begin it, in a running event loop."""
-        self._dialogue = dialogue
-        self._asking = asyncio.ensure_future(ask_to(dialogue))
+        self._initiated = initiated
+        self._asking = asyncio.ensure_future(ask_to(initiated))
         self._unconfirmed: Outcome | None = None
 
     def __await__(self) -> Generator[Any, None, Outcome]:
@@ -61,17 +61,17 @@ class Request:
     async def cancel(self) -> Outcome:
         """Tell the other to leave it, and wait until it has: `CANCELLED`, or whatever came first."""
         if not self._asking.done():
-            self._dialogue.cancel()
+            self._initiated.cancel()
             _, late = await asyncio.wait([self._asking], timeout=CANCEL_TIME)
             if late:
-                why = f"{self._dialogue.peer} has not confirmed within {CANCEL_TIME:g} s that it has left it"
-                self._unconfirmed = Outcome(Ending.CANCELLED, why=why, agreed=self._dialogue.agreed)
+                why = f"{self._initiated.peer} has not confirmed within {CANCEL_TIME:g} s that it has left it"
+                self._unconfirmed = Outcome(Ending.CANCELLED, why=why, agreed=self._initiated.agreed)
                 self._asking.cancel()
         return await self.outcome()
 
 
-async def do(serving: ResponderConversation, opening: ParsedRequest) -> None:
+async def do(conversation: ResponderConversation, opening: ParsedRequest) -> None:
     """Do what was asked, and tell the result."""
     result = await opening.handler.call(opening.arguments)
-    serving.agree()
-    serving.say(Performative.INFORM, result)
+    conversation.agree()
+    conversation.say(Performative.INFORM, result)

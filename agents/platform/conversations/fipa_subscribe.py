@@ -33,7 +33,7 @@ class Values:
     skipped: values that were left out because too many waited already.
     """
 
-    def __init__(self, dialogue: InitiatorConversation, keep: int) -> None:
+    def __init__(self, initiated: InitiatorConversation, keep: int) -> None:
         """Prepare it; it begins with the block.
 
         Args:
@@ -41,7 +41,7 @@ class Values:
             keep: How many values wait while one is being dealt with; the oldest are left out.
         """
         self.skipped = 0
-        self._dialogue = dialogue
+        self._initiated = initiated
         self._waiting: deque[Any] = deque(maxlen=keep)
         self._called = asyncio.Event()
         self._outcome: Outcome | None = None
@@ -89,10 +89,10 @@ class Values:
 
     async def _hear(self) -> None:
         try:
-            async with aclosing(self._dialogue.replies()) as heard:
+            async with aclosing(self._initiated.replies()) as heard:
                 async for reply in heard:
                     if self._is_last(reply):
-                        self._outcome = self._dialogue.done(None)
+                        self._outcome = self._initiated.done(None)
                         return
         except ConversationEnded as over:
             self._outcome = over.outcome
@@ -111,15 +111,15 @@ class Values:
                 return False
             case Performative.INFORM, {"done": True}:
                 return True
-        raise self._dialogue.misplaced(reply)
+        raise self._initiated.misplaced(reply)
 
 
-async def inform(serving: ResponderConversation, opening: ParsedRequest) -> None:
+async def inform(conversation: ResponderConversation, opening: ParsedRequest) -> None:
     """Tell each value that the handler yields."""
     async with aclosing(opening.handler.function(**opening.arguments)) as values:
         async for value in values:
-            serving.agree()
-            serving.say(Performative.INFORM, {"value": value})
+            conversation.agree()
+            conversation.say(Performative.INFORM, {"value": value})
             await asyncio.sleep(0)  # others get their turn, whatever the handler does not wait for
-    serving.agree()
-    serving.say(Performative.INFORM, {"done": True})
+    conversation.agree()
+    conversation.say(Performative.INFORM, {"done": True})

@@ -64,7 +64,7 @@ class Initiator(ABC):
             BusUnavailable: The bus is closed.
         """
         return await ask_to(
-            self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
+            self._conversation(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
         )
 
     def begin_request(
@@ -72,7 +72,7 @@ class Initiator(ABC):
     ) -> Request:
         """Ask another agent to do something, and go on; the request may be cancelled, and awaited for its outcome."""
         return Request(
-            self._dialogue(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
+            self._conversation(agent, Performative.REQUEST, REQUESTS, name, arguments, reply_within, reply_within)
         )
 
     async def query_ref(
@@ -80,7 +80,7 @@ class Initiator(ABC):
     ) -> Outcome:
         """Ask another agent what something is; in all else as `request`."""
         return await ask_to(
-            self._dialogue(agent, Performative.QUERY_REF, QUERIES, name, arguments, reply_within, reply_within)
+            self._conversation(agent, Performative.QUERY_REF, QUERIES, name, arguments, reply_within, reply_within)
         )
 
     async def query_if(
@@ -88,7 +88,7 @@ class Initiator(ABC):
     ) -> Outcome:
         """Ask another agent whether something is so; the result is true or false, in all else as `request`."""
         return await ask_to(
-            self._dialogue(agent, Performative.QUERY_IF, QUERIES, name, arguments, reply_within, reply_within)
+            self._conversation(agent, Performative.QUERY_IF, QUERIES, name, arguments, reply_within, reply_within)
         )
 
     async def call_for_proposals(
@@ -118,7 +118,9 @@ class Initiator(ABC):
         """
         peers = dict.fromkeys(AgentName.parse(agent) if isinstance(agent, str) else agent for agent in agents)
         within = bids_within + reply_within
-        calls = [self._dialogue(peer, Performative.CFP, CALLS, name, arguments, within, bids_within) for peer in peers]
+        calls = [
+            self._conversation(peer, Performative.CFP, CALLS, name, arguments, within, bids_within) for peer in peers
+        ]
         return await call_for(calls, choose, bids_within)
 
     def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
@@ -134,7 +136,7 @@ class Initiator(ABC):
             RequestNotDone: It was refused, has failed, or the peer has gone; in the loop.
         """
         return Values(
-            self._dialogue(agent, Performative.SUBSCRIBE, SUBSCRIPTIONS, name, arguments, FOREVER, None), keep
+            self._conversation(agent, Performative.SUBSCRIBE, SUBSCRIPTIONS, name, arguments, FOREVER, None), keep
         )
 
     async def query(
@@ -148,7 +150,7 @@ class Initiator(ABC):
         """
         return (await query(self.home.bus, key, arguments, timeout))[0].value
 
-    def _dialogue(
+    def _conversation(
         self,
         agent: AgentName | str,
         performative: Performative,

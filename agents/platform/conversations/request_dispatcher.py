@@ -95,10 +95,10 @@ class RequestDispatcher:
         for task in self._tasks:
             task.cancel()
         _, late = await asyncio.wait(self._tasks, timeout=within) if self._tasks else (None, set())
-        clinging = [serving for task, serving in self._tasks.items() if task in late]
-        for serving in clinging:
-            serving.turn_away(f"{self._me} has ended")
-        return [serving.what for serving in clinging]
+        clinging = [responder for task, responder in self._tasks.items() if task in late]
+        for responder in clinging:
+            responder.turn_away(f"{self._me} has ended")
+        return [responder.what for responder in clinging]
 
     # On the bus's thread.
 
@@ -116,25 +116,25 @@ class RequestDispatcher:
             self.malformed += 1
             self._turn_away(message, Performative.NOT_UNDERSTOOD, str(err), conversation)
             return
-        serving = ResponderConversation(self._home_there, self._me, message, conversation)
-        if not self._admit(key, protocol, serving):
+        responder = ResponderConversation(self._home_there, self._me, message, conversation)
+        if not self._admit(key, protocol, responder):
             why = f"{self._me} is busy with {self._in_flight[protocol.name]} {protocol.noun}s already"
             self._turn_away(message, Performative.REFUSE, why, conversation)
             return
         assert self._loop is not None
         self._rouse()
-        hand_over(self._loop, self._serve, key, serving, protocol, opening)
+        hand_over(self._loop, self._serve, key, responder, protocol, opening)
 
     def hear(self, message: AclMessage) -> bool:
         """Take a one-way message if it belongs to a conversation under way; whether it does."""
         if message.performative not in FURTHER:
             return False
         with self._lock:
-            serving = self._under_way.get((message.conversation_id, message.sender))
-        if serving is None:
+            responder = self._under_way.get((message.conversation_id, message.sender))
+        if responder is None:
             return False
         assert self._loop is not None
-        hand_over(self._loop, serving.hear, message)
+        hand_over(self._loop, responder.hear, message)
         return True
 
     def _key(self, message: AclMessage) -> tuple[str, AgentName]:
@@ -144,15 +144,15 @@ class RequestDispatcher:
                 raise NotUnderstood(f"a conversation {message.conversation_id!r} is under way already")
         return key
 
-    def _admit(self, key: tuple[str, AgentName], protocol: Protocol, serving: ResponderConversation) -> bool:
+    def _admit(self, key: tuple[str, AgentName], protocol: Protocol, responder: ResponderConversation) -> bool:
         """Count one more conversation, unless there are too many."""
-        one = protocol.name, serving.message.sender
+        one = protocol.name, responder.message.sender
         with self._lock:
             if self._in_flight[protocol.name] >= MOST_AT_ALL or self._of_one.get(one, 0) >= MOST_REQUESTS:
                 return False
             self._in_flight[protocol.name] += 1
             self._of_one[one] += 1
-            self._under_way[key] = serving
+            self._under_way[key] = responder
             return True
 
     def _turn_away(
@@ -177,28 +177,28 @@ class RequestDispatcher:
     # In the loop.
 
     def _serve(
-        self, key: tuple[str, AgentName], serving: ResponderConversation, protocol: Protocol, opening: ParsedRequest
+        self, key: tuple[str, AgentName], responder: ResponderConversation, protocol: Protocol, opening: ParsedRequest
     ) -> None:
         if self._state() not in (*AT_WORK, AgentState.TRANSIT):  # one that moves finishes what was asked before
-            serving.turn_away(f"{self._me} is {self._state()}")
-            self._ended(key, serving, protocol)
+            responder.turn_away(f"{self._me} is {self._state()}")
+            self._ended(key, responder, protocol)
             return
-        release = self._home_there.attend(serving.message.sender, serving.asker_gone)
-        task = asyncio.ensure_future(self._serve_one(serving, protocol, opening))
-        self._tasks[task] = serving
+        release = self._home_there.attend(responder.message.sender, responder.asker_gone)
+        task = asyncio.ensure_future(self._serve_one(responder, protocol, opening))
+        self._tasks[task] = responder
         task.add_done_callback(self._tasks.pop)
         task.add_done_callback(lambda task: release())
-        task.add_done_callback(lambda task: self._ended(key, serving, protocol))
+        task.add_done_callback(lambda task: self._ended(key, responder, protocol))
 
-    async def _serve_one(self, serving: ResponderConversation, protocol: Protocol, opening: ParsedRequest) -> None:
+    async def _serve_one(self, responder: ResponderConversation, protocol: Protocol, opening: ParsedRequest) -> None:
         name, agrees_itself = opening.handler.name, protocol.agrees_itself or opening.handler.agrees_itself
-        error = await serving.run(name, protocol.carry_out(serving, opening), agrees_itself)
+        error = await responder.run(name, protocol.carry_out(responder, opening), agrees_itself)
         if error is not None:
-            self._home_there.report(self._me, f"the {protocol.noun} {name} of {serving.message.sender} failed", error)
+            self._home_there.report(self._me, f"the {protocol.noun} {name} of {responder.message.sender} failed", error)
 
-    def _ended(self, key: tuple[str, AgentName], serving: ResponderConversation, protocol: Protocol) -> None:
-        serving.close()  # one that was cancelled before it began has not done so itself
-        one = protocol.name, serving.message.sender
+    def _ended(self, key: tuple[str, AgentName], responder: ResponderConversation, protocol: Protocol) -> None:
+        responder.close()  # one that was cancelled before it began has not done so itself
+        one = protocol.name, responder.message.sender
         with self._lock:
             self._in_flight[protocol.name] -= 1
             self._of_one[one] -= 1

@@ -35,7 +35,7 @@ class _Arrival:
     """
 
     agent: Agent
-    luggage: MigrationState
+    migration: MigrationState
     origin: str
     is_awaiting: bool = False
 
@@ -54,7 +54,7 @@ class Arrivals:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    async def adopt(self, agent: Agent, luggage: MigrationState, origin: str) -> None:
+    async def adopt(self, agent: Agent, migration: MigrationState, origin: str) -> None:
         """Let an agent arrive, and wait until it is settled.
 
         Args:
@@ -66,11 +66,11 @@ class Arrivals:
             SetupFailed: Its setup failed, or it cannot unpack.
             NotMoved: It was forsaken or stopped before it was here.
         """
-        arrival = _Arrival(agent, luggage, origin)
+        arrival = _Arrival(agent, migration, origin)
 
         async def begin(home: ContainerContext) -> None:
             self._arrivals[agent.name] = arrival
-            await agent.arrive(home, luggage)
+            await agent.arrive(home, migration)
 
         try:
             await self._container.bring_up(agent, begin)
@@ -83,7 +83,7 @@ class Arrivals:
         arrival.is_awaiting = True
         self._begin(self._judge(arrival))
 
-    def settle(self, name: AgentName, letters: list[QueuedMessage]) -> None:
+    def settle(self, name: AgentName, waiting: list[QueuedMessage]) -> None:
         """Let an agent that has arrived begin to live here.
 
         Raises:
@@ -92,7 +92,7 @@ class Arrivals:
         arrival = self._arrivals.get(name)
         if arrival is None or not arrival.is_awaiting:
             raise NotMoved(f"no agent {name} has arrived in {self._container.name}")
-        self._settle(arrival, letters)
+        self._settle(arrival, waiting)
 
     async def forsake(self, name: AgentName, origin: str) -> None:
         """Let an agent go that lives on where it was, whether it is settled already or not yet here."""
@@ -100,9 +100,9 @@ class Arrivals:
         if arrival is not None and arrival.origin == origin:
             await self._let_go(arrival)
 
-    def _settle(self, arrival: _Arrival, letters: list[QueuedMessage]) -> None:
+    def _settle(self, arrival: _Arrival, waiting: list[QueuedMessage]) -> None:
         arrival.is_awaiting = False
-        arrival.agent.settle(arrival.luggage, letters)
+        arrival.agent.settle(arrival.migration, waiting)
         self._begin(self._forget(arrival))
 
     async def _let_go(self, arrival: _Arrival) -> None:

@@ -72,17 +72,17 @@ class Departures:
         there = await self._find(to)
         if agent.state is AgentState.TRANSIT:
             raise NotMoved(f"{agent.name} is moving already")
-        luggage = await self._packed(agent)
+        migration = await self._packed(agent)
         try:
-            await self._hand_over(agent, luggage, there)
+            await self._hand_over(agent, migration, there)
         except BaseException as err:
-            agent.come_back(luggage)
+            agent.come_back(migration)
             if isinstance(err, AgentError | BusError | TimeoutError):
                 raise NotMoved(f"{agent.name} stays in {self._container.name}: {_why(err, there)}") from err
             raise
         agent.leave_directory()
         await self._linger(agent, there)
-        return there, AgentState.SUSPENDED if luggage.is_suspended else AgentState.ACTIVE
+        return there, AgentState.SUSPENDED if migration.is_suspended else AgentState.ACTIVE
 
     async def _find(self, to: str) -> ContainerName:
         if to == self._container.name:
@@ -104,17 +104,17 @@ class Departures:
         except Exception as err:
             raise NotMoved(f"{agent.name} cannot pack: {in_words(err)}") from err
 
-    async def _hand_over(self, agent: Agent, luggage: MigrationState, there: ContainerName) -> None:
+    async def _hand_over(self, agent: Agent, migration: MigrationState, there: ContainerName) -> None:
         """Have it begin to live there; what goes wrong has not happened, as far as can be known."""
         try:
-            known = await self._settle(agent, luggage, there)
+            known = await self._settle(agent, migration, there)
         except BaseException:
             self._forsake(agent.name, there)
             raise
-        letters, callers = agent.left_behind()
-        await self._follow(agent, there, letters[known:], callers)
+        waiting, callers = agent.left_behind()
+        await self._follow(agent, there, waiting[known:], callers)
 
-    async def _settle(self, agent: Agent, luggage: MigrationState, there: ContainerName) -> int:
+    async def _settle(self, agent: Agent, migration: MigrationState, there: ContainerName) -> int:
         """Have it arrive and begin to live there.
 
         Returns:
@@ -122,15 +122,15 @@ class Departures:
         """
         is_adopted = False
         try:
-            await self._tell(there, self._adoption(agent, luggage), ADOPT_TIME)
+            await self._tell(there, self._adoption(agent, migration), ADOPT_TIME)
             is_adopted = True
             await asyncio.sleep(MEET_TIME)
             if agent.state is not AgentState.TRANSIT:
                 raise NotMoved("it has been ended meanwhile")
-            letters = agent.come_since()
-            settle: Order = {"do": "settle", "name": str(agent.name), "letters": enveloped(letters)}
+            waiting = agent.come_since()
+            settle: Order = {"do": "settle", "name": str(agent.name), "letters": enveloped(waiting)}
             await self._tell(there, settle, ORDER_TIME)
-            return len(letters)
+            return len(waiting)
         except (BusError, TimeoutError) as err:
             if isinstance(err, Refused) and not is_adopted:
                 raise
@@ -138,14 +138,14 @@ class Departures:
                 return 0
             raise
 
-    def _adoption(self, agent: Agent, luggage: MigrationState) -> Order:
+    def _adoption(self, agent: Agent, migration: MigrationState) -> Order:
         return {
             "do": "adopt",
             "name": str(agent.name),
             "kind": kind_of(agent),
             "properties": agent.properties,
             "from": self._container.called.control_key,
-            "luggage": packed(luggage),
+            "luggage": packed(migration),
         }
 
     async def _linger(self, agent: Agent, there: ContainerName) -> None:
@@ -160,16 +160,16 @@ class Departures:
         await self._follow(agent, there, *agent.left_behind())
 
     async def _follow(
-        self, agent: Agent, there: ContainerName, letters: list[QueuedMessage], callers: list[Caller]
+        self, agent: Agent, there: ContainerName, waiting: list[QueuedMessage], callers: list[Caller]
     ) -> None:
         for caller in callers:
             self._pass_on(agent.name, there, caller)
-        if letters:
+        if waiting:
             try:
-                order: Order = {"do": "deliver", "name": str(agent.name), "letters": enveloped(letters)}
+                order: Order = {"do": "deliver", "name": str(agent.name), "letters": enveloped(waiting)}
                 await self._tell(there, order, ORDER_TIME)
             except (BusError, TimeoutError) as err:
-                self._container.report(agent.name, f"{len(letters)} messages could not follow it to {there}", err)
+                self._container.report(agent.name, f"{len(waiting)} messages could not follow it to {there}", err)
 
     def _pass_on(self, name: AgentName, there: ContainerName, caller: Caller) -> None:
         """Be the way between someone who began a conversation here and the agent, until it ends."""

@@ -24,10 +24,10 @@ class MigrationState:
     is_suspended: bool
 
 
-def packed(luggage: MigrationState) -> dict[str, Any]:
+def packed(migration: MigrationState) -> dict[str, Any]:
     """Luggage as a JSON object."""
-    mailbox = [message.to_dict() for message in luggage.mailbox]
-    return {"state": luggage.state, "mailbox": mailbox, "suspended": luggage.is_suspended}
+    mailbox = [message.to_dict() for message in migration.mailbox]
+    return {"state": migration.state, "mailbox": mailbox, "suspended": migration.is_suspended}
 
 
 def unpacked(value: Mapping[str, Any]) -> MigrationState:
@@ -42,9 +42,9 @@ def unpacked(value: Mapping[str, Any]) -> MigrationState:
     raise NotMoved("this is not what an agent takes along")
 
 
-def enveloped(letters: Sequence[QueuedMessage]) -> list[list[str]]:
+def enveloped(waiting: Sequence[QueuedMessage]) -> list[list[str]]:
     """Letters as JSON."""
-    return [[letter.label, b64encode(letter.payload).decode()] for letter in letters]
+    return [[queued.label, b64encode(queued.payload).decode()] for queued in waiting]
 
 
 def opened(value: Any) -> list[QueuedMessage]:

@@ -25,7 +25,7 @@ class MobileAgent(Initiator):
 
     mailbox: Mailbox
     _state: AgentState
-    _desk: RequestDispatcher
+    _dispatcher: RequestDispatcher
     _door: DeliveryGate
     _schedule: Schedule
 
@@ -57,10 +57,10 @@ class MobileAgent(Initiator):
         self._go(Step.MOVE)
         self._schedule.gate.shut()
         try:
-            for serving in self._desk.under_way:
-                if serving.message.performative is Performative.SUBSCRIBE:
-                    serving.cancel(f"{self.name} moves into another container; subscribe again")
-            await self._desk.rest(within)
+            for responder in self._dispatcher.under_way:
+                if responder.message.performative is Performative.SUBSCRIBE:
+                    responder.cancel(f"{self.name} moves into another container; subscribe again")
+            await self._dispatcher.rest(within)
             self._check_leaving(within)
             self._door.keep_letters()
             state = self.pack()
@@ -69,29 +69,29 @@ class MobileAgent(Initiator):
             self.come_back(MigrationState({}, (), was is AgentState.SUSPENDED))
             raise
 
-    def come_back(self, luggage: MigrationState) -> None:
+    def come_back(self, migration: MigrationState) -> None:
         """Go on where it was, since the move has failed; nothing that came meanwhile is lost."""
         if self._state is AgentState.TRANSIT:
-            self._unload(luggage)
-            self._go_on(luggage)
+            self._unload(migration)
+            self._go_on(migration)
 
-    def settle(self, luggage: MigrationState, letters: Iterable[QueuedMessage]) -> None:
+    def settle(self, migration: MigrationState, waiting: Iterable[QueuedMessage]) -> None:
         """Begin to live here.
 
         Args:
             luggage: What it took along, already unpacked.
             letters: Messages that came where it was, since it packed.
         """
-        self._door.bring(letters)
-        self._go_on(luggage)
+        self._door.bring(waiting)
+        self._go_on(migration)
 
     def forget_the_way(self) -> None:
         """Note that nothing comes twice any more, since all have heard where it lives."""
         self._door.forget()
 
-    def deliver(self, letters: Iterable[QueuedMessage]) -> None:
+    def deliver(self, waiting: Iterable[QueuedMessage]) -> None:
         """Take messages that came where it was; those that came here as well are left out."""
-        self._door.bring(letters)
+        self._door.bring(waiting)
 
     def call(self, message: dict[str, Any], conversation: Conversation) -> None:
         """Take a conversation that began where it was; one that came here as well is ended without a word."""
@@ -99,19 +99,19 @@ class MobileAgent(Initiator):
 
     def come_since(self) -> list[QueuedMessage]:
         """The messages that have come since it packed, and that still wait here."""
-        return self._door.letters()
+        return self._door.waiting()
 
     def left_behind(self) -> tuple[list[QueuedMessage], list[Caller]]:
         """What came where it was, and is to follow it; it waits here no more."""
         return self._door.kept()
 
-    def _unload(self, luggage: MigrationState) -> None:
-        for message in luggage.mailbox:
+    def _unload(self, migration: MigrationState) -> None:
+        for message in migration.mailbox:
             self.mailbox.deliver(message, len(message.encode()))
 
-    def _go_on(self, luggage: MigrationState) -> None:
+    def _go_on(self, migration: MigrationState) -> None:
         self._go(Step.EXECUTE)
-        if luggage.is_suspended:
+        if migration.is_suspended:
             self._go(Step.SUSPEND)
         else:
             self._schedule.gate.open()
@@ -120,7 +120,7 @@ class MobileAgent(Initiator):
     def _check_leaving(self, within: float) -> None:
         if self._state is not AgentState.TRANSIT:
             raise NotMoved(f"{self.name} has ended before it could move")
-        if busy := self._desk.under_way:
+        if busy := self._dispatcher.under_way:
             what = ", ".join(sorted({f"{each.message.performative} of {each.message.sender}" for each in busy}))
             raise NotMoved(f"{self.name} stays where it is: it has not finished within {within:g} s with the {what}")
 

@@ -54,26 +54,26 @@ def play(
     loop_factory: Callable[[], asyncio.AbstractEventLoop] | None = VirtualTimeLoop,
 ) -> None:
     async def run() -> None:
-        desk = Desk()
-        async with desk.container:
-            await desk.container.start(desk.app)
-            await desk.container.start(camera or CameraAgent("camera@happy"))
-            await story(desk)
+        dispatcher = Desk()
+        async with dispatcher.container:
+            await dispatcher.container.start(dispatcher.app)
+            await dispatcher.container.start(camera or CameraAgent("camera@happy"))
+            await story(dispatcher)
 
     with asyncio.Runner(loop_factory=loop_factory) as runner:
         runner.run(run())
 
 
 def test_camera_tells_of_its_pictures_and_sends_none_of_them() -> None:
-    async def story(desk: Desk) -> None:
+    async def story(dispatcher: Desk) -> None:
         heard: list[dict[str, object]] = []
 
         async def hear(result: dict[str, object]) -> None:
             heard.append(result)
 
-        desk.app.listen("happy/agents/camera/results", hear, keep=100)
+        dispatcher.app.listen("happy/agents/camera/results", hear, keep=100)
         await asyncio.sleep(2 * ATTENTION)
-        await desk.film(30)
+        await dispatcher.film(30)
         assert heard[-1] == {
             "stamp": pytest.approx(1_700_000_000.25),
             "width": 160,
@@ -88,24 +88,24 @@ def test_camera_tells_of_its_pictures_and_sends_none_of_them() -> None:
 
 
 def test_nobody_hears_the_pictures_while_nobody_wants_to_know_of_them() -> None:
-    async def story(desk: Desk) -> None:
-        with desk.bus.publisher(keys.CAMERA.key("happy"), keys.CAMERA.type_name) as gateway:
+    async def story(dispatcher: Desk) -> None:
+        with dispatcher.bus.publisher(keys.CAMERA.key("happy"), keys.CAMERA.type_name) as gateway:
 
             def is_heard() -> bool:
                 return gateway.has_listeners
 
             await asyncio.sleep(1.0)
             assert not is_heard()
-            asking = asyncio.ensure_future(desk.app.request("camera@happy", "read"))
+            asking = asyncio.ensure_future(dispatcher.app.request("camera@happy", "read"))
             await asyncio.sleep(0.1)
             assert is_heard(), "it has been asked for a picture"
-            desk.show(JPEG)
+            dispatcher.show(JPEG)
             assert (await asking).value()["width"] == 160
             await asyncio.sleep(LINGER - 1.0)
             assert is_heard()
             await asyncio.sleep(1.0 + 2 * ATTENTION)
             assert not is_heard()
-            with desk.app.bus.subscribe("happy/agents/camera/results", lambda sample: None):
+            with dispatcher.app.bus.subscribe("happy/agents/camera/results", lambda sample: None):
                 await asyncio.sleep(LINGER + 1.0)
                 assert is_heard()
             await asyncio.sleep(2 * ATTENTION)
@@ -115,25 +115,25 @@ def test_nobody_hears_the_pictures_while_nobody_wants_to_know_of_them() -> None:
 
 
 def test_pictures_are_counted_while_they_are_wanted_and_an_old_one_is_never_given() -> None:
-    async def story(desk: Desk) -> None:
-        asking = asyncio.ensure_future(desk.app.request("camera@happy", "read"))
+    async def story(dispatcher: Desk) -> None:
+        asking = asyncio.ensure_future(dispatcher.app.request("camera@happy", "read"))
         await asyncio.sleep(0.1)
-        await desk.film(30)
+        await dispatcher.film(30)
         await asking
-        read = (await desk.app.request("camera@happy", "read")).value()
+        read = (await dispatcher.app.request("camera@happy", "read")).value()
         assert (read["frames"], read["rate"]) == (30, pytest.approx(10.0))
         await asyncio.sleep(2 * LINGER)
-        desk.show(JPEG)
-        assert (await desk.app.request("camera@happy", "picture")).why == "camera@happy has heard nothing yet"
+        dispatcher.show(JPEG)
+        assert (await dispatcher.app.request("camera@happy", "picture")).why == "camera@happy has heard nothing yet"
 
     play(story)
 
 
 def test_camera_gives_its_newest_picture() -> None:
-    async def story(desk: Desk) -> None:
-        asking = asyncio.ensure_future(desk.app.request("camera@happy", "picture"))
+    async def story(dispatcher: Desk) -> None:
+        asking = asyncio.ensure_future(dispatcher.app.request("camera@happy", "picture"))
         await asyncio.sleep(1.0)
-        desk.show(JPEG)
+        dispatcher.show(JPEG)
         picture = (await asking).value()
         assert base64.b64decode(picture.pop("data")) == JPEG
         assert picture == {"stamp": pytest.approx(1_700_000_000.25), "format": "jpeg", "width": 160, "height": 120}
@@ -142,11 +142,11 @@ def test_camera_gives_its_newest_picture() -> None:
 
 
 def test_camera_from_which_nothing_comes_gives_no_old_picture() -> None:
-    async def story(desk: Desk) -> None:
-        assert (await desk.app.request("camera@happy", "picture")).why == "camera@happy has heard nothing yet"
-        desk.show(JPEG)
+    async def story(dispatcher: Desk) -> None:
+        assert (await dispatcher.app.request("camera@happy", "picture")).why == "camera@happy has heard nothing yet"
+        dispatcher.show(JPEG)
         await asyncio.sleep(5.0)
-        outcome = await desk.app.request("camera@happy", "picture")
+        outcome = await dispatcher.app.request("camera@happy", "picture")
         assert outcome.ending is Ending.FAILED
         assert outcome.why == "camera@happy has heard nothing for 5.0 s"
 
@@ -154,10 +154,10 @@ def test_camera_from_which_nothing_comes_gives_no_old_picture() -> None:
 
 
 def test_picture_that_is_no_jpeg_has_no_size() -> None:
-    async def story(desk: Desk) -> None:
-        asking = asyncio.ensure_future(desk.app.request("camera@happy", "read"))
+    async def story(dispatcher: Desk) -> None:
+        asking = asyncio.ensure_future(dispatcher.app.request("camera@happy", "read"))
         await asyncio.sleep(0.1)
-        desk.show(b"PNG")
+        dispatcher.show(b"PNG")
         assert (await asking).value()["width"] is None
 
     play(story)
@@ -169,10 +169,10 @@ def test_picture_that_is_too_large_comes_smaller() -> None:
     jpeg = bytes(cv2.imencode(".jpg", noise)[1])
     assert len(jpeg) > MOST
 
-    async def story(desk: Desk) -> None:
-        asking = asyncio.ensure_future(desk.app.request("camera@happy", "picture"))
+    async def story(dispatcher: Desk) -> None:
+        asking = asyncio.ensure_future(dispatcher.app.request("camera@happy", "picture"))
         await asyncio.sleep(0.1)
-        desk.show(jpeg)
+        dispatcher.show(jpeg)
         picture = (await asking).value()
         assert len(base64.b64decode(picture["data"])) <= MOST
         assert 160 < picture["width"] < 1280
@@ -185,10 +185,10 @@ def test_picture_that_is_too_large_and_cannot_be_made_smaller_says_where_the_str
 ) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
 
-    async def story(desk: Desk) -> None:
-        asking = asyncio.ensure_future(desk.app.request("camera@happy", "picture"))
+    async def story(dispatcher: Desk) -> None:
+        asking = asyncio.ensure_future(dispatcher.app.request("camera@happy", "picture"))
         await asyncio.sleep(0.1)
-        desk.show(JPEG[:-2] + bytes(MOST) + JPEG[-2:])
+        dispatcher.show(JPEG[:-2] + bytes(MOST) + JPEG[-2:])
         outcome = await asking
         assert outcome.ending is Ending.FAILED
         assert "190 kB does not fit into a message" in outcome.why
@@ -217,14 +217,14 @@ def test_camera_that_the_agent_opens_itself_is_on_the_topic_of_any_camera_and_co
 
     ip_camera.serve = serve
 
-    async def story(desk: Desk) -> None:
-        desk.bus.subscribe("happy/camera/image/compressed", lambda sample: pictures.release())
-        picture = (await desk.app.request("camera@happy", "picture")).value()
+    async def story(dispatcher: Desk) -> None:
+        dispatcher.bus.subscribe("happy/camera/image/compressed", lambda sample: pictures.release())
+        picture = (await dispatcher.app.request("camera@happy", "picture")).value()
         assert base64.b64decode(picture["data"]) == JPEG
         for _ in range(3):  # the first picture may have been there before anybody subscribed
             is_enough.release()
             assert await asyncio.to_thread(pictures.acquire, timeout=patience(LIMIT))
-        assert "the camera has closed the connection" in desk.reports[0].what
+        assert "the camera has closed the connection" in dispatcher.reports[0].what
 
     play(story, CameraAgent("camera@happy", {"source": ip_camera.url}), None)
 
@@ -233,8 +233,8 @@ def test_camera_that_is_not_there_says_why() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]
 
-    async def story(desk: Desk) -> None:
-        outcome = await desk.app.request("camera@happy", "read")
+    async def story(dispatcher: Desk) -> None:
+        outcome = await dispatcher.app.request("camera@happy", "read")
         assert outcome.ending is Ending.FAILED
         assert "camera@happy has heard nothing yet: 127.0.0.1 does not answer" in outcome.why
 
@@ -242,8 +242,8 @@ def test_camera_that_is_not_there_says_why() -> None:
 
 
 def test_source_that_is_no_camera_is_told_at_the_start() -> None:
-    async def story(desk: Desk) -> None:
-        assert [agent.name.local for agent in desk.container.agents] == ["app"]
-        assert "ftp://eye is no camera; give a URL" in str(desk.reports[0].error)
+    async def story(dispatcher: Desk) -> None:
+        assert [agent.name.local for agent in dispatcher.container.agents] == ["app"]
+        assert "ftp://eye is no camera; give a URL" in str(dispatcher.reports[0].error)
 
     play(story, CameraAgent("camera@happy", {"source": "ftp://eye"}))

@@ -58,7 +58,7 @@ def stop(world: World, agent: str, team: Team) -> None:
     """Stop an agent, and wait until the team has noticed."""
     name = AgentName.parse(agent)
     world.run(world.container.stop(name))
-    wait_until(lambda: not team._horizon.sees(name), f"{agent} is missed")
+    wait_until(lambda: not team._discovery.sees(name), f"{agent} is missed")
 
 
 def test_a_robot_that_was_there_a_moment_ago_is_waited_for_while_it_restarts(world: World, team: Team) -> None:
@@ -374,7 +374,7 @@ def test_a_team_cannot_be_used_in_its_own_loop(team: Team) -> None:
         team.robots()
 
     with pytest.raises(RobotError, match="cannot be used in a coroutine"):
-        team._stage.call(wrong())
+        team._thread.call(wrong())
 
 
 def test_who_is_stopped_stops_at_the_next_call_and_in_the_midst_of_one(world: World, team: Team) -> None:
@@ -391,7 +391,7 @@ def test_who_is_stopped_stops_at_the_next_call_and_in_the_midst_of_one(world: Wo
     thread = threading.Thread(target=go)
     thread.start()
     wait_until(lambda: wheels.asked)
-    team._stage.stop("enough")
+    team._thread.stop("enough")
     thread.join()
     assert ends == ["enough"]
     assert "stop" in wheels.asked
@@ -400,8 +400,8 @@ def test_who_is_stopped_stops_at_the_next_call_and_in_the_midst_of_one(world: Wo
 
 
 def test_a_call_that_begins_while_the_program_is_stopped_ends_too(team: Team, monkeypatch: pytest.MonkeyPatch) -> None:
-    stage = team._stage
-    stopping = threading.Thread(target=stage.stop, args=["enough"])
+    loop_thread = team._thread
+    stopping = threading.Thread(target=loop_thread.stop, args=["enough"])
     submit = asyncio.run_coroutine_threadsafe
     ends: list[Any] = []
 
@@ -426,7 +426,7 @@ def test_a_call_that_begins_while_the_program_is_stopped_ends_too(team: Team, mo
 
 
 def test_a_loop_keeps_its_beat_and_ends_when_the_program_is_to_end(team: Team) -> None:
-    threading.Timer(0.3, team._stage.stop, ["enough"]).start()
+    threading.Timer(0.3, team._thread.stop, ["enough"]).start()
     beats = list(team.every(0.05))
     assert 2 <= len(beats) <= 7
     assert beats == sorted(beats)
@@ -435,18 +435,18 @@ def test_a_loop_keeps_its_beat_and_ends_when_the_program_is_to_end(team: Team) -
 def test_a_program_that_is_suspended_waits_at_its_next_call(world: World, team: Team) -> None:
     beats: list[float] = []
     thread = threading.Thread(target=lambda: beats.extend(team.every(0.02)))
-    team._stage.suspend()
+    team._thread.suspend()
     thread.start()
-    team._stage.loop.call_soon_threadsafe(lambda: None)
+    team._thread.loop.call_soon_threadsafe(lambda: None)
     assert not beats
-    team._stage.resume()
+    team._thread.resume()
     world.run(asyncio.sleep(0.1))
-    team._stage.stop("enough")
+    team._thread.stop("enough")
     thread.join()
     assert beats
 
 
 def test_its_agent_is_in_the_directory_and_goes_with_it(world: World, team: Team) -> None:
-    name: AgentName = team._stage.agent.name
+    name: AgentName = team._thread.agent.name
     assert name.platform == "apps"
     assert team.ask(str(world.agent("laser@happy").name), "read")

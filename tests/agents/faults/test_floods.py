@@ -79,7 +79,7 @@ def test_conversations_under_many_names_are_bounded_as_well(pair: Pair) -> None:
     pair.loop.run_for(100.0)
     assert [replies.count(word) for word in ("agree", "refuse")] == [MOST_AT_ALL, 50]
     assert pair.responder.agent.in_flight == []
-    assert pair.responder.agent._desk._of_one == {}  # such names leave no trace
+    assert pair.responder.agent._dispatcher._of_one == {}  # such names leave no trace
 
 
 def test_between_sessions_a_flood_leaves_others_their_turn(robot: str) -> None:

@@ -78,7 +78,7 @@ def nothing_is_left(pair: Pair, survivor: Place) -> bool:
     return not (agent.at_work or agent.in_flight or agent.behaviours or pair.network.asking)
 
 
-def bury(pair: Pair, dead: Place) -> None:
+def on_holder_death(pair: Pair, dead: Place) -> None:
     """End what a dead process does not do any more; what then runs is the survivor's."""
     pair.leave(dead)
     pair.loop.run_for(AT_ONCE)
@@ -111,7 +111,7 @@ class TestKilledAtEveryStep:
         assert ending is (script.ending if len(killer.words) >= script.settled else Ending.DIED)
         assert pair.loop.time() <= killer.at + A_WHILE + 2 * AT_ONCE, "it has waited for more than the death"
         assert nothing_is_left(pair, survivor)
-        bury(pair, dead)
+        on_holder_death(pair, dead)
         they_begin_anew(pair, script, survivor, pair.join(dead.agent.name))
 
     def test_who_answers_leaves_it_when_who_asked_is_killed(
@@ -126,7 +126,7 @@ class TestKilledAtEveryStep:
         assert nothing_is_left(pair, survivor)
         asking.cancel()
         pair.loop.run_for(PATIENCE)  # of the dead, to whom its own death means nothing
-        bury(pair, dead)
+        on_holder_death(pair, dead)
         they_begin_anew(pair, script, pair.join(dead.agent.name), survivor)
 
 

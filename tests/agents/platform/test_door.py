@@ -61,7 +61,7 @@ def test_what_comes_through_both_doors_comes_in_once_and_in_order() -> None:
     door = DeliveryGate(taken.append, lambda message, conversation: begun.append(message))
     door.wait_for_the_rest()
     for number in (2, 3):
-        door.letter(Sample("k", b"%d" % number, attachment=bytes([number])))
+        door.queued(Sample("k", b"%d" % number, attachment=bytes([number])))
     first, again, late = Silent(), Silent(), Silent()
     opening = {"conversation_id": "c", "sender": "a@b"}
     door.caller(opening, first)
@@ -70,14 +70,14 @@ def test_what_comes_through_both_doors_comes_in_once_and_in_order() -> None:
     other = DeliveryGate(taken.append, lambda message, conversation: None)
     other.keep_letters()
     for number in (1, 2):
-        other.letter(Sample("k", b"%d" % number, attachment=bytes([number])))
-    door.bring(other.letters())
+        other.queued(Sample("k", b"%d" % number, attachment=bytes([number])))
+    door.bring(other.waiting())
     door.open()
-    door.letter(Sample("k", b"3", attachment=bytes([3])))
+    door.queued(Sample("k", b"3", attachment=bytes([3])))
     door.caller(opening, late)
     assert taken == [b"1", b"2", b"3"]
     assert begun == [opening]
     assert late.ended
     door.forget()
-    door.letter(Sample("k", b"3", attachment=bytes([3])))
+    door.queued(Sample("k", b"3", attachment=bytes([3])))
     assert taken[3:] == [b"3"], "labels are forgotten when the other door is no more"

@@ -366,9 +366,9 @@ def test_it_lives_on_there_when_the_container_dies_from_which_it_came(world: Wor
 
     async def main() -> None:
         adopt = {"name": str(WANDERER), "kind": KIND, "properties": {}, "from": "team/containers/gone/control"}
-        luggage = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
+        migration = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
         await world.here.stop(WANDERER)
-        await world.order(world.there, "adopt", **adopt, luggage=luggage)
+        await world.order(world.there, "adopt", **adopt, luggage=migration)
         outcome = await world.console.request(WANDERER, "next", reply_within=30.0)
         assert outcome.value() == [6, "there"]
 
@@ -393,8 +393,8 @@ def test_it_is_let_go_there_when_it_lives_on_where_it_was(world: World) -> None:
 
     async def main() -> None:
         adopt = {"name": str(WANDERER), "kind": KIND, "properties": {}, "from": world.here.called.control_key}
-        luggage = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
-        await world.order(world.there, "adopt", **adopt, luggage=luggage)
+        migration = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
+        await world.order(world.there, "adopt", **adopt, luggage=migration)
         assert world.lives() == (["active"], ["transit"])
         await asyncio.sleep(20.0)
 
@@ -499,8 +499,14 @@ def test_an_agent_that_is_stopped_on_the_way_lives_nowhere(world: World) -> None
 def test_an_agent_that_is_given_up_while_it_is_set_up_there_is_ended_there(world: World) -> None:
     async def main() -> None:
         origin = world.here.called.control_key
-        luggage = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
-        adopt = {"name": str(WANDERER), "kind": KIND, "properties": {"setup": 1.0}, "from": origin, "luggage": luggage}
+        migration = {"state": {"count": 5, "read": []}, "mailbox": [], "suspended": False}
+        adopt = {
+            "name": str(WANDERER),
+            "kind": KIND,
+            "properties": {"setup": 1.0},
+            "from": origin,
+            "luggage": migration,
+        }
         arriving = asyncio.ensure_future(world.order(world.there, "adopt", **adopt))
         await asyncio.sleep(0.5)
         await world.order(world.there, "forsake", name=str(WANDERER), **{"from": "team/containers/another/control"})

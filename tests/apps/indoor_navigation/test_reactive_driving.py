@@ -19,8 +19,8 @@ U_SHAPE = [(0.0, 1.0, 3.0, 1.0), (3.0, 1.0, 3.0, -1.0), (3.0, -1.0, 0.0, -1.0)]
 
 def room(seed: int) -> Segments:
     """With boxes in it, and free space about its middle."""
-    chance = np.random.default_rng(seed)
-    boxes = [(*chance.uniform(-4.0, 4.0, 2), *chance.uniform(0.2, 1.2, 2)) for _ in range(8)]
+    rng = np.random.default_rng(seed)
+    boxes = [(*rng.uniform(-4.0, 4.0, 2), *rng.uniform(0.2, 1.2, 2)) for _ in range(8)]
     return [
         *box(0.0, 0.0, 10.0, 10.0),
         *(side for each in boxes if max(map(abs, each[:2])) > 1.4 for side in box(*each)),
@@ -31,12 +31,12 @@ class Reckless:
     """Drives anywhere, and looks at nothing."""
 
     def __init__(self, seed: int) -> None:
-        self._chance = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(seed)
         self._count, self._speeds = 0, Speeds()
 
     def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         if self._count % 20 == 0:
-            self._speeds = Speeds(self._chance.uniform(0.0, 0.5), float(self._chance.choice([0.0, 0.0, 0.7, -0.7])))
+            self._speeds = Speeds(self._rng.uniform(0.0, 0.5), float(self._rng.choice([0.0, 0.0, 0.7, -0.7])))
         self._count += 1
         return self._speeds
 

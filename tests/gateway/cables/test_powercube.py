@@ -31,7 +31,7 @@ class ArmBench:
     is_cut: bool = False
     noise: float = 0.0
     events: list[tuple[float, Event]] = field(default_factory=list)
-    chance: Random = field(default_factory=lambda: Random(5))
+    rng: Random = field(default_factory=lambda: Random(5))
 
     def __post_init__(self) -> None:
         self.device = PowerCubeArm(MODEL, self.arm)
@@ -51,7 +51,7 @@ class ArmBench:
     def _spoil(self, data: bytes) -> bytes:
         if self.is_cut:
             return b""
-        return bytes(each ^ 0x41 if self.chance.random() < self.noise else each for each in data)
+        return bytes(each ^ 0x41 if self.rng.random() < self.noise else each for each in data)
 
     def of(self, kind: type[T], since: float = 0.0) -> list[T]:
         return [event for at, event in self.events if isinstance(event, kind) and at > since]

@@ -62,9 +62,9 @@ def test_a_small_map_is_taken_as_it_is() -> None:
 
 @pytest.mark.parametrize("section", ["LINES", "DATA"])
 def test_a_huge_map_is_built_in_time(section: str, tmp_path: Path) -> None:
-    chance = Random(1)
+    rng = Random(1)
     count, size = (100_000, 4) if section == "LINES" else (2_000_000, 2)
-    numbers = [chance.randrange(300_000) for _ in range(1000 * size)]
+    numbers = [rng.randrange(300_000) for _ in range(1000 * size)]
     rows = [" ".join(map(str, numbers[at : at + size])) for at in range(0, len(numbers), size)]
     path = tmp_path / "huge.map"
     path.write_text(HEAD + f"{section}\n" + "\n".join(rows * (count // len(rows))) + "\n")
