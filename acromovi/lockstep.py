@@ -14,9 +14,9 @@ from bus import Bus, MemoryBus, MemoryNetwork
 from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
+from gateway.elements.all_adapters import CABLE_FACES
+from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import Event
-from gateway.faces.all_faces import CABLE_FACES
-from gateway.faces.cable_face import CableAdapter
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import LaserSettings, Settings
 from geometry import Pose2D

@@ -19,7 +19,7 @@ from bus.exchange import RawReply, key_expression
 from bus.messages import TwistStamped, encode, header, twist
 from gateway.command_server import LEASE_ARGUMENTS
 from gateway.commands import COMMANDS, TOKEN, CommandRow
-from gateway.faces.all_faces import FACES
+from gateway.elements.all_adapters import FACES
 from p2os_emu.world import load_world
 
 PAYLOADS = 1_000_000

@@ -144,7 +144,7 @@ def _cable(name: str, port_name: str, settings: Settings, waits: bool) -> CableT
 def _camera(where: str) -> ElementThread:
     """A camera that is opened by its own thread, now or whenever it is there."""
     import cameras  # here and not at the top: a gateway without one starts sooner
-    from gateway.camera_thread import CameraThread
+    from gateway.cables.camera_thread import CameraThread
 
     try:
         cameras.check_source(where)

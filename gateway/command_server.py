@@ -17,10 +17,10 @@ from bus.validation import sentence
 from gateway.bindings import Binding, MotionBindings
 from gateway.commands import BASE, COMMANDS, DETACH, HEARTBEAT, TOKEN, Arguments, CommandRow, check_arguments
 from gateway.driver import Driver
+from gateway.elements.all_adapters import FACES
+from gateway.elements.cable_adapter import CableAdapter
 from gateway.errors import CommandRefused
 from gateway.events import MotionEnd
-from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableAdapter
 from gateway.lease import DEFAULT_SECONDS, ROBOT, Lease, Leases
 from gateway.motion import CMD_VEL_SILENCE
 

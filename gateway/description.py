@@ -12,9 +12,9 @@ from bus.messages import encode_json
 from bus.name_holder import BusProgram
 from bus.validation import printable
 from gateway.driver import Driver
-from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableAdapter
-from gateway.faces.face import BusAdapter
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.all_adapters import FACES
+from gateway.elements.cable_adapter import CableAdapter
 from gateway.settings import Settings
 from gateway.telemetry import SONAR_CONE
 from p2os import Configuration, RobotModel

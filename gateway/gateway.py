@@ -221,7 +221,7 @@ class Gateway:
     def _join_robot(self, bus: "Bus", process: "BusProgram") -> "RobotOnBus":
         """Bring the robot to the bus, and the elements on cables of their own with it."""
         from bus import NotAllowed
-        from gateway.faces.all_faces import CABLE_FACES
+        from gateway.elements.all_adapters import CABLE_FACES
         from gateway.robot_on_bus import RobotOnBus
 
         model = self._driver.model

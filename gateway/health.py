@@ -7,7 +7,7 @@ from bus.keys import frame
 from bus.messages import DiagnosticArray, DiagnosticStatus, KeyValue, RobotState, header
 from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
-from gateway.faces.cable_face import CableAdapter
+from gateway.elements.cable_adapter import CableAdapter
 from p2os import StandardSip
 
 

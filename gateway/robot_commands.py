@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
-from gateway.elements.joystick import JoystickElement
+from gateway.elements.joystick.element import JoystickElement
 from gateway.errors import CommandRefused
 from gateway.events import Event, MotionEnd
 from gateway.motion import MotionTracker

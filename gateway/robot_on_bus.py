@@ -17,9 +17,9 @@ from gateway.command_server import Commander, CommandServer
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
+from gateway.elements.all_adapters import FACES
+from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import Event
-from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableAdapter
 from gateway.settings import Settings
 from gateway.streams import RobotPublishers
 

@@ -12,6 +12,8 @@ from bus import Bus, BusUnavailable, Publisher, Subscription, keys
 from bus.keys import Topic
 from bus.messages import TFMessage
 from gateway.driver import Driver
+from gateway.elements.all_adapters import FACES
+from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import (
     ChargeSeen,
     EncodersReceived,
@@ -21,8 +23,6 @@ from gateway.events import (
     MotionEnded,
     SipReceived,
 )
-from gateway.faces.all_faces import FACES
-from gateway.faces.cable_face import CableAdapter
 from gateway.health import diagnostics, faults, robot_state
 from gateway.telemetry import Telemetry
 from p2os import RobotModel, StandardSip

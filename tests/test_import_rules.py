@@ -46,7 +46,6 @@ BYTES_AND_TIME_COME_FROM_THE_CALLER = (
     "p2os_emu/accessories",
     "gateway/driver.py",
     "gateway/elements",
-    "gateway/cables/laser.py",
 )
 
 ONLY_IN = {  # third party module: the places that may import it

@@ -17,7 +17,7 @@ from acromovi.children import EmulatedRobots, emulator, gateway
 from agents.platform import Agent, AgentName, request
 from bus import ZenohBus, keys
 from gateway.commands import COMMANDS
-from gateway.faces.all_faces import FACES
+from gateway.elements.all_adapters import FACES
 from gateway.streams import STREAMS
 from tests.acromovi.agents_alive import living
 from tests.live_team import own_bus

@@ -22,13 +22,15 @@ class CablePart:
 
 
 def _laser(has_rate: bool, settings: Settings) -> ElementDriver:
-    from gateway.cables.laser import LaserDriver  # here and not at the top: a gateway without one starts sooner
+    from gateway.elements.laser.driver import (
+        LaserDriver,  # here and not at the top: a gateway without one starts sooner
+    )
 
     return LaserDriver(settings.laser, has_rate=has_rate)
 
 
 def _arm(has_rate: bool, settings: Settings) -> ElementDriver:
-    from gateway.cables.powercube import PowerCubeDriver  # likewise
+    from gateway.elements.powercube.driver import PowerCubeDriver  # likewise
 
     return PowerCubeDriver(load(ArmModel, "accessories", "powercube-arm"), has_rate=has_rate)
 

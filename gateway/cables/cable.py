@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from gateway.events import Event
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.faces.cable_face import CableAdapter
+    from gateway.elements.cable_adapter import CableAdapter
     from gateway.robot_on_bus import RobotOnBus
 
 

@@ -11,7 +11,7 @@ from gateway.events import Event
 from gateway.serial_port import Port
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.faces.cable_face import CableAdapter
+    from gateway.elements.cable_adapter import CableAdapter
     from gateway.robot_on_bus import RobotOnBus
 
 D = TypeVar("D", bound=ElementDriver)

@@ -11,10 +11,10 @@ import pytest
 from bus import keys
 from cameras.errors import CameraLost
 from cameras.source import PATIENCE, CameraSource
-from gateway.camera_thread import CameraState, CameraThread
+from gateway.cables.camera_thread import CameraState, CameraThread
+from gateway.elements.cable_adapter import CableAdapter
+from gateway.elements.camera.adapter import CameraAdapter
 from gateway.events import Event, PictureTaken
-from gateway.faces.cable_face import CableAdapter
-from gateway.faces.camera import CameraAdapter
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import CameraSettings, Settings
 from tests.waiting import patience

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from gateway.camera_thread import CameraThread
+from gateway.cables.camera_thread import CameraThread
 from gateway.element_news import PATIENCE, ElementChange, ElementNews
 
 

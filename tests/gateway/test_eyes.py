@@ -10,7 +10,7 @@ from acromovi.children import emulator, gateway
 from bus import Bus, Sample, keys, messages
 from cameras import picture_size
 from configs import load
-from gateway.elements.ptz import PtzElement
+from gateway.elements.ptz.element import PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import HeadSeen
 from p2os.accessories.head_model import HeadModel

@@ -11,7 +11,7 @@ import configs
 from gateway.dialler import FIRST_PATIENCE, LONGEST_PATIENCE, Dialler
 from gateway.driver import Driver
 from gateway.elements.ports import UserPorts
-from gateway.elements.ptz import PtzElement
+from gateway.elements.ptz.element import PtzElement
 from gateway.events import Event, LinkLost, SipReceived
 from gateway.line import DIAL, RADIO, RADIO_BAUD
 from gateway.settings import Settings

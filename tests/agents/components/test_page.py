@@ -10,7 +10,7 @@ import pytest
 
 from acromovi.command import argument
 from agents.components.all_components import COMPONENTS
-from gateway.faces.all_faces import CABLE_FACES, FACES
+from gateway.elements.all_adapters import CABLE_FACES, FACES
 from tests.agents.components.bench import Bench
 from tests.agents.components.conftest import MakeLab
 from tests.agents.components.page import requests_of, tables

@@ -7,7 +7,7 @@ from typing import TypeVar
 import pytest
 
 import configs
-from gateway.cables.laser import LaserDriver
+from gateway.elements.laser.driver import LaserDriver
 from gateway.events import Event
 from gateway.settings import LaserSettings
 from p2os import LaserMount

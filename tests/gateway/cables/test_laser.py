@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from configs import ConfigError
-from gateway.cables.laser import RATES, LaserDriver
+from gateway.elements.laser.driver import RATES, LaserDriver
 from gateway.events import ElementFound, ElementLost, ElementSilent, LaserScanned
 from gateway.settings import LaserSettings, LaserUnit
 from p2os.accessories.lms import MODE_OF_BAUD, LmsMode, LmsRequestCode, Variant, variant_data

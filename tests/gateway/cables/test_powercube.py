@@ -9,7 +9,7 @@ from typing import TypeVar
 import pytest
 
 from configs import load
-from gateway.cables.powercube import PowerCubeDriver
+from gateway.elements.powercube.driver import PowerCubeDriver
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen, ElementFound, ElementLost, ElementSilent, Event
 from p2os.accessories.arm_model import ArmModel

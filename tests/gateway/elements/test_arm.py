@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.arm import ArmElement
+from gateway.elements.arm.element import ArmElement
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen
 from gateway.settings import Settings

@@ -2,7 +2,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.gripper import ORDERS, GripperElement
+from gateway.elements.gripper.element import ORDERS, GripperElement
 from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gateway.elements.asked import SILENCE
-from gateway.elements.gyro import RATE_PER_COUNT, SAMPLE_PERIOD, Gyro
+from gateway.elements.gyro.element import RATE_PER_COUNT, SAMPLE_PERIOD, Gyro
 from gateway.events import TurnRateSeen
 from gateway.settings import Calibration, Settings
 from p2os import Command, Configuration, GyroReport, GyroSample, StandardSip

@@ -2,7 +2,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.infrared import InfraredElement
+from gateway.elements.infrared.element import InfraredElement
 from gateway.events import InfraredSeen
 from p2os import IoReport, StandardSip
 

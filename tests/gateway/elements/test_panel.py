@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.elements.panel import ChargerElement, Display, PowerOutputs, Servos
-from gateway.elements.sound import SoundElement, _pair
+from gateway.elements.panel.element import ChargerElement, Display, PowerOutputs, Servos
+from gateway.elements.sound.element import SoundElement, _pair
 from gateway.errors import CommandRefused
 from gateway.settings import Fitted, Settings
 from p2os import Command, Configuration, PlaylistEntry

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from configs import load
-from gateway.elements.ptz import PROBES, PtzElement
+from gateway.elements.ptz.element import PROBES, PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import HeadSeen
 from gateway.settings import Fitted, PtzChoice, Settings

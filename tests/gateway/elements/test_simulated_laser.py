@@ -2,7 +2,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.simulated_laser import MODES, SILENCE, SimulatedLaserScanner
+from gateway.elements.simulated_laser.element import MODES, SILENCE, SimulatedLaserScanner
 from gateway.events import SweepReceived
 from gateway.settings import Fitted, Settings
 from p2os import Command, ExtendedLaser, SimulatedLaser, SimulatedLaserReading

@@ -10,9 +10,9 @@ import pytest
 
 import configs
 from bus import keys, messages
-from gateway.cables.laser import LaserDriver
+from gateway.elements.laser.adapter import LaserAdapter
+from gateway.elements.laser.driver import LaserDriver
 from gateway.events import ElementFound, LaserScanned
-from gateway.faces.laser import LaserAdapter
 from gateway.settings import LaserSettings, Settings
 from p2os import LaserMount, RobotModel
 from p2os.accessories.lms import LmsConfiguration, Scan, Unit, Variant, pack_values

@@ -7,9 +7,9 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Header, Range, RangeArray, TransformStamped, header, placed
 from gateway.driver import Driver
-from gateway.elements.infrared import InfraredElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.infrared.element import InfraredElement
 from gateway.events import Event, InfraredSeen
-from gateway.faces.face import BusAdapter
 
 THRESHOLD = 0.0
 """m; each frame lies where its sensor sees something, since a switch measures no distance."""

@@ -8,8 +8,8 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import CompressedImage, header
+from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import Event, PictureTaken
-from gateway.faces.cable_face import CableAdapter
 
 
 class CameraAdapter(CableAdapter[Any]):

@@ -8,9 +8,9 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Imu, Quaternion, Vector3, header
 from gateway.driver import Driver
-from gateway.elements.gyro import Gyro
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.gyro.element import Gyro
 from gateway.events import Event, TurnRateSeen
-from gateway.faces.face import BusAdapter
 from p2os import RobotModel
 
 FIXED_VARIANCE = 1e-9

@@ -10,10 +10,10 @@ from math import inf, pi
 from typing import NamedTuple
 
 from configs import load
+from gateway.elements.arm.joint_limits import JointLimits
 from gateway.elements.asked import AskedElement
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen
-from gateway.joint_limits import JointLimits
 from p2os import ArmInformation, ArmJoint, ArmReport, ArmStatus, Command, RobotModel, encode_command
 from p2os.accessories.arm_model import ArmModel
 

@@ -11,8 +11,8 @@ from math import inf
 import configs
 from gateway.elements.aux_line import AuxExchange, AuxLine
 from gateway.elements.element import Element
-from gateway.elements.head_place import HeadPlace, HeadPosition
-from gateway.elements.heads import Declined, Direction, HeadTalk, Heard, Vcc4Talk, ViscaTalk, Zoom
+from gateway.elements.ptz.heads import Declined, Direction, HeadTalk, Heard, Vcc4Talk, ViscaTalk, Zoom
+from gateway.elements.ptz.position import HeadPlace, HeadPosition
 from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
 from gateway.outbox import Outbox

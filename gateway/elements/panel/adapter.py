@@ -5,8 +5,8 @@ from typing import Any
 from bus import keys
 from gateway.commands import NOTHING, Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.panel import ChargerElement, Display, PowerOutputs, Servos
-from gateway.faces.face import BusAdapter
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.panel.element import ChargerElement, Display, PowerOutputs, Servos
 
 
 def _charge(driver: Driver, arguments: Arguments, now: float) -> None:

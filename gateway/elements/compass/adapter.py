@@ -7,9 +7,9 @@ from bus.keys import Topic, frame
 from bus.messages import Compass as CompassMessage
 from bus.messages import Vector3, header
 from gateway.driver import Driver
-from gateway.elements.compass import ERROR_BITS, CompassElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.compass.element import ERROR_BITS, CompassElement
 from gateway.events import CompassSeen, Event
-from gateway.faces.face import BusAdapter
 
 
 class CompassAdapter(BusAdapter):

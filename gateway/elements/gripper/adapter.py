@@ -9,9 +9,9 @@ from bus.keys import Topic, frame
 from bus.messages import Gripper, Header, JointState, header
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.gripper import STOPPING, GripperElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.gripper.element import STOPPING, GripperElement
 from gateway.events import Event, GripperJoints, GripperSeen
-from gateway.faces.face import BusAdapter
 
 
 def _order(driver: Driver, arguments: Arguments, now: float) -> None:

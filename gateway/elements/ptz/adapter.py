@@ -8,10 +8,10 @@ from bus.keys import Topic, frame
 from bus.messages import PanTiltZoom, header
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.ptz import PtzElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.ptz.element import PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
-from gateway.faces.face import BusAdapter
 
 
 def _look(driver: Driver, arguments: Arguments, now: float) -> None:

@@ -8,13 +8,13 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Arm, JointState, header
-from gateway import reach
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.arm import ArmElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.arm import commands as arm_commands
+from gateway.elements.arm.element import ArmElement
+from gateway.elements.arm.joint_limits import JointLimits
 from gateway.events import ArmSeen, Event
-from gateway.faces.face import BusAdapter
-from gateway.joint_limits import JointLimits
 
 NAME = "arm"
 STREAMS = (keys.ARM, keys.JOINT_STATES)
@@ -43,15 +43,15 @@ def joint_names(robot: str, count: int) -> list[str]:
 
 def arm_description(robot: str, limits: Sequence[JointLimits]) -> Mapping[str, Any]:
     """Ends and speeds of the joints."""
-    return {"joints": reach.describe(limits, joint_names(robot, len(limits)))}
+    return {"joints": arm_commands.describe(limits, joint_names(robot, len(limits)))}
 
 
 def _order(driver: Driver, arguments: Arguments, now: float) -> None:
-    reach.order(driver.element(ArmElement, now), driver, arguments, now)
+    arm_commands.order(driver.element(ArmElement, now), driver, arguments, now)
 
 
 def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
-    return reach.duration(driver.element(ArmElement, now), arguments)
+    return arm_commands.duration(driver.element(ArmElement, now), arguments)
 
 
 class ArmAdapter(BusAdapter):
@@ -59,7 +59,7 @@ class ArmAdapter(BusAdapter):
 
     name = NAME
     streams = STREAMS
-    commands = (CommandRow(keys.REACH, {"do": str}, _order, NAME, may_take=reach.MAY_TAKE, duration=_duration),)
+    commands = (CommandRow(keys.REACH, {"do": str}, _order, NAME, may_take=arm_commands.MAY_TAKE, duration=_duration),)
 
     def is_present(self, driver: Driver) -> bool:
         """The robot has said so."""

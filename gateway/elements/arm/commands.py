@@ -7,8 +7,8 @@ from typing import Any, Protocol
 from bus.validation import quoted
 from gateway.commands import TOKEN, Arguments, check_arguments
 from gateway.driver import Driver
+from gateway.elements.arm.joint_limits import JointLimits
 from gateway.errors import CommandRefused
-from gateway.joint_limits import JointLimits
 
 TOLERANCE = 1e-3
 """rad or m by which a target may lie beyond a limit: what people round."""

@@ -9,9 +9,9 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import LaserScan, TransformStamped, header, placed
-from gateway.cables.laser import NAME, LaserDriver
+from gateway.elements.cable_adapter import CableAdapter, ElementCommander
+from gateway.elements.laser.driver import NAME, LaserDriver
 from gateway.events import Event, LaserScanned
-from gateway.faces.cable_face import CableAdapter, ElementCommander
 from gateway.settings import Settings
 from p2os import RobotModel
 from p2os.accessories.lms import MIRROR_PERIOD

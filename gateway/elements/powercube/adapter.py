@@ -5,13 +5,13 @@ from typing import Any
 
 from bus import keys
 from bus.keys import Topic
-from gateway import reach
-from gateway.cables.powercube import NAME, PowerCubeDriver
 from gateway.commands import Arguments, CommandRow
 from gateway.driver import Driver
+from gateway.elements.arm import commands as arm_commands
+from gateway.elements.arm.adapter import STREAMS, arm_description, arm_messages
+from gateway.elements.cable_adapter import CableAdapter, ElementCommander
+from gateway.elements.powercube.driver import NAME, PowerCubeDriver
 from gateway.events import ArmSeen, Event
-from gateway.faces.arm import STREAMS, arm_description, arm_messages
-from gateway.faces.cable_face import CableAdapter, ElementCommander
 from gateway.settings import Settings
 from p2os import RobotModel
 
@@ -32,7 +32,9 @@ class PowerCubeAdapter(CableAdapter[PowerCubeDriver]):
     ) -> None:
         super().__init__(robot, model, settings, driver, commander)
         self.commands = (
-            CommandRow(keys.REACH, {"do": str}, self._order, NAME, may_take=reach.MAY_TAKE, duration=self._duration),
+            CommandRow(
+                keys.REACH, {"do": str}, self._order, NAME, may_take=arm_commands.MAY_TAKE, duration=self._duration
+            ),
         )
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
@@ -45,7 +47,7 @@ class PowerCubeAdapter(CableAdapter[PowerCubeDriver]):
         return arm_description(self._robot, self._driver.limits)
 
     def _duration(self, robot: Driver, arguments: Arguments, now: float) -> float:
-        return self._commander.command(lambda arm, at: reach.duration(arm, arguments))
+        return self._commander.command(lambda arm, at: arm_commands.duration(arm, arguments))
 
     def _order(self, robot: Driver, arguments: Arguments, now: float) -> None:
-        self._commander.command(lambda arm, at: reach.order(arm, robot, arguments, at))
+        self._commander.command(lambda arm, at: arm_commands.order(arm, robot, arguments, at))

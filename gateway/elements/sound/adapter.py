@@ -5,9 +5,9 @@ from typing import Any
 from bus import keys
 from gateway.commands import NOTHING, Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.sound import SoundElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.sound.element import SoundElement
 from gateway.errors import CommandRefused
-from gateway.faces.face import BusAdapter
 
 
 def _sound(driver: Driver, arguments: Arguments, now: float) -> None:

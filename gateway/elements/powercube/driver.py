@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
-from gateway.cables.cube_line import CubeLine, ModuleAnswer
+from gateway.elements.arm.joint_limits import JointLimits
+from gateway.elements.powercube.line import CubeLine, ModuleAnswer
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen, ElementFound, ElementLost, ElementSilent, Event
-from gateway.joint_limits import JointLimits
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessories.powercube import (
     CubeCommand,

@@ -14,7 +14,7 @@ from cameras.source import PATIENCE, CameraSource, open_source
 from gateway.events import PictureTaken
 
 if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.faces.cable_face import CableAdapter
+    from gateway.elements.cable_adapter import CableAdapter
     from gateway.robot_on_bus import RobotOnBus
 
 

@@ -10,9 +10,9 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import LaserScan, TransformStamped, header, placed
 from gateway.driver import Driver
-from gateway.elements.simulated_laser import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.simulated_laser.element import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
 from gateway.events import Event, SweepReceived
-from gateway.faces.face import BusAdapter
 from p2os import RobotModel
 
 NEAREST = 0.01

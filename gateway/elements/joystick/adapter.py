@@ -9,9 +9,9 @@ from bus.keys import Topic, frame
 from bus.messages import Joy, header
 from gateway.commands import BASE, Arguments, CommandRow
 from gateway.driver import Driver
-from gateway.elements.joystick import JoystickElement
+from gateway.elements.adapter import BusAdapter
+from gateway.elements.joystick.element import JoystickElement
 from gateway.events import Event, JoystickSeen
-from gateway.faces.face import BusAdapter
 
 
 def _let_drive(driver: Driver, arguments: Arguments, now: float) -> None:

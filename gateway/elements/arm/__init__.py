@@ -1,0 +1,1 @@
+"""The arm on the robot's own controller."""

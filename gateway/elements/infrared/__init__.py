@@ -1,0 +1,1 @@
+"""Infrared range sensors."""

@@ -1,0 +1,1 @@
+"""A SICK LMS 2xx on a line of its own."""

@@ -1,0 +1,1 @@
+"""What is on the user panel and beside it: charger, display, power outputs, servos."""

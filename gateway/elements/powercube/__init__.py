@@ -1,0 +1,1 @@
+"""The PowerBot's arm of PowerCube modules, on a line of its own."""

@@ -1,0 +1,1 @@
+"""The head that points a camera: pan, tilt and zoom."""

@@ -1,0 +1,1 @@
+"""The laser that a simulator sends on the robot's line."""
