@@ -130,7 +130,7 @@ def await_name(bus: "Bus", name: str, end: "EndRequest", *, forces: bool = False
 
 def reporter(program: str) -> "Callable[[Report], None]":
     """Says in a program's name what goes wrong with an agent: in one sentence where that is all there is to know."""
-    from agents.face.errors import RobotError
+    from agents.client.errors import RobotError
     from agents.platform import AgentError
     from agents.platform.container.container import log_report
     from bus import BusError

@@ -14,7 +14,7 @@ from bus import Bus, MemoryBus, MemoryNetwork
 from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
-from gateway.elements.all_adapters import CABLE_FACES
+from gateway.elements.all_adapters import CABLE_ADAPTERS
 from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import Event
 from gateway.robot_on_bus import RobotOnBus
@@ -236,7 +236,7 @@ class _Host:
             if self._driver.model is None:
                 return
             self._faces = {
-                part: CABLE_FACES[part](self._name, self._driver.model, self._settings, element.driver, element)
+                part: CABLE_ADAPTERS[part](self._name, self._driver.model, self._settings, element.driver, element)
                 for part, element in self._elements.items()
             }
             self._robot = RobotOnBus(
@@ -245,7 +245,7 @@ class _Host:
                 self._driver,
                 self,
                 self._settings,
-                cable_faces=list(self._faces.values()),
+                cable_adapters=list(self._faces.values()),
                 new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,
             )

@@ -10,7 +10,7 @@ from acromovi.options import add_bus
 from acromovi.run import add_application, chosen
 
 if TYPE_CHECKING:
-    from agents.face.program import RunningApplication
+    from agents.client.program import RunningApplication
     from agents.platform import AgentName
 
 LOADER = "loader"
@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _named(program: "RunningApplication", options: argparse.Namespace, own_name: str | None) -> "AgentName":
     """What its agent is called, after the owner of a key where the bus lets nobody else speak."""
-    from agents.face.private_container import PLATFORM
+    from agents.client.private_container import PLATFORM
     from agents.platform import AgentName
 
     name = options.name or program.name
@@ -73,7 +73,7 @@ def _live(program: "RunningApplication", options: argparse.Namespace) -> int:
     """Host it here."""
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
-    from agents.face.application import Application
+    from agents.client.application import Application
     from bus.session import ZenohBus
 
     with ending_in_time() as end, ZenohBus.open(options.bus) as bus:

@@ -8,7 +8,7 @@ from acromovi.command import argument
 from acromovi.options import add_apps, add_bus
 
 if TYPE_CHECKING:
-    from agents.face.program import RunningApplication
+    from agents.client.program import RunningApplication
 
 EPILOG = """\
 examples:
@@ -48,7 +48,7 @@ def chosen(options: argparse.Namespace) -> "RunningApplication":
     Raises:
         RobotError: There is no such application, or it does not take them.
     """
-    from agents.face.program import find_program
+    from agents.client.program import find_program
 
     program = find_program(options.application, options.apps)
     program.check(dict(options.arguments))

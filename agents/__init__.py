@@ -1,7 +1,7 @@
 """Agents for every element of every robot: a platform, components, services and wrappers, on the bus.
 
-Exports what a program needs to drive robots (`Team`, from `agents.face`) and what an agent needs (`Agent` and its
-decorators, from `agents.platform`). Each is loaded on its first use, so that a container does not load the face.
+Exports what a program needs to drive robots (`Team`, from `agents.client`) and what an agent needs (`Agent` and its
+decorators, from `agents.platform`). Each is loaded on its first use, so that a container does not load the client.
 """
 
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from agents.face import Failed, LeaseLost, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut
+    from agents.client import Failed, LeaseLost, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut
     from agents.platform import Agent, every, on, request, subscription
 else:
     _OF_PLATFORM = {"Agent", "every", "on", "request", "subscription"}
@@ -35,7 +35,7 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         from importlib import import_module
 
-        value = getattr(import_module("agents.platform" if name in _OF_PLATFORM else "agents.face"), name)
+        value = getattr(import_module("agents.platform" if name in _OF_PLATFORM else "agents.client"), name)
         globals()[name] = value
         return value
 

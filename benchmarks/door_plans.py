@@ -162,8 +162,8 @@ def _build(plan: Plan, wall: Wall, about: str, rng: Rng) -> None:
         plan.keep_free.append(wall.box(start - 0.1, end + 0.1, -AROUND_DOORS - half, AROUND_DOORS + half))
         plan.doorways.append(wall.box(start, end, -WITHIN_DOORS, WITHIN_DOORS))
         if kind in ("door", "end"):
-            faces = [_rectangle(*wall.box(start, end, side, side))[[0, 2]] for side in (-half, half)]
-            plan.openings.append(Opening(np.concatenate(faces), kind == "end"))
+            adapters = [_rectangle(*wall.box(start, end, side, side))[[0, 2]] for side in (-half, half)]
+            plan.openings.append(Opening(np.concatenate(adapters), kind == "end"))
             if kind == "door" and rng.random() < 0.6:
                 plan.polygons.append(_leaf(wall, start, end, rng))
         elif kind == "closed":

@@ -19,7 +19,7 @@ from bus.exchange import RawReply, key_expression
 from bus.messages import TwistStamped, encode, header, twist
 from gateway.command_server import LEASE_ARGUMENTS
 from gateway.commands import COMMANDS, TOKEN, CommandRow
-from gateway.elements.all_adapters import FACES
+from gateway.elements.all_adapters import ADAPTERS
 from p2os_emu.world import load_world
 
 PAYLOADS = 1_000_000
@@ -173,7 +173,7 @@ class _FailureWatch(logging.Handler):
 
 def rows() -> list[CommandRow]:
     """Every command that such a robot takes."""
-    return [*COMMANDS, *(row for face in FACES for row in face.commands)]
+    return [*COMMANDS, *(row for adapter in ADAPTERS for row in adapter.commands)]
 
 
 def requests() -> list[tuple[str, dict[str, Any]]]:

@@ -17,7 +17,7 @@ from bus.validation import sentence
 from gateway.bindings import Binding, MotionBindings
 from gateway.commands import BASE, COMMANDS, DETACH, HEARTBEAT, TOKEN, Arguments, CommandRow, check_arguments
 from gateway.driver import Driver
-from gateway.elements.all_adapters import FACES
+from gateway.elements.all_adapters import ADAPTERS
 from gateway.elements.cable_adapter import CableAdapter
 from gateway.errors import CommandRefused
 from gateway.events import MotionEnd
@@ -38,7 +38,7 @@ HALT_ANYWAY = 4.0
 been switched on take up to 3.5 s to begin."""
 DETACHED = "this motion is detached: nobody stops it when its commander dies or freezes"
 
-_ROWS = (*COMMANDS, *(row for face in FACES for row in face.commands))
+_ROWS = (*COMMANDS, *(row for adapter in ADAPTERS for row in adapter.commands))
 STOPPING = (keys.STOP, keys.ESTOP)
 """What stops the elements on cables of their own as well."""
 LEASE_ARGUMENTS: dict[str, tuple[dict[str, type], dict[str, type]]] = {
@@ -73,16 +73,16 @@ class CommandServer(Subscription):
         commander: Commander,
         new_token: Callable[[], str],
         wall_clock: Callable[[], int],
-        cable_faces: Sequence[CableAdapter[Any]] = (),
+        cable_adapters: Sequence[CableAdapter[Any]] = (),
     ) -> None:
-        self._cable_faces = cable_faces
+        self._cable_adapters = cable_adapters
         self._commander = commander
         self._wall_clock = wall_clock
         self._last_notice: tuple[float, str] | None = None
         self.lease_has_changed = True
         self.refused: Counter[str] = Counter()
         # An element on a cable of its own obeys the key that one of its kind on the robot's cable would.
-        rows = {row.topic: row for row in (*_ROWS, *(row for face in cable_faces for row in face.commands))}
+        rows = {row.topic: row for row in (*_ROWS, *(row for adapter in cable_adapters for row in adapter.commands))}
         self.leases = Leases(new_token, {row.moves for row in rows.values() if row.moves})
         self.bindings = MotionBindings(bus, self._on_beat)
         self._declared = [
@@ -200,12 +200,12 @@ class CommandServer(Subscription):
         """Stop one element, whichever cable it hangs on; what hangs on others if it is the robot."""
         if what == BASE:
             driver.halt_base(now, end)
-        for face in FACES:
-            if face.name == what:
-                face.halt(driver, now)
-        for cable_face in self._cable_faces:
-            if what in (ROBOT, cable_face.name):
-                cable_face.halt()
+        for adapter in ADAPTERS:
+            if adapter.name == what:
+                adapter.halt(driver, now)
+        for cable_adapter in self._cable_adapters:
+            if what in (ROBOT, cable_adapter.name):
+                cable_adapter.halt()
 
     def _on_beat(self, key: str) -> None:
         self._commander.command(lambda driver, now: self.bindings.beat(key, now))
@@ -225,8 +225,8 @@ class CommandServer(Subscription):
             return driver.motion_id == binding.motion_id
         return (
             now - binding.began_at < HALT_ANYWAY
-            or any(face.is_moving(driver, now) for face in FACES if face.name == binding.element)
-            or any(face.driver.is_moving for face in self._cable_faces if face.name == binding.element)
+            or any(adapter.is_moving(driver, now) for adapter in ADAPTERS if adapter.name == binding.element)
+            or any(adapter.driver.is_moving for adapter in self._cable_adapters if adapter.name == binding.element)
         )
 
     def _show_leases(self, given: dict[str, Any], driver: Driver, now: float) -> dict[str, Any]:
@@ -304,8 +304,8 @@ class CommandServer(Subscription):
         return {**answer, "warning": DETACHED} if is_detached and key is None else answer
 
     def _halt_elements(self) -> None:
-        for face in self._cable_faces:
-            face.halt()
+        for adapter in self._cable_adapters:
+            adapter.halt()
 
 
 def _told(lease: Lease, now: float) -> dict[str, Any]:

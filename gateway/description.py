@@ -13,7 +13,7 @@ from bus.name_holder import BusProgram
 from bus.validation import printable
 from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
-from gateway.elements.all_adapters import FACES
+from gateway.elements.all_adapters import ADAPTERS
 from gateway.elements.cable_adapter import CableAdapter
 from gateway.settings import Settings
 from gateway.telemetry import SONAR_CONE
@@ -63,7 +63,7 @@ def describe(
     name: str,
     driver: Driver,
     settings: Settings,
-    cable_faces: Sequence[CableAdapter[Any]] = (),
+    cable_adapters: Sequence[CableAdapter[Any]] = (),
     process: BusProgram | None = None,
 ) -> dict[str, Any]:
     """Describe one robot.
@@ -82,7 +82,7 @@ def describe(
         "class": identity.robot_type,
         "emulated": bool(settings.emulated),
         "connected": driver.is_connected,
-        "elements": [*_elements(name, driver, model, settings), *_cabled(name, cable_faces)],
+        "elements": [*_elements(name, driver, model, settings), *_cabled(name, cable_adapters)],
         "geometry": _geometry(name, model),
         "limits": {"linear": driver.max_linear, "angular": driver.max_angular, **(driver.accelerations or {})},
         "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
@@ -101,10 +101,10 @@ def present(
     driver: Driver,
     model: RobotModel,
     settings: Settings,
-    faces: Sequence[BusAdapter],
-    cable_faces: Sequence[CableAdapter[Any]],
+    adapters: Sequence[BusAdapter],
+    cable_adapters: Sequence[CableAdapter[Any]],
 ) -> Iterator[str]:
-    """The names of the elements that the robot is known to have; one that has two faces comes twice.
+    """The names of the elements that the robot is known to have; one that has two adapters comes twice.
 
     A robot that is out of touch keeps its elements, since it comes back with them. What is on a cable of its own is
     there as long as it answers.
@@ -116,8 +116,8 @@ def present(
         yield "bumpers"
     if settings.encoders:
         yield "encoders"
-    yield from (face.name for face in faces if face.is_present(driver))
-    yield from (face.name for face in cable_faces if face.driver.is_connected)
+    yield from (adapter.name for adapter in adapters if adapter.is_present(driver))
+    yield from (adapter.name for adapter in cable_adapters if adapter.driver.is_connected)
 
 
 def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) -> list[dict[str, Any]]:
@@ -148,20 +148,23 @@ def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) 
         elements.append(_element(name, "bumpers", (keys.BUMPERS,)))
     if settings.encoders:
         elements.append(_element(name, "encoders", (keys.JOINT_STATES,)))
-    for kind in FACES:
-        face = kind(name, model)
-        if face.is_present(driver):
+    for kind in ADAPTERS:
+        adapter = kind(name, model)
+        if adapter.is_present(driver):
             commands = tuple(row.topic for row in kind.commands)
-            elements.append({**_element(name, kind.name, kind.streams, commands), **face.describe(driver)})
+            elements.append({**_element(name, kind.name, kind.streams, commands), **adapter.describe(driver)})
     return elements
 
 
-def _cabled(name: str, faces: Sequence[CableAdapter[Any]]) -> list[dict[str, Any]]:
+def _cabled(name: str, adapters: Sequence[CableAdapter[Any]]) -> list[dict[str, Any]]:
     """Elements on cables of their own, as long as they answer."""
     return [
-        {**_element(name, face.name, face.streams, tuple(row.topic for row in face.commands)), **face.describe()}
-        for face in faces
-        if face.driver.is_connected
+        {
+            **_element(name, adapter.name, adapter.streams, tuple(row.topic for row in adapter.commands)),
+            **adapter.describe(),
+        }
+        for adapter in adapters
+        if adapter.driver.is_connected
     ]
 
 

@@ -221,23 +221,23 @@ class Gateway:
     def _join_robot(self, bus: "Bus", process: "BusProgram") -> "RobotOnBus":
         """Bring the robot to the bus, and the elements on cables of their own with it."""
         from bus import NotAllowed
-        from gateway.elements.all_adapters import CABLE_FACES
+        from gateway.elements.all_adapters import CABLE_ADAPTERS
         from gateway.robot_on_bus import RobotOnBus
 
         model = self._driver.model
         assert model is not None  # known with the identity
-        faces = [
-            CABLE_FACES[cable.name](self._name, model, self._settings, cable.driver, cable.bridge)
+        adapters = [
+            CABLE_ADAPTERS[cable.name](self._name, model, self._settings, cable.driver, cable.bridge)
             for cable in self._cables
         ]
         try:
             robot = RobotOnBus(
-                self._name, bus, self._driver, self._bridge, self._settings, cable_faces=faces, process=process
+                self._name, bus, self._driver, self._bridge, self._settings, cable_adapters=adapters, process=process
             )
         except NotAllowed as error:
             raise RobotNameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
-        for cable, face in zip(self._cables, faces, strict=True):
-            cable.join(robot, face)
+        for cable, adapter in zip(self._cables, adapters, strict=True):
+            cable.join(robot, adapter)
         return robot
 
     @property

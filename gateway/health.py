@@ -12,7 +12,7 @@ from p2os import StandardSip
 
 
 def faults(
-    driver: Driver, sip: StandardSip | None, refusal: str | None, cable_faces: Sequence[CableAdapter[Any]] = ()
+    driver: Driver, sip: StandardSip | None, refusal: str | None, cable_adapters: Sequence[CableAdapter[Any]] = ()
 ) -> list[str]:
     """What is wrong, a sentence each.
 
@@ -20,7 +20,7 @@ def faults(
         driver: Of the robot.
         sip: The last one, None while the robot is not connected.
         refusal: Why a command was just refused.
-        cable_faces: Of the elements on cables of their own.
+        cable_adapters: Of the elements on cables of their own.
     """
     found = [] if driver.is_connected else ["the robot is not connected"]
     if driver.link_problem is not None:
@@ -39,8 +39,8 @@ def faults(
         }
         found += [claim for claim, is_so in claims.items() if is_so]
         found += driver.faults
-    for face in cable_faces:
-        found += face.driver.faults()
+    for adapter in cable_adapters:
+        found += adapter.driver.faults()
     if refusal is not None:
         found.append(refusal)
     return found
@@ -66,7 +66,7 @@ def diagnostics(
     found: Sequence[str],
     refused: Mapping[str, int],
     stamp: int,
-    cable_faces: Sequence[CableAdapter[Any]] = (),
+    cable_adapters: Sequence[CableAdapter[Any]] = (),
     unpublished: Mapping[str, int] | None = None,
 ) -> DiagnosticArray:
     """Counters since the gateway's start.
@@ -98,7 +98,7 @@ def diagnostics(
             f"{sum(unpublished.values())} messages not published because of errors",
             _labelled("error", unpublished),
         ),
-        **{face.name: _element_status(face.driver) for face in cable_faces},
+        **{adapter.name: _element_status(adapter.driver) for adapter in cable_adapters},
     }
     return DiagnosticArray(
         header=header(stamp, ""),

@@ -17,7 +17,7 @@ from gateway.command_server import Commander, CommandServer
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
 from gateway.element_tokens import ElementTokens
-from gateway.elements.all_adapters import FACES
+from gateway.elements.all_adapters import ADAPTERS
 from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import Event
 from gateway.settings import Settings
@@ -41,7 +41,7 @@ class RobotOnBus(Subscription):
         commander: Commander,
         settings: Settings,
         *,
-        cable_faces: Sequence[CableAdapter[Any]] = (),
+        cable_adapters: Sequence[CableAdapter[Any]] = (),
         new_token: Callable[[], str] = lambda: secrets.token_hex(16),
         wall_clock: Callable[[], int] = time.time_ns,
         steady_clock: Callable[[], float] = time.monotonic,
@@ -55,7 +55,7 @@ class RobotOnBus(Subscription):
             driver: Of a robot that has said who it is.
             commander: The way to the driver from the bus's threads.
             settings: What the robot's description says besides.
-            cable_faces: Of the elements on cables of their own.
+            cable_adapters: Of the elements on cables of their own.
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
             steady_clock: s; judges the age of the description.
@@ -69,15 +69,15 @@ class RobotOnBus(Subscription):
         self.name = name
         self._driver = driver
         self._settings = settings
-        self._cable_faces = cable_faces
-        self._server = CommandServer(name, bus, commander, new_token, wall_clock, cable_faces)
-        self._streams = RobotPublishers(name, bus, driver, model, cable_faces)
+        self._cable_adapters = cable_adapters
+        self._server = CommandServer(name, bus, commander, new_token, wall_clock, cable_adapters)
+        self._streams = RobotPublishers(name, bus, driver, model, cable_adapters)
         self._elements = ElementTokens(name, bus)
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
-        faces = [kind(name, model) for kind in FACES]
-        self._present = partial(present, driver, model, settings, faces, cable_faces)
+        adapters = [kind(name, model) for kind in ADAPTERS]
+        self._present = partial(present, driver, model, settings, adapters, cable_adapters)
         self._description = CachedDescription(
-            lambda: describe(name, driver, settings, cable_faces, process), driver, steady_clock
+            lambda: describe(name, driver, settings, cable_adapters, process), driver, steady_clock
         )
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
@@ -127,17 +127,17 @@ class RobotOnBus(Subscription):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns)
 
-    def element_happened(self, face: CableAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
+    def element_happened(self, adapter: CableAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
 
         Args:
-            face: The element's.
+            adapter: The element's.
             events: In their order.
             stamp_ns: Wall clock when the bytes came that brought the events about.
         """
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event in events:
-                self._streams.publish_element(face, event, stamp_ns)
+                self._streams.publish_element(adapter, event, stamp_ns)
 
     def has_listeners(self, topic: Topic) -> bool:
         """Whether somebody subscribes to one of the robot's streams now; from any thread."""

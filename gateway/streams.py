@@ -12,7 +12,7 @@ from bus import Bus, BusUnavailable, Publisher, Subscription, keys
 from bus.keys import Topic
 from bus.messages import TFMessage
 from gateway.driver import Driver
-from gateway.elements.all_adapters import FACES
+from gateway.elements.all_adapters import ADAPTERS
 from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import (
     ChargeSeen,
@@ -56,7 +56,7 @@ class RobotPublishers(Subscription):
     """
 
     def __init__(
-        self, name: str, bus: Bus, driver: Driver, model: RobotModel, cable_faces: Sequence[CableAdapter[Any]] = ()
+        self, name: str, bus: Bus, driver: Driver, model: RobotModel, cable_adapters: Sequence[CableAdapter[Any]] = ()
     ) -> None:
         self._name = name
         self._bus = bus
@@ -71,18 +71,18 @@ class RobotPublishers(Subscription):
         self._streams: Mapping[Topic, Publisher] = {
             topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
         }
-        self._faces = [kind(name, model) for kind in FACES]
-        self._cable_faces = cable_faces
-        self._face_streams: dict[Topic, Publisher] = {}  # declared when they are first needed
+        self._adapters = [kind(name, model) for kind in ADAPTERS]
+        self._cable_adapters = cable_adapters
+        self._adapter_streams: dict[Topic, Publisher] = {}  # declared when they are first needed
         self.unpublished: Counter[str] = Counter()
         self._declaring = threading.Lock()  # elements on cables of their own publish on threads of their own
         self.due_at = 0.0
 
     def publish(self, event: Event, stamp: int) -> None:
         """Publish what follows from an event. stamp: wall clock, ns, when its last byte came."""
-        for face in self._faces:
-            with self.guarded(face.name):
-                for topic, message in face.messages(event, stamp):
+        for adapter in self._adapters:
+            with self.guarded(adapter.name):
+                for topic, message in adapter.messages(event, stamp):
                     self._put(topic, message)
         telemetry = self._telemetry
         match event:
@@ -105,10 +105,10 @@ class RobotPublishers(Subscription):
                 self._has_io_packets = False
                 telemetry.forget_ticks()
 
-    def publish_element(self, face: CableAdapter[Any], event: Event, stamp: int) -> None:
+    def publish_element(self, adapter: CableAdapter[Any], event: Event, stamp: int) -> None:
         """Publish what follows from an event of an element on a cable of its own; from any thread. stamp: as above."""
-        with self.guarded(face.name):
-            for topic, message in face.messages(event, stamp):
+        with self.guarded(adapter.name):
+            for topic, message in adapter.messages(event, stamp):
                 self._put(topic, message)
 
     @contextmanager
@@ -180,7 +180,7 @@ class RobotPublishers(Subscription):
         if not is_due and all(map(is_, news, self._judged)):
             return  # nothing has come that faults could follow from
         self._judged = news
-        found = faults(self._driver, self._sip, refusal, self._cable_faces)
+        found = faults(self._driver, self._sip, refusal, self._cable_adapters)
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
             self._state_shown = shown
@@ -192,7 +192,7 @@ class RobotPublishers(Subscription):
                 self._streams[keys.TF_STATIC].put(self._static_transforms(stamp))
             with self.guarded(keys.DIAGNOSTICS.suffix):
                 self._streams[keys.DIAGNOSTICS].put(
-                    diagnostics(self._name, self._driver, found, refused, stamp, self._cable_faces, self.unpublished)
+                    diagnostics(self._name, self._driver, found, refused, stamp, self._cable_adapters, self.unpublished)
                 )
             if self._sip is not None:
                 self._publish_battery(self._sip, stamp)
@@ -200,10 +200,10 @@ class RobotPublishers(Subscription):
 
     def _static_transforms(self, stamp: int) -> TFMessage:
         transforms = self._telemetry.static_transforms(stamp)
-        for face in self._faces:
-            transforms.transforms.extend(face.transforms(stamp))
-        for cable_face in self._cable_faces:
-            transforms.transforms.extend(cable_face.transforms(stamp))
+        for adapter in self._adapters:
+            transforms.transforms.extend(adapter.transforms(stamp))
+        for cable_adapter in self._cable_adapters:
+            transforms.transforms.extend(cable_adapter.transforms(stamp))
         return transforms
 
     def has_listeners(self, topic: Topic) -> bool:
@@ -213,15 +213,15 @@ class RobotPublishers(Subscription):
         return False
 
     def _stream(self, topic: Topic) -> Publisher:
-        known = self._streams.get(topic) or self._face_streams.get(topic)
+        known = self._streams.get(topic) or self._adapter_streams.get(topic)
         if known is not None:
             return known
         with self._declaring:
-            if topic not in self._face_streams:
-                self._face_streams[topic] = self._bus.publisher(topic.key(self._name), topic.type_name)
-            return self._face_streams[topic]
+            if topic not in self._adapter_streams:
+                self._adapter_streams[topic] = self._bus.publisher(topic.key(self._name), topic.type_name)
+            return self._adapter_streams[topic]
 
     def close(self) -> None:
         """Withdraw the publishers."""
-        for publisher in (*self._streams.values(), *self._face_streams.values()):
+        for publisher in (*self._streams.values(), *self._adapter_streams.values()):
             publisher.close()

@@ -6,7 +6,7 @@ import pytest
 
 import apps.indoor_navigation.data as data
 from acromovi.navigation import command
-from agents.face.movers import BaseClient
+from agents.client.movers import BaseClient
 from bus import keys
 from gateway import odometry
 

@@ -17,7 +17,7 @@ from acromovi.children import EmulatedRobots, emulator, gateway
 from agents.platform import Agent, AgentName, request
 from bus import ZenohBus, keys
 from gateway.commands import COMMANDS
-from gateway.elements.all_adapters import FACES
+from gateway.elements.all_adapters import ADAPTERS
 from gateway.streams import STREAMS
 from tests.acromovi.agents_alive import living
 from tests.live_team import own_bus
@@ -177,8 +177,8 @@ def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
     served = [
         *STREAMS,
         *(row.topic for row in COMMANDS),
-        *(row.topic for face in FACES for row in face.commands),
-        *(topic for face in FACES for topic in face.streams),
+        *(row.topic for adapter in ADAPTERS for row in adapter.commands),
+        *(topic for adapter in ADAPTERS for topic in adapter.streams),
         keys.SCAN,
         keys.CAMERA,
         keys.CMD_VEL,

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from agents.face.element import ElementClient
-from agents.face.picture import Picture
-from agents.face.robot import ELEMENTS
+from agents.client.element import ElementClient
+from agents.client.picture import Picture
+from agents.client.robot import ELEMENTS
 from tests.live_team import LIMIT, ROOT, own_bus
 from tests.reader import Reader, links
 

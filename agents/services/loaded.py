@@ -15,8 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from agents.face.application import Application
-from agents.face.program import PACKAGE, ProgramNotValid, RunningApplication, find_program
+from agents.client.application import Application
+from agents.client.program import PACKAGE, ProgramNotValid, RunningApplication, find_program
 from agents.platform import AgentError, AgentName
 
 KIND = f"{__name__}:LoadedApplication"

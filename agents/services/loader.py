@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar
 
-from agents.face.application import SERVICE as APPLICATION
-from agents.face.private_container import PLATFORM
-from agents.face.program import ProgramNotValid
+from agents.client.application import SERVICE as APPLICATION
+from agents.client.private_container import PLATFORM
+from agents.client.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
 from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.talk import hand_over

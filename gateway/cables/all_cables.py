@@ -1,4 +1,4 @@
-"""Every element that may hang on a cable of its own: how its driver is made. The faces are in `gateway.faces`."""
+"""Every element that may hang on a cable of its own: how its driver is made."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -84,7 +84,7 @@ class ElementDriver(CableDriver, Protocol):
 class ElementThread(Protocol):
     """An element at work on a thread of its own, beside the robot's.
 
-    name: of the element, as on the bus. driver, bridge: as its face takes them.
+    name: of the element, as on the bus. driver, bridge: as its bus adapter takes them.
     """
 
     name: str
@@ -103,7 +103,7 @@ class ElementThread(Protocol):
         """Let the thread run."""
         ...
 
-    def join(self, robot: "RobotOnBus", face: "CableAdapter[Any]") -> None:
+    def join(self, robot: "RobotOnBus", adapter: "CableAdapter[Any]") -> None:
         """From now on bring what happens to the bus."""
         ...
 

@@ -45,15 +45,15 @@ class CableThread(Generic[D]):
         """Let the thread run."""
         self._thread.start()
 
-    def join(self, robot: "RobotOnBus", face: "CableAdapter[Any]") -> None:
+    def join(self, robot: "RobotOnBus", adapter: "CableAdapter[Any]") -> None:
         """From now on bring what happens to the bus."""
-        self._joined = robot, face
+        self._joined = robot, adapter
 
     def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events, on the cable's own thread; what comes before there is a robot is lost."""
         if self._joined is not None and events:
-            robot, face = self._joined
-            robot.element_happened(face, events, stamp_ns)
+            robot, adapter = self._joined
+            robot.element_happened(adapter, events, stamp_ns)
 
     def halt(self) -> None:
         """Let nothing move any more, at once."""

@@ -95,9 +95,9 @@ class CameraThread:
         """Let the thread run."""
         self._reader.start()
 
-    def join(self, robot: "RobotOnBus", face: "CableAdapter[Any]") -> None:
+    def join(self, robot: "RobotOnBus", adapter: "CableAdapter[Any]") -> None:
         """From now on bring the pictures to the bus."""
-        self._joined = robot, face
+        self._joined = robot, adapter
 
     def halt(self) -> None:
         """A camera does not move."""
@@ -119,6 +119,6 @@ class CameraThread:
         self.driver.take((picture.width, picture.height))
         joined = self._joined
         if joined is not None:
-            robot, face = joined
+            robot, adapter = joined
             event = PictureTaken(picture.jpeg, picture.width, picture.height)
-            robot.element_happened(face, [event], picture.stamp_ns)
+            robot.element_happened(adapter, [event], picture.stamp_ns)

@@ -1,4 +1,4 @@
-"""Every face there is, in the order of the description."""
+"""Every bus adapter, in the order of the description."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -19,7 +19,7 @@ from gateway.elements.ptz.adapter import PtzAdapter
 from gateway.elements.simulated_laser.adapter import SimulatedLaserAdapter
 from gateway.elements.sound.adapter import SoundAdapter
 
-FACES: tuple[type[BusAdapter], ...] = (
+ADAPTERS: tuple[type[BusAdapter], ...] = (
     InfraredAdapter,
     GyroAdapter,
     InnerGyroAdapter,
@@ -36,7 +36,7 @@ FACES: tuple[type[BusAdapter], ...] = (
     SimulatedLaserAdapter,
 )
 
-CABLE_FACES: Mapping[str, type[CableAdapter[Any]]] = {
-    face.name: face for face in (LaserAdapter, PowerCubeAdapter, CameraAdapter)
+CABLE_ADAPTERS: Mapping[str, type[CableAdapter[Any]]] = {
+    adapter.name: adapter for adapter in (LaserAdapter, PowerCubeAdapter, CameraAdapter)
 }
 """Those of elements beside the robot's cable, by name. The option of `p2os-gateway` is called the same."""

@@ -1,4 +1,4 @@
-"""What every element on a cable of its own has in common as the bus sees it; `face` is for those on the robot's."""
+"""What every element on a cable of its own has in common as the bus sees it; `adapter` is for those on the robot's."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar, Generic, Protocol, TypeVar

@@ -1,7 +1,7 @@
 """What every element on the microcontroller's cable has in common.
 
 An element asks the robot for its packets, takes them, and gives commands; the driver lends it the cable. What it finds
-out it announces as an event of `gateway.events`; its face (`gateway.faces`) brings the event to the bus. Bytes and time
+out it announces as an event of `gateway.events`; its bus adapter brings the event to the bus. Bytes and time
 are arguments here as in the driver.
 """
 

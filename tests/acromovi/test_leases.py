@@ -9,7 +9,7 @@ from acromovi.known_agents import KnownAgents
 from acromovi.leases import leases, named, show
 from agents.services.arbiter import Arbiter
 from bus import MemoryBus, Refused
-from tests.agents.face.conftest import World
+from tests.agents.client.conftest import World
 from tests.agents.services.lease_world import ARBITER
 
 FREE = {"holder": None, "priority": 0, "expires_in": None}

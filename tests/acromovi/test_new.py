@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.__main__ import main
-from agents.face.program import find_program
+from agents.client.program import find_program
 
 
 def test_a_new_application_is_one_as_it_is(

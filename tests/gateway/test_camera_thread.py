@@ -52,7 +52,7 @@ class Robot:
     def has_listeners(self, topic: object) -> bool:
         return topic is keys.CAMERA and self.is_heard
 
-    def element_happened(self, face: object, events: list[Event], stamp_ns: int) -> None:
+    def element_happened(self, adapter: object, events: list[Event], stamp_ns: int) -> None:
         self.events += events
 
 
@@ -187,11 +187,11 @@ def test_face_publishes_the_jpeg_and_describes_its_size() -> None:
     state = CameraState(lambda: 0.0)
     state.take((160, 120))
     settings = Settings(camera=CameraSettings(field_of_view_rad=0.8))
-    face = CameraAdapter("happy", cast(Any, None), settings, state, cast(Any, None))
-    [(topic, message)] = face.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000)
+    adapter = CameraAdapter("happy", cast(Any, None), settings, state, cast(Any, None))
+    [(topic, message)] = adapter.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000)
     assert topic is keys.CAMERA
     image = cast(Any, message)
     assert (image.format, image.header.frame_id, image.header.stamp.nanosec) == ("jpeg", "happy/camera", 500_000_000)
     assert np.asarray(image.data).tobytes() == JPEG
-    assert face.describe() == {"size": (160, 120), "field_of_view": 0.8}
-    face.halt()  # moves nothing, and needs nobody
+    assert adapter.describe() == {"size": (160, 120), "field_of_view": 0.8}
+    adapter.halt()  # moves nothing, and needs nobody

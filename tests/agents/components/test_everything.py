@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from acromovi.children import EmulatedRobots, emulator, gateway
+from agents.client.readings import OtherReading
+from agents.client.robot import ELEMENTS
 from agents.components.all_components import COMPONENTS
-from agents.face.readings import OtherReading
-from agents.face.robot import ELEMENTS
 from cameras import picture_size
 from tests.agents.components.application import Application, application, container
 from tests.waiting import waiting

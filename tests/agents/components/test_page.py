@@ -10,7 +10,7 @@ import pytest
 
 from acromovi.command import argument
 from agents.components.all_components import COMPONENTS
-from gateway.elements.all_adapters import CABLE_FACES, FACES
+from gateway.elements.all_adapters import ADAPTERS, CABLE_ADAPTERS
 from tests.agents.components.bench import Bench
 from tests.agents.components.conftest import MakeLab
 from tests.agents.components.page import requests_of, tables
@@ -34,7 +34,8 @@ def test_a_section_tells_what_the_agent_says_of_itself(element: str, make_bench:
 
 
 def test_every_element_that_a_gateway_can_find_is_on_the_page() -> None:
-    known = {"base", "battery", "io", "sonar", "bumpers", "encoders", *CABLE_FACES, *(face.name for face in FACES)}
+    known = {"base", "battery", "io", "sonar", "bumpers", "encoders", *CABLE_ADAPTERS}
+    known |= {adapter.name for adapter in ADAPTERS}
     assert known == (SECTIONS.keys() | OTHERS.keys()) - OF_MANY
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from agents.face.readings import LaserReading, SonarReading
+from agents.client.readings import LaserReading, SonarReading
 from tests.agents.components.conftest import Lab, MakeLab
 
 FACE = 1.95

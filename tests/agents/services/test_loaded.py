@@ -56,7 +56,7 @@ class Place:
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Place:
-    monkeypatch.setattr("agents.face.discovery.MEETING_TIME", 0.1)
+    monkeypatch.setattr("agents.client.discovery.MEETING_TIME", 0.1)
     return Place(tmp_path)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.face.program import ProgramNotValid
+from agents.client.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Container, Directory, Ending, Kinds, Outcome
 from agents.platform.container.ends import AgentEnd
 from agents.services.loaded import KIND

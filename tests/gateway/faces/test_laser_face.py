@@ -32,7 +32,7 @@ class NoBridge:
         raise AssertionError("a face only looks")
 
 
-def face(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) -> LaserAdapter:
+def adapter(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) -> LaserAdapter:
     model = replace(configs.load(RobotModel, "robots", "p3dx-sh"), lasers=(mount,))
     return LaserAdapter(
         "happy", model, Settings(laser=settings or LaserSettings()), LaserDriver(LaserSettings()), NoBridge()
@@ -53,7 +53,7 @@ def published(laser: LaserAdapter, event: LaserScanned) -> Any:
 
 
 def test_the_first_value_is_the_rightmost_beam() -> None:
-    scan = published(face(), scanned([1.0 + 0.01 * index for index in range(181)]))
+    scan = published(adapter(), scanned([1.0 + 0.01 * index for index in range(181)]))
     assert scan.header.frame_id == "happy/laser"
     assert scan.angle_min == pytest.approx(-pi / 2)
     assert scan.angle_max == pytest.approx(pi / 2)
@@ -62,7 +62,7 @@ def test_the_first_value_is_the_rightmost_beam() -> None:
 
 
 def test_a_flipped_laser_is_turned_round() -> None:
-    scan = published(face(replace(UPRIGHT, flipped=True)), scanned([1.0 + 0.01 * index for index in range(181)]))
+    scan = published(adapter(replace(UPRIGHT, flipped=True)), scanned([1.0 + 0.01 * index for index in range(181)]))
     assert scan.angle_min == pytest.approx(-pi / 2)
     assert scan.angle_increment > 0
     assert scan.ranges[[0, 180]] == pytest.approx([2.8, 1.0])
@@ -70,35 +70,35 @@ def test_a_flipped_laser_is_turned_round() -> None:
 
 def test_a_part_of_the_beams_keeps_its_angles() -> None:
     part = scanned([1.0, 2.0, 3.0], first=100)
-    upright, flipped = published(face(), part), published(face(replace(UPRIGHT, flipped=True)), part)
+    upright, flipped = published(adapter(), part), published(adapter(replace(UPRIGHT, flipped=True)), part)
     assert [upright.angle_min, upright.angle_max] == pytest.approx([radians(10), radians(12)])
     assert [flipped.angle_min, flipped.angle_max] == pytest.approx([radians(-12), radians(-10)])
 
 
 def test_nothing_there_is_infinite_and_no_measurement_not_a_number() -> None:
-    scan = published(face(), scanned([1.0, inf, nan]))
+    scan = published(adapter(), scanned([1.0, inf, nan]))
     assert isinf(scan.ranges[1])
     assert isnan(scan.ranges[2])
     assert scan.range_max == pytest.approx(32.758)
 
 
 def test_reflectors_show_in_the_intensities() -> None:
-    assert list(published(face(), scanned([1.0, 1.0], flags=[0, 1])).intensities) == [0.0, 1.0]
+    assert list(published(adapter(), scanned([1.0, 1.0], flags=[0, 1])).intensities) == [0.0, 1.0]
 
 
 def test_the_stamp_is_that_of_the_first_beam_and_times_are_the_mirrors() -> None:
-    scan = published(face(), scanned([1.0] * 181))
+    scan = published(adapter(), scanned([1.0] * 181))
     assert messages.stamp_ns(scan.header) == STAMP - 110_000_000
     assert scan.time_increment == pytest.approx(1 / 75 / 360)
     assert scan.scan_time == pytest.approx(0.1)
 
 
 def test_its_frame_is_where_the_model_has_it_unless_the_settings_know_better() -> None:
-    (transform,) = face().transforms(STAMP)
+    (transform,) = adapter().transforms(STAMP)
     assert (transform.header.frame_id, transform.child_frame_id) == ("happy/base_link", "happy/laser")
     assert (transform.transform.translation.x, transform.transform.translation.y) == (0.2, 0.1)
     assert messages.heading(transform.transform.rotation) == pytest.approx(radians(10))
-    moved = face(settings=LaserSettings(x_m=-0.1, y_m=0.0, z_m=0.4, heading_deg=180.0, flipped=True))
+    moved = adapter(settings=LaserSettings(x_m=-0.1, y_m=0.0, z_m=0.4, heading_deg=180.0, flipped=True))
     (transform,) = moved.transforms(STAMP)
     place = transform.transform.translation
     assert (place.x, place.y, place.z) == (-0.1, 0.0, 0.4)
@@ -107,4 +107,4 @@ def test_its_frame_is_where_the_model_has_it_unless_the_settings_know_better() -
 
 
 def test_other_events_are_none_of_its_business() -> None:
-    assert list(face().messages(ElementFound("laser", 9600), STAMP)) == []
+    assert list(adapter().messages(ElementFound("laser", 9600), STAMP)) == []

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, Self
 
-from agents.face.errors import RobotError
+from agents.client.errors import RobotError
 from agents.platform.errors import in_words
 from geometry import Pose2D, wrap_angle
 

@@ -6,7 +6,7 @@ import traceback
 from pathlib import Path
 from types import TracebackType
 
-from agents.face.errors import RobotError, Stopped
+from agents.client.errors import RobotError, Stopped
 from agents.platform.errors import in_words
 
 

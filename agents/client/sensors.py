@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from agents.face.element import ElementClient
-from agents.face.errors import RobotError
-from agents.face.loop_thread import LoopThread
-from agents.face.picture import Picture
-from agents.face.readings import (
+from agents.client.element import ElementClient
+from agents.client.errors import RobotError
+from agents.client.loop_thread import LoopThread
+from agents.client.picture import Picture
+from agents.client.readings import (
     BatteryReading,
     BumpersReading,
     CameraReading,

@@ -25,8 +25,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from agents.face.complaints import complaint
-from agents.face.errors import RobotError
+from agents.client.complaints import complaint
+from agents.client.errors import RobotError
 from agents.platform.conversations.handler import Handler, NotUnderstood
 from agents.platform.errors import in_words
 

@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable, Coroutine
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from agents.face.errors import RobotError, Stopped
+from agents.client.errors import RobotError, Stopped
 from agents.platform import Agent, AgentError
 from agents.platform.errors import in_words
 from bus import BusError

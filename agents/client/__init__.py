@@ -1,4 +1,4 @@
-"""The face of the agents for people who write one thing after the other: no event loop, no bus, no messages.
+"""The client for scripts that do one thing after the other: no event loop, no bus, no messages.
 
     from agents import Team
 
@@ -9,10 +9,10 @@
 `Team` (team.py) is all robots, `Robot` one of them, `ElementClient` a part of it; `LoopThread` makes their calls.
 """
 
-from agents.face.element import ElementClient
-from agents.face.errors import Failed, LeaseLost, NotThere, Refused, RobotError, Stopped, TimedOut
-from agents.face.robot import Robot
-from agents.face.team import Team
+from agents.client.element import ElementClient
+from agents.client.errors import Failed, LeaseLost, NotThere, Refused, RobotError, Stopped, TimedOut
+from agents.client.robot import Robot
+from agents.client.team import Team
 from agents.platform import request
 
 __all__ = [

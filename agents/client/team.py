@@ -7,14 +7,14 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, Self
 
-from agents.face.complaints import complain_in_a_sentence
-from agents.face.discovery import Discovery
-from agents.face.element import PATIENCE, numbered, plain
-from agents.face.errors import RobotError, Stopped, error_of
-from agents.face.holding import ProgramLease
-from agents.face.loop_thread import LoopThread
-from agents.face.private_container import PrivateContainer
-from agents.face.robot import Robot
+from agents.client.complaints import complain_in_a_sentence
+from agents.client.discovery import Discovery
+from agents.client.element import PATIENCE, numbered, plain
+from agents.client.errors import RobotError, Stopped, error_of
+from agents.client.holding import ProgramLease
+from agents.client.loop_thread import LoopThread
+from agents.client.private_container import PrivateContainer
+from agents.client.robot import Robot
 from agents.platform import AgentName, NameNotValid
 from bus import Bus, BusError
 from bus.keys import robot_name

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Team
-from agents.face.application import application_agent
-from agents.face.program import find_program
+from agents.client.application import application_agent
+from agents.client.program import find_program
 from agents.platform import AgentState
-from tests.agents.face.conftest import BasePart, World
+from tests.agents.client.conftest import BasePart, World
 from tests.waiting import wait_until
 
 PATROL = """
@@ -213,7 +213,7 @@ def test_an_application_that_fails_begins_again_if_it_says_so(tmp_path: Path, wo
 def test_an_application_that_does_not_listen_does_not_hold_up_its_container(
     tmp_path: Path, world: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.face.application.LEAVE", 0.05)
+    monkeypatch.setattr("agents.client.application.LEAVE", 0.05)
     text = "import threading\ngo_on = threading.Event()\ndef main(team):\n    go_on.wait()\n"
     agent = application_agent(write(tmp_path, text))
     world.add(agent)

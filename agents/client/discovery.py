@@ -4,7 +4,7 @@ import asyncio
 import difflib
 from collections.abc import Iterable
 
-from agents.face.errors import NotThere
+from agents.client.errors import NotThere
 from agents.platform import AgentName, Directory
 from agents.platform.conversations.talk import hand_over
 from bus import Bus

@@ -4,8 +4,8 @@ from contextlib import AsyncExitStack, suppress
 from typing import TYPE_CHECKING
 
 import bus
-from agents.face.errors import LeaseLost, Refused
-from agents.face.loop_thread import LoopThread
+from agents.client.errors import LeaseLost, Refused
+from agents.client.loop_thread import LoopThread
 from agents.platform import AgentName, RequestNotDone
 
 if TYPE_CHECKING:  # who holds no lease need not load the services

@@ -4,11 +4,11 @@ import asyncio
 import contextlib
 
 import bus
-from agents.face.errors import Failed, NotThere, Refused, RobotError
-from agents.face.holding import ProgramLease
-from agents.face.loop_thread import LoopThread
-from agents.face.stall import Stall
-from agents.face.wording import in_api_words
+from agents.client.errors import Failed, NotThere, Refused, RobotError
+from agents.client.holding import ProgramLease
+from agents.client.loop_thread import LoopThread
+from agents.client.stall import Stall
+from agents.client.wording import in_api_words
 from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import in_words
 from bus import MessageError, Publisher, Sample, Subscription, keys, messages

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
-from agents.face import discovery
-from agents.face.readings import OtherReading
+from agents.client import discovery
+from agents.client.readings import OtherReading
 from agents.platform import AgentName
 from bus import MemoryBus, messages
-from tests.agents.face.conftest import LASER, BasePart, Part, World
+from tests.agents.client.conftest import LASER, BasePart, Part, World
 from tests.waiting import wait_until
 
 
@@ -345,7 +345,7 @@ def test_who_was_refused_does_not_stop_what_another_drives(world: World) -> None
 def test_driving_ends_when_the_program_makes_no_call_any_more(
     world: World, team: Team, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agents.face.loop_thread.ATTENTION", 0.2)
+    monkeypatch.setattr("agents.client.loop_thread.ATTENTION", 0.2)
     wheels: BasePart = world.agent("base@happy")
     team.robot("happy").base.drive(0.2)
     wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])

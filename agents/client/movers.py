@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Generic
 
-from agents.face.driving import ContinuousDrive
-from agents.face.element import ElementClient, R, plain
-from agents.face.errors import RobotError, TimedOut
-from agents.face.holding import ProgramLease
-from agents.face.loop_thread import LoopThread
-from agents.face.readings import ArmReading, BaseReading, GripperReading, PtzReading
+from agents.client.driving import ContinuousDrive
+from agents.client.element import ElementClient, R, plain
+from agents.client.errors import RobotError, TimedOut
+from agents.client.holding import ProgramLease
+from agents.client.loop_thread import LoopThread
+from agents.client.readings import ArmReading, BaseReading, GripperReading, PtzReading
 from agents.platform import AgentName
 from bus import keys
 from geometry import Pose2D

@@ -13,7 +13,7 @@ Every message says in one sentence what happened and, where there is a way out, 
 RobotError` or `except Exception` must not hold it up.
 """
 
-from agents.face.wording import in_api_words
+from agents.client.wording import in_api_words
 from agents.platform import Ending, Outcome
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from agents.face.errors import RobotError
+from agents.client.errors import RobotError
 from configs.extras import missing, needs
 
 

@@ -8,11 +8,11 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from agents.face.errors import Failed, Stopped
-from agents.face.loop_thread import LoopThread
-from agents.face.private_container import PLATFORM
-from agents.face.program import RunningApplication, find_program
-from agents.face.team import Team, look
+from agents.client.errors import Failed, Stopped
+from agents.client.loop_thread import LoopThread
+from agents.client.private_container import PLATFORM
+from agents.client.program import RunningApplication, find_program
+from agents.client.team import Team, look
 from agents.platform import FAIL_AGENT, Agent, AgentName, OneShot, Restart
 from agents.platform.conversations.talk import hand_over
 from agents.platform.hooks import marks

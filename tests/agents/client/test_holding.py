@@ -12,7 +12,7 @@ from agents import Failed, LeaseLost, Refused, Team
 from agents.platform import Agent, AgentName, Outcome, agree, request
 from agents.services.arbiter import Arbiter
 from bus import Refused as No
-from tests.agents.face.conftest import BasePart, Part, World
+from tests.agents.client.conftest import BasePart, Part, World
 from tests.agents.services.lease_world import ARBITER, Gateway
 from tests.waiting import wait_until
 

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from agents import RobotError, Team
+from agents.client.element import numbered
+from agents.client.picture import Picture
+from agents.client.readings import OtherReading
+from agents.client.robot import ELEMENTS
 from agents.components.all_components import COMPONENTS, component_for
-from agents.face.element import numbered
-from agents.face.picture import Picture
-from agents.face.readings import OtherReading
-from agents.face.robot import ELEMENTS
 from agents.platform import AgentName
-from tests.agents.face.conftest import Part, World
+from tests.agents.client.conftest import Part, World
 
 READ = sorted(name for name in ELEMENTS.keys() & COMPONENTS if ELEMENTS[name].reading is not OtherReading)
 LISTS = ("front", "rear", "digital_in", "digital_out", "analog_in", "axes", "buttons")

@@ -7,8 +7,8 @@ from collections.abc import Coroutine
 from contextlib import suppress
 from typing import Any
 
-from agents.face.errors import RobotError
-from agents.face.loop_thread import LAST_WORDS, LoopThread
+from agents.client.errors import RobotError
+from agents.client.loop_thread import LAST_WORDS, LoopThread
 from agents.platform import Agent, AgentError, AgentName, Container
 from bus import Bus, BusError, NotAllowed, ZenohBus
 from configs.loader import ConfigError

@@ -135,5 +135,5 @@ def team(world: World) -> Iterator[Team]:
 @pytest.fixture(autouse=True)
 def _hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nobody is late here, so nobody need be waited for so long."""
-    monkeypatch.setattr("agents.face.discovery.MEETING_TIME", 0.3)
-    monkeypatch.setattr("agents.face.discovery.QUIET", 0.02)
+    monkeypatch.setattr("agents.client.discovery.MEETING_TIME", 0.3)
+    monkeypatch.setattr("agents.client.discovery.QUIET", 0.02)

@@ -2,13 +2,13 @@
 
 from typing import TypeVar, cast
 
-from agents.face.discovery import Discovery
-from agents.face.element import ElementClient
-from agents.face.errors import RobotError
-from agents.face.loop_thread import LoopThread
-from agents.face.movers import ArmClient, BaseClient, GripperClient, PtzClient
-from agents.face.readings import Reading
-from agents.face.sensors import (
+from agents.client.discovery import Discovery
+from agents.client.element import ElementClient
+from agents.client.errors import RobotError
+from agents.client.loop_thread import LoopThread
+from agents.client.movers import ArmClient, BaseClient, GripperClient, PtzClient
+from agents.client.readings import Reading
+from agents.client.sensors import (
     BatteryClient,
     BumpersClient,
     CameraClient,

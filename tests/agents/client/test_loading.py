@@ -12,7 +12,7 @@ CONTAINERS = "agents.components.robot_agents", "agents.wrappers", "acromovi.cont
 
 def loaded_with(statement: str) -> set[str]:
     """The modules of the face that a process has after this."""
-    program = f"import sys; {statement}; print(*(name for name in sys.modules if name.startswith('agents.face')))"
+    program = f"import sys; {statement}; print(*(name for name in sys.modules if name.startswith('agents.client')))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     return set(done.stdout.split())
 
@@ -22,7 +22,7 @@ def test_a_robots_container_does_not_carry_the_face() -> None:
 
 
 def test_a_program_gets_it_with_the_first_name() -> None:
-    assert "agents.face.team" in loaded_with("from agents import RobotError")
+    assert "agents.client.team" in loaded_with("from agents import RobotError")
 
 
 def test_editors_see_what_will_be_loaded() -> None:

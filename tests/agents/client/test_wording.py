@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import gateway
-from agents.face.wording import in_api_words
+from agents.client.wording import in_api_words
 
 FOLDER = Path(gateway.__file__).parent
 

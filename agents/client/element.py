@@ -6,9 +6,9 @@ from contextlib import closing, suppress
 from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
-from agents.face.errors import NotThere, TimedOut, error_of
-from agents.face.loop_thread import LoopThread
-from agents.face.readings import OtherReading, Reading
+from agents.client.errors import NotThere, TimedOut, error_of
+from agents.client.loop_thread import LoopThread
+from agents.client.readings import OtherReading, Reading
 from agents.platform import AgentName
 from agents.platform.conversations.talk import hand_over
 from bus import MessageError, Sample, Subscription
