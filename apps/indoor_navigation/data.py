@@ -69,7 +69,7 @@ class Data:
             }
             return cls(**given)
         except (TypeError, ValueError) as err:
-            raise MessageError(f"this is no {cls.__name__}: {err}") from err
+            raise MessageError(f"this is no {cls.bus_name}: {err}") from err
 
 
 def _listed(values: Floats) -> list[Any]:

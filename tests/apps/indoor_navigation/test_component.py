@@ -127,5 +127,5 @@ def test_nonsense_is_reported_and_the_next_is_heard(pair: Pair) -> None:
 def test_the_directory_says_what_a_component_is(pair: Pair) -> None:
     about = pair.base.describe()
     assert about["role"] == "hardware"
-    assert about["gives"] == ["RobotOdometry"]
+    assert about["gives"] == ["Odometry"]
     assert "navigation" in about["services"]
