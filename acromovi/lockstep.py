@@ -213,7 +213,7 @@ class _Host:
         self._name = name
         self._settings = settings
         self._elements = {part: _Element(part, cables[part], clock, settings) for part in cables if part in CABLES}
-        self._faces: dict[str, CableAdapter[ElementDriver]] = {}
+        self._adapters: dict[str, CableAdapter[ElementDriver]] = {}
         self.heard = bytearray()
         self._link = link
         self._bus = bus
@@ -235,7 +235,7 @@ class _Host:
         if self._robot is None:
             if self._driver.model is None:
                 return
-            self._faces = {
+            self._adapters = {
                 part: CABLE_ADAPTERS[part](self._name, self._driver.model, self._settings, element.driver, element)
                 for part, element in self._elements.items()
             }
@@ -245,13 +245,13 @@ class _Host:
                 self._driver,
                 self,
                 self._settings,
-                cable_adapters=list(self._faces.values()),
+                cable_adapters=list(self._adapters.values()),
                 new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,
             )
         self._robot.on_events(events, now, self._stamp_ns())
         for part, element in self._elements.items():
-            self._robot.element_happened(self._faces[part], element.step(), self._stamp_ns())
+            self._robot.on_element_events(self._adapters[part], element.step(), self._stamp_ns())
 
     def command(self, give: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""

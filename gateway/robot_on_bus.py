@@ -127,7 +127,7 @@ class RobotOnBus(Subscription):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns)
 
-    def element_happened(self, adapter: CableAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
+    def on_element_events(self, adapter: CableAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
 
         Args:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
-if TYPE_CHECKING:
-    from agents.platform.agent import Agent
-    from agents.platform.schedule import Policy
+from agents.platform.schedule import Policy
 
 Method = TypeVar("Method", bound=Callable[..., Any])
+
+Begin = Callable[[Any, Callable[..., Any]], object]
+"""Called with an agent, whose class is built on this module, and its method."""
 
 _HOOKS = "_agent_hooks"
 
@@ -19,7 +20,7 @@ _HOOKS = "_agent_hooks"
 class Hook:
     """What a decorator has noted on a method: how to begin it once its agent is active."""
 
-    begin: Callable[[Agent, Callable[..., Any]], object]
+    begin: Begin
 
 
 def every(period: float, policy: Policy | None = None) -> Callable[[Method], Method]:
@@ -33,7 +34,7 @@ def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[
     keep: how many messages wait while the method is at work; older ones are left out, since readings age quickly.
     """
 
-    def begin(agent: Agent, method: Callable[..., Any]) -> object:
+    def begin(agent: Any, method: Callable[..., Any]) -> object:
         return agent.listen(f"{agent.name.platform}/{topic}", method, keep=keep, policy=policy)
 
     return hooked(begin)
@@ -72,7 +73,7 @@ def proposes(name: str) -> Callable[[Method], Method]:
     return hooked(lambda agent, method: agent.answer_calls(name, method))
 
 
-def hooks_of(agent: Agent) -> list[tuple[Callable[..., Any], Hook]]:
+def hooks_of(agent: object) -> list[tuple[Callable[..., Any], Hook]]:
     """The methods that decorators have marked, in the order of their definition, base classes first."""
     names = dict.fromkeys(name for kind in reversed(type(agent).__mro__) for name in vars(kind))
     methods = [getattr(agent, name) for name in names if hasattr(getattr(type(agent), name), _HOOKS)]
@@ -84,7 +85,7 @@ def marks(function: Callable[..., Any]) -> list[Hook]:
     return list(getattr(function, _HOOKS, []))
 
 
-def hooked(begin: Callable[[Agent, Callable[..., Any]], object]) -> Callable[[Method], Method]:
+def hooked(begin: Begin) -> Callable[[Method], Method]:
     """A decorator for methods, which begins them so once their agent is active; for decorators of other rooms."""
 
     def mark(method: Method) -> Method:

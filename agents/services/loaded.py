@@ -57,7 +57,7 @@ class LoadedApplication(Application):
             raise NotLoaded(str(err)) from err
 
     def _load(self) -> RunningApplication:
-        name, folders = str(self.properties["program"]), self.home.kinds.folders
+        name, folders = str(self.properties["program"]), self.home.folders
         check_text(locate(name, folders), self.properties.get("sha256", ""))
         try:
             program = find_program(name, folders)

@@ -159,7 +159,7 @@ class Loader(Agent):
             raise Refused(f'arguments are like {{"robot": "happy"}}, not {arguments!r}')
         try:
             if not into:  # another container has folders of its own
-                check_text(locate(application, self.home.kinds.folders), sha256)
+                check_text(locate(application, self.home.folders), sha256)
         except ProgramNotValid as err:
             raise Refused(str(err)) from err
         if into and into not in self._containers.there:

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from gateway.events import Event
 
-if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.elements.cable_adapter import CableAdapter
-    from gateway.robot_on_bus import RobotOnBus
+if TYPE_CHECKING:  # the bus takes longer to load than the robot to be found
+    from bus.keys import Topic
 
 
 class CableDriver(Protocol):
@@ -81,6 +80,18 @@ class ElementDriver(CableDriver, Protocol):
         ...
 
 
+class ElementListener(Protocol):
+    """Brings an element's events to the bus; called on the element's own thread."""
+
+    def on_element_events(self, adapter: Any, events: Sequence[Event], stamp_ns: int) -> None:
+        """Publish events of the element with this bus adapter. stamp_ns: wall clock, ns, when their bytes came."""
+        ...
+
+    def has_listeners(self, topic: "Topic") -> bool:
+        """Whether anybody subscribes to a topic of this robot."""
+        ...
+
+
 class ElementThread(Protocol):
     """An element at work on a thread of its own, beside the robot's.
 
@@ -103,8 +114,8 @@ class ElementThread(Protocol):
         """Let the thread run."""
         ...
 
-    def join(self, robot: "RobotOnBus", adapter: "CableAdapter[Any]") -> None:
-        """From now on bring what happens to the bus."""
+    def join(self, robot: ElementListener, adapter: Any) -> None:
+        """From now on bring what happens to the bus. adapter: the element's bus adapter."""
         ...
 
     def halt(self) -> None:

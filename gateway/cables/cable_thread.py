@@ -3,16 +3,12 @@
 import threading
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from gateway.bridge import Bridge
-from gateway.cables.cable import ElementDriver
+from gateway.cables.cable import ElementDriver, ElementListener
 from gateway.events import Event
 from gateway.serial_port import Port
-
-if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.elements.cable_adapter import CableAdapter
-    from gateway.robot_on_bus import RobotOnBus
 
 D = TypeVar("D", bound=ElementDriver)
 
@@ -39,13 +35,13 @@ class CableThread(Generic[D]):
         self.driver = driver
         self.bridge = Bridge(driver, port, reopen)
         self._thread = threading.Thread(target=self.bridge.run, args=(self,), name=f"{name} cable", daemon=True)
-        self._joined: tuple[RobotOnBus, CableAdapter[Any]] | None = None
+        self._joined: tuple[ElementListener, Any] | None = None
 
     def start(self) -> None:
         """Let the thread run."""
         self._thread.start()
 
-    def join(self, robot: "RobotOnBus", adapter: "CableAdapter[Any]") -> None:
+    def join(self, robot: ElementListener, adapter: Any) -> None:
         """From now on bring what happens to the bus."""
         self._joined = robot, adapter
 
@@ -53,7 +49,7 @@ class CableThread(Generic[D]):
         """Take the driver's events, on the cable's own thread; what comes before there is a robot is lost."""
         if self._joined is not None and events:
             robot, adapter = self._joined
-            robot.element_happened(adapter, events, stamp_ns)
+            robot.on_element_events(adapter, events, stamp_ns)
 
     def halt(self) -> None:
         """Let nothing move any more, at once."""

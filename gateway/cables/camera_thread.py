@@ -6,16 +6,13 @@ It stands beside the threads of elements on cables (`gateway.cables.cable_thread
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bus import keys
 from cameras.reader import CameraFrame, CameraReader
 from cameras.source import PATIENCE, CameraSource, open_source
+from gateway.cables.cable import ElementListener
 from gateway.events import PictureTaken
-
-if TYPE_CHECKING:  # they load the message types, which takes longer than finding the robot
-    from gateway.elements.cable_adapter import CableAdapter
-    from gateway.robot_on_bus import RobotOnBus
 
 
 class CameraState:
@@ -86,7 +83,7 @@ class CameraThread:
     def __init__(self, where: str, open_camera: Callable[[str], CameraSource] = open_source) -> None:
         """Make ready; `start` lets the thread run. where: as `open_source` takes it."""
         self.driver = CameraState()
-        self._joined: tuple[RobotOnBus, CableAdapter[Any]] | None = None
+        self._joined: tuple[ElementListener, Any] | None = None
         self._reader = CameraReader(
             where, self._take, self.driver.lose, self._count_damage, open_camera, self._is_wanted, self.driver.rest
         )
@@ -95,7 +92,7 @@ class CameraThread:
         """Let the thread run."""
         self._reader.start()
 
-    def join(self, robot: "RobotOnBus", adapter: "CableAdapter[Any]") -> None:
+    def join(self, robot: ElementListener, adapter: Any) -> None:
         """From now on bring the pictures to the bus."""
         self._joined = robot, adapter
 
@@ -121,4 +118,4 @@ class CameraThread:
         if joined is not None:
             robot, adapter = joined
             event = PictureTaken(picture.jpeg, picture.width, picture.height)
-            robot.element_happened(adapter, [event], picture.stamp_ns)
+            robot.on_element_events(adapter, [event], picture.stamp_ns)

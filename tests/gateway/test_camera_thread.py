@@ -52,7 +52,7 @@ class Robot:
     def has_listeners(self, topic: object) -> bool:
         return topic is keys.CAMERA and self.is_heard
 
-    def element_happened(self, adapter: object, events: list[Event], stamp_ns: int) -> None:
+    def on_element_events(self, adapter: object, events: list[Event], stamp_ns: int) -> None:
         self.events += events
 
 

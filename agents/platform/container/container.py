@@ -5,8 +5,9 @@ import contextlib
 import logging
 import time
 import uuid
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -125,6 +126,11 @@ class Container:
     def kinds(self) -> Kinds:
         """Which agents it may be told to start."""
         return self._kinds
+
+    @property
+    def folders(self) -> Sequence[Path]:
+        """Where the programs of these lie."""
+        return self._kinds.folders
 
     @property
     def agents(self) -> list[Agent]:

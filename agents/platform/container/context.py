@@ -1,16 +1,14 @@
 """What a container is to its agents."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import Protocol
 
 from agents.platform.acl import AclMessage
 from agents.platform.container.ends import AgentEnd
 from agents.platform.names import AgentName
 from bus import Bus
-
-if TYPE_CHECKING:
-    from agents.platform.kinds import Kinds
 
 
 class ContainerContext(Protocol):
@@ -27,11 +25,11 @@ class ContainerContext(Protocol):
         ...
 
     @property
-    def kinds(self) -> "Kinds":
-        """Which agents the container may be told to start, and where their programs lie."""
+    def folders(self) -> Sequence[Path]:
+        """Where the programs lie whose agents the container may be told to start."""
         ...
 
-    def report(self, agent: AgentName, what: str, error: Exception | None) -> None:
+    def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
         """Make known that something went wrong."""
         ...
 

@@ -25,8 +25,9 @@ import os
 import socket
 import uuid
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.introspection import introspect
 from agents.platform.conversations.talk import hand_over
 from agents.platform.directory import check_free
@@ -40,9 +41,6 @@ from agents.platform.names import AgentName
 from bus import BusError, BusUnavailable, Conversation, Subscription
 from bus.name_holder import BusProgram
 from bus.validation import check_value
-
-if TYPE_CHECKING:
-    from agents.platform.container.container import Container
 
 log = logging.getLogger("agents")
 
@@ -59,7 +57,7 @@ class OrderNotValid(AgentError, ValueError):
 class Control:
     """Does for a container what it is told from outside. Orders run side by side, in the container's event loop."""
 
-    def __init__(self, container: "Container") -> None:
+    def __init__(self, container: ControlledContainer) -> None:
         self._container = container
         self._process = BusProgram(os.getpid(), socket.gethostname(), uuid.uuid4().hex, container.wall_time())
         self._tasks: set[asyncio.Task[None]] = set()

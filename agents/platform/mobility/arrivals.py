@@ -4,10 +4,11 @@ import asyncio
 import contextlib
 from collections.abc import Coroutine
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from agents.platform.agent import Agent
 from agents.platform.container.context import ContainerContext
+from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import QueuedMessage
 from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.talk import query
@@ -16,9 +17,6 @@ from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
 from bus import BusError
-
-if TYPE_CHECKING:
-    from agents.platform.container.container import Container
 
 ANSWER_TIME = 5.0  # s for the other container to say who lives in it
 LOOK = 1.0  # s between two looks at what has become of the container from which an agent came
@@ -43,7 +41,7 @@ class _Arrival:
 class Arrivals:
     """Takes agents of other containers into one."""
 
-    def __init__(self, container: "Container") -> None:
+    def __init__(self, container: ControlledContainer) -> None:
         self._container = container
         self._arrivals: dict[AgentName, _Arrival] = {}
         self._tasks: set[asyncio.Task[None]] = set()

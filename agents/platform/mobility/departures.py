@@ -15,9 +15,10 @@ only when it is frozen or cut off for longer than that takes can both have the a
 import asyncio
 import contextlib
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from agents.platform.agent import Agent
+from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import Caller, QueuedMessage
 from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.talk import query
@@ -27,9 +28,6 @@ from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState, enveloped, packed
 from agents.platform.names import AgentName, ContainerName
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
-
-if TYPE_CHECKING:
-    from agents.platform.container.container import Container
 
 DRAIN_TIME = 5.0  # s for what is under way to end
 ADOPT_TIME = 35.0  # s for the other container; longer than a setup may take
@@ -47,7 +45,7 @@ Order = dict[str, Any]
 class Departures:
     """Sends agents of one container into others."""
 
-    def __init__(self, container: "Container") -> None:
+    def __init__(self, container: ControlledContainer) -> None:
         self._container = container
         self._passed_on: dict[Conversation, Subscription] = {}
 
