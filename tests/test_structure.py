@@ -14,8 +14,7 @@ def known() -> dict[str, Module]:
 
 
 def test_every_class_name_has_one_meaning(known: dict[str, Module]) -> None:
-    allowed = {"Refused", "TimedOut"}  # `bus` has them for queries and `agents` for people's programs
-    assert {name: where for name, where in repeated_classes(known).items() if name not in allowed} == {}
+    assert repeated_classes(known) == {}
 
 
 def test_no_modules_import_each_other_not_even_for_type_checkers(known: dict[str, Module]) -> None:

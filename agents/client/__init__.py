@@ -10,7 +10,9 @@
 """
 
 from agents.client.element import ElementClient
-from agents.client.errors import Failed, LeaseLost, NotThere, Refused, RobotError, Stopped, TimedOut
+from agents.client.errors import Failed, LeaseLost, NotThere, RobotError, Stopped
+from agents.client.errors import RequestRefused as Refused
+from agents.client.errors import RequestTimedOut as TimedOut
 from agents.client.robot import Robot
 from agents.client.team import Team
 from agents.platform import request

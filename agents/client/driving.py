@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 
 import bus
-from agents.client.errors import Failed, NotThere, Refused, RobotError
+from agents.client.errors import Failed, NotThere, RequestRefused, RobotError
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LoopThread
 from agents.client.stall import Stall
@@ -87,7 +87,7 @@ class ContinuousDrive:
         try:
             await self._thread.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
         except bus.Refused as err:
-            raise Refused(f"{self._robot} refuses to drive: {in_api_words(in_words(err), 'base')}") from err
+            raise RequestRefused(f"{self._robot} refuses to drive: {in_api_words(in_words(err), 'base')}") from err
         except TimeoutError as err:
             raise NotThere(f"nobody drives {self._robot}; see whether its p2os-gateway runs") from err
 

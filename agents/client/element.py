@@ -6,7 +6,7 @@ from contextlib import closing, suppress
 from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
-from agents.client.errors import NotThere, TimedOut, error_of
+from agents.client.errors import NotThere, RequestTimedOut, error_of
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import OtherReading, Reading
 from agents.platform import AgentName
@@ -92,7 +92,7 @@ class ElementClient(Generic[R]):
             outcome = await self._thread.agent.request(self.agent, "read", reply_within=PATIENCE)
             if not outcome.is_done:
                 raise error_of(outcome, self.agent, "read") from err
-            raise TimedOut(f"{self.agent} has sent nothing for {within:g} s") from err
+            raise RequestTimedOut(f"{self.agent} has sent nothing for {within:g} s") from err
 
     def _read(self, result: Any) -> R:
         if not isinstance(result, dict):

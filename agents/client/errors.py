@@ -25,11 +25,11 @@ class NotThere(RobotError):
     """No such robot, element or agent, or not any more."""
 
 
-class Refused(RobotError):
+class RequestRefused(RobotError):
     """The other said no, and has done nothing."""
 
 
-class LeaseLost(Refused):
+class LeaseLost(RequestRefused):
     """The lease is lost under which it was to be done, or somebody of higher priority is about to take it."""
 
 
@@ -37,7 +37,7 @@ class Failed(RobotError):
     """It was tried, in vain."""
 
 
-class TimedOut(RobotError, TimeoutError):
+class RequestTimedOut(RobotError, TimeoutError):
     """It has not come to an end in time; it may still be done."""
 
 
@@ -46,11 +46,11 @@ class Stopped(BaseException):
 
 
 _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
-    Ending.REFUSED: (Refused, "{peer} refuses {request}: {why}"),
-    Ending.NOT_UNDERSTOOD: (Refused, "{peer} does not understand {request}: {why}"),
-    Ending.NOT_ALLOWED: (Refused, "{request} is not allowed: {why}"),
+    Ending.REFUSED: (RequestRefused, "{peer} refuses {request}: {why}"),
+    Ending.NOT_UNDERSTOOD: (RequestRefused, "{peer} does not understand {request}: {why}"),
+    Ending.NOT_ALLOWED: (RequestRefused, "{request} is not allowed: {why}"),
     Ending.FAILED: (Failed, "{peer} could not {request}: {why}"),
-    Ending.TIMED_OUT: (TimedOut, "{request}: {why}"),
+    Ending.TIMED_OUT: (RequestTimedOut, "{request}: {why}"),
     Ending.DIED: (NotThere, "{why}; see `acromovi ps` for who is there"),
 }
 

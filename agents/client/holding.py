@@ -4,7 +4,7 @@ from contextlib import AsyncExitStack, suppress
 from typing import TYPE_CHECKING
 
 import bus
-from agents.client.errors import LeaseLost, Refused
+from agents.client.errors import LeaseLost, RequestRefused
 from agents.client.loop_thread import LoopThread
 from agents.platform import AgentName, RequestNotDone
 
@@ -76,7 +76,7 @@ class ProgramLease:
                     leased(self._thread.agent, str(self._element), priority=priority, seconds=seconds, notice=notice)
                 )
             except (RequestNotDone, bus.Refused) as err:
-                raise Refused(f"no lease on {self._element}: {err}") from err
+                raise RequestRefused(f"no lease on {self._element}: {err}") from err
 
         self._thread.moving[self] = self._letting_go.aclose  # however the program ends
         try:

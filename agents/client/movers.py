@@ -6,7 +6,7 @@ from typing import Any, Generic
 
 from agents.client.driving import ContinuousDrive
 from agents.client.element import ElementClient, R, plain
-from agents.client.errors import RobotError, TimedOut
+from agents.client.errors import RequestTimedOut, RobotError
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import ArmReading, BaseReading, GripperReading, PtzReading
@@ -74,7 +74,7 @@ class Mover(ElementClient[R], Generic[R]):
         self._thread.moving[self] = self._halt
         try:
             result = self.ask(request, within=MOTION, **arguments)
-        except TimedOut:
+        except RequestTimedOut:
             self._stop_at_once()
             raise
         except RobotError as err:
