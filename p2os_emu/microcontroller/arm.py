@@ -16,26 +16,21 @@ from enum import Enum, auto
 from functools import partial
 
 from p2os.accessories.arm_model import ArmModel
+from p2os.accessories.pioneer_arm import EVERY_JOINT, JOINTS, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
 from p2os.accessory_packets import ArmInformation, ArmJoint, ArmReport, ArmStatus
 from p2os_emu.body import ArmMechanism
 
 VERSION = "1.0"
 NO_ARM = "No arm"
 GRIPPER = 6
-JOINTS = 6
-EVERY_JOINT = frozenset({0, 7, 255})
-"""Arguments of HOME and STOP that mean all of them: 255 by the manual, 7 by one well-known driver."""
+ALL_JOINTS = frozenset({0, 7, EVERY_JOINT})
+"""Arguments of HOME and STOP that are taken to mean all of them; 7 is what one well-known driver sends."""
 INIT_TIME = 0.7
 """s that INIT takes."""
 SETTLING_TIME = 2.0
 """s after power-on in which the servos find their places."""
 AUTOPARK = 600.0
 """s without a command for the arm after which it parks."""
-SLOWEST = 127
-"""ms a count; the most that SPEED carries."""
-MS = 0.001
-MANUAL_POWERED, MANUAL_CONNECTED = 1, 2
-"""Bits of the first byte of an ARMpac in the manual's order."""
 
 
 class Power(Enum):
@@ -187,7 +182,7 @@ class ArmServer:
         self.check()
         index = max(joint, 1) - 1
         if index < len(self._servos) and milliseconds > 0:
-            self._servos[index].speed = min(milliseconds, SLOWEST)
+            self._servos[index].speed = min(milliseconds, LONGEST_MS)
 
     def stop(self, joint: int) -> None:
         """STOP: one joint, counted from 1, or every one; an arm on its last way home stays where it is, with power."""
@@ -267,7 +262,7 @@ class ArmServer:
         self.check()
         if self.power not in (Power.SETTLING, Power.ON):
             return ()
-        chosen = self._servos if joint in EVERY_JOINT else self._servos[joint - 1 : joint] if joint > 0 else ()
+        chosen = self._servos if joint in ALL_JOINTS else self._servos[joint - 1 : joint] if joint > 0 else ()
         if any(servo is self._servos[GRIPPER - 1] for servo in chosen):
             self._gripper_idle = 0.0
         return chosen

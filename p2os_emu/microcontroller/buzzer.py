@@ -8,15 +8,10 @@ assumed.
 from collections import deque
 from typing import NamedTuple
 
+from p2os.accessories.notes import HIGHEST_NOTE, MOST_NOTES, NOTE_UNIT, TONE_STEP
 from p2os.accessory_packets import PlaylistEntry
 from p2os.firmware import Family
 
-UNIT = 0.02
-"""s that a count of duration stands for."""
-MOST_NOTES = 20
-HIGHEST_MIDI = 127
-TONE_STEP = 32.0
-"""Hz from one tone above the MIDI notes to the next."""
 CONCERT_PITCH = 440.0
 CONCERT_PITCH_MIDI = 69
 KEPT = 50
@@ -74,7 +69,7 @@ class Buzzer:
     def say(self, pairs: bytes, now: float) -> None:
         """SAY: durations and tones, by turns."""
         for count, tone in zip(pairs[: 2 * MOST_NOTES : 2], pairs[1::2], strict=False):
-            self._play(now, frequency(tone), count * UNIT, "")
+            self._play(now, frequency(tone), count * NOTE_UNIT, "")
 
     def sound(self, number: int, now: float) -> None:
         """SOUND, counted from 1; one that is not there is not played."""
@@ -105,6 +100,6 @@ def frequency(tone: int) -> float | None:
     """What a tone of SAY sounds like, Hz; None for a rest."""
     if tone == 0:
         return None
-    if tone <= HIGHEST_MIDI:
+    if tone <= HIGHEST_NOTE:
         return float(CONCERT_PITCH * 2 ** ((tone - CONCERT_PITCH_MIDI) / 12))
-    return (tone - HIGHEST_MIDI) * TONE_STEP
+    return (tone - HIGHEST_NOTE) * TONE_STEP

@@ -5,43 +5,29 @@ that it is at one of its ends: the first motion that reaches an end tells which.
 """
 
 from collections.abc import Callable, Mapping
-from enum import IntEnum
 
+from p2os.accessories.gripper import (
+    INTERVAL,
+    LONGEST_CARRY,
+    LONGEST_PRESS,
+    GripperFlags,
+    GripperInput,
+    GripperKind,
+    GripperOrder,
+)
 from p2os.accessory_packets import GripperReport
 from p2os_emu.body import GripperMechanism, GripperMechanismState
 from p2os_emu.gripper_model import GripperModel
 
-INTERVAL = 0.02
-"""s; GRIPPERVAL counts in it."""
 GRASP_TIME = 10 * INTERVAL
 """s that paddles go on closing after both contacts have triggered, unless PRESS says otherwise."""
-LONGEST_PRESS, LONGEST_CARRY = 100, 255
-"""The most that GRIPPERVAL carries for PRESS and for CARRY."""
 AT_END = 0.01
 """Of the whole way, within which a limit switch is pressed."""
-USER_IO, GENERAL_IO = 1, 2
-"""How GRIPPERpac calls the wiring."""
-USER_INPUTS = 0x3F
-"""The user inputs that a gripper on the user I/O takes."""
 
-_FAR, _NEAR, _MOVING, _FAILED = 1, 2, 4, 8
+# A motor's half of the state byte: the paddles' is the lower one, and the lift's is like it.
+_FAR, _NEAR = int(GripperFlags.PADDLES_OPEN), int(GripperFlags.PADDLES_CLOSED)
+_MOVING, _FAILED = int(GripperFlags.PADDLES_MOVING), int(GripperFlags.PADDLES_ERROR)
 _UNKNOWN = _FAR | _NEAR
-
-
-class GripperOrder(IntEnum):
-    """Arguments of GRIPPER."""
-
-    OPEN = 1
-    CLOSE = 2
-    STOP = 3
-    UP = 4
-    DOWN = 5
-    LIFT_STOP = 6
-    STORE = 7
-    DEPLOY = 8
-    HALT = 15
-    PRESS = 16
-    CARRY = 17
 
 
 class _Motor:
@@ -128,16 +114,17 @@ class GripperServer:
     def inputs(self) -> int:
         """What the gripper's switches say, laid out as on the user I/O; moving motors are bits 6 and 7."""
         seen = self._seen
-        return (
-            (AT_END <= seen.opening <= 1.0 - AT_END) << 0
-            | (AT_END <= seen.lift <= 1.0 - AT_END) << 1
-            | seen.outer_beam << 2
-            | seen.inner_beam << 3
-            | (not seen.left_contact) << 4
-            | (not seen.right_contact) << 5
-            | bool(self._lift.direction) << 6
-            | bool(self._paddles.direction) << 7
-        )
+        switches = {
+            GripperInput.PADDLES_BETWEEN: AT_END <= seen.opening <= 1.0 - AT_END,
+            GripperInput.LIFT_BETWEEN: AT_END <= seen.lift <= 1.0 - AT_END,
+            GripperInput.OUTER_BEAM: seen.outer_beam,
+            GripperInput.INNER_BEAM: seen.inner_beam,
+            GripperInput.LEFT_CONTACT: not seen.left_contact,
+            GripperInput.RIGHT_CONTACT: not seen.right_contact,
+            GripperInput.LIFT_MOVING: self._lift.direction,
+            GripperInput.PADDLES_MOVING: self._paddles.direction,
+        }
+        return sum(int(switch) for switch, is_on in switches.items() if is_on)
 
     @property
     def second_byte(self) -> int:
@@ -145,7 +132,7 @@ class GripperServer:
 
         The state byte again, which some clients read there; on the general I/O the inputs, as one library expects.
         """
-        return self.inputs if self.kind == GENERAL_IO else self.state
+        return self.inputs if self.kind == GripperKind.PEOPLEBOT else self.state
 
     def report(self) -> GripperReport:
         """The GRIPPERpac of now."""

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from geometry import Pose2D
+from p2os.accessories.gripper import USER_INPUTS, GripperKind
 from p2os.accessory_packets import BatteryReport, GyroReport, JoystickReport
 from p2os.configuration import Configuration
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family
@@ -10,7 +11,6 @@ from p2os.packets import Encoders, IoReport, Packet, PacketType
 from p2os.sip import GYRO_FAULT, SipFlag, StandardSip, stall_word
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.board import Board
-from p2os_emu.microcontroller.gripper import USER_INPUTS, USER_IO
 from p2os_emu.microcontroller.panel import CENTRED
 
 SHOWS = 0.0005
@@ -216,7 +216,7 @@ def _user_inputs(board: Board, state: BodyState) -> int:
     panel = board.panel.digital_in & 0xFF
     if board.model.table_sensing_ir and not board.model.new_table_sensing_ir:
         panel &= _old_table_pins(state.infrared & board.panel.infrared)
-    taken = USER_INPUTS if board.gripper.kind == USER_IO else 0
+    taken = USER_INPUTS if board.gripper.kind == GripperKind.PIONEER else 0
     return panel & ~taken | board.gripper.inputs & taken if taken else panel
 
 

@@ -16,13 +16,7 @@ from gateway.errors import CommandRefused
 from gateway.events import ArmSeen
 from p2os import ArmInformation, ArmJoint, ArmReport, ArmStatus, Command, RobotModel, encode_command
 from p2os.accessories.arm_model import ArmModel
-
-EVERY_JOINT = 255
-MS = 0.001
-LONGEST_MS = 127
-"""ms a count; the most that ARM_SPEED carries."""
-MANUAL_POWERED, MANUAL_CONNECTED = 1, 2
-"""Bits of the first byte where a controller sends the bytes of ARMpac in the manual's order."""
+from p2os.accessories.pioneer_arm import EVERY_JOINT, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
 
 
 class Scale(NamedTuple):

@@ -7,7 +7,6 @@ laid out as the digital inputs are.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum, IntFlag
 from math import inf
 from typing import Any
 
@@ -16,54 +15,17 @@ from gateway.elements.asked import AskedElement
 from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
+from p2os.accessories.gripper import GripperFlags, GripperInput, GripperKind, GripperOrder
 
-
-class GripperFlags(IntFlag):
-    """Bits of the state byte; a pair of which both are set is where nobody knows."""
-
-    PADDLES_OPEN = 1 << 0
-    PADDLES_CLOSED = 1 << 1
-    PADDLES_MOVING = 1 << 2
-    PADDLES_ERROR = 1 << 3
-    LIFT_UP = 1 << 4
-    LIFT_DOWN = 1 << 5
-    LIFT_MOVING = 1 << 6
-    LIFT_ERROR = 1 << 7
-
-
-class GripperInput(IntFlag):
-    """Bits of the digital inputs with a gripper on them; contacts are 0 when something presses.
-
-    What moves is said here by a PeopleBot's gripper only.
-    """
-
-    OUTER_BEAM = 1 << 2
-    INNER_BEAM = 1 << 3
-    LEFT_CONTACT = 1 << 4
-    RIGHT_CONTACT = 1 << 5
-    LIFT_MOVING = 1 << 6
-    PADDLES_MOVING = 1 << 7
-
-
-class GripperKind(IntEnum):
-    """What a GRIPPERpac calls the gripper."""
-
-    NONE = 0
-    PIONEER = 1
-    PEOPLEBOT = 2
-
-
-HALT = 15
-"""Argument of GRIPPER: stop paddles and lift; what is held stays held."""
 ORDERS = {
-    "open": (1,),
-    "close": (2,),
-    "stop": (3, 6),
-    "up": (4,),
-    "down": (5,),
-    "store": (7,),
-    "deploy": (8,),
-    "halt": (HALT,),
+    "open": (GripperOrder.OPEN,),
+    "close": (GripperOrder.CLOSE,),
+    "stop": (GripperOrder.STOP, GripperOrder.LIFT_STOP),
+    "up": (GripperOrder.UP,),
+    "down": (GripperOrder.DOWN,),
+    "store": (GripperOrder.STORE,),
+    "deploy": (GripperOrder.DEPLOY,),
+    "halt": (GripperOrder.HALT,),
 }
 """What it can be told, and the arguments of GRIPPER that say so: to stop, paddles and lift are told one by one."""
 STOPPING = ("stop", "halt")
@@ -177,7 +139,7 @@ class GripperElement(AskedElement):
         """Stop paddles and lift where they are; what stops goes first."""
         if self.is_present:
             self._drop()
-            self._outbox.put((Command.GRIPPER, HALT), encode_command(Command.GRIPPER, HALT))
+            self._outbox.put((Command.GRIPPER, GripperOrder.HALT), encode_command(Command.GRIPPER, GripperOrder.HALT))
 
     def _drop(self) -> None:
         """Take back the orders that still wait."""

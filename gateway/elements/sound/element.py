@@ -8,13 +8,8 @@ from collections.abc import Sequence
 from gateway.elements.asked import AskedElement
 from gateway.errors import CommandRefused
 from p2os import Command, Family, PlaylistEntry, RobotModel
+from p2os.accessories.notes import HIGHEST_NOTE, LONGEST_NOTE, MOST_NOTES, NOTE_UNIT
 
-NOTE_UNIT = 0.02
-"""Seconds that one count of a note's duration lasts."""
-LONGEST_NOTE = 255 * NOTE_UNIT
-MOST_NOTES = 20
-HIGHEST_NOTE = 127
-"""MIDI; 0 is a rest."""
 HIGHEST_SOUND = 255
 WHOLE_LIST = 0
 """Argument of PLAYLIST."""

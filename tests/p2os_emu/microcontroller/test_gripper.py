@@ -6,13 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from p2os.accessories.gripper import GripperOrder
 from p2os.accessory_packets import GripperReport
 from p2os.command_table import Command
 from p2os.configuration import Configuration
 from p2os.packets import IoReport
 from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
-from p2os_emu.microcontroller.gripper import GripperOrder, GripperServer
+from p2os_emu.microcontroller.gripper import GripperServer
 from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench, PlainBody, PlainGripper
 
 BenchOf = Callable[..., MicrocontrollerBench]
