@@ -11,6 +11,7 @@ from typing import Self, TypeVar
 
 import configs
 from bus import Bus, MemoryBus, MemoryNetwork
+from bus.messages import NS_PER_S
 from gateway.cables.all_cables import CABLES
 from gateway.cables.cable import ElementDriver
 from gateway.driver import Driver
@@ -31,7 +32,6 @@ from p2os_emu.world import DoorState, PersonPlace, Touches, World, WorldSpec
 
 T = TypeVar("T")
 
-NS_PER_S = 1_000_000_000
 SETTINGS = Settings(emulated=True, laser=LaserSettings(baud=38400))
 NO_RATE = (0,)  # a line in memory has no baud rate to look for
 

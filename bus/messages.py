@@ -65,6 +65,7 @@ from bus.ros_msgs import (
 from bus.validation import LARGEST_OBJECT, check_json, check_nesting, check_size
 
 __all__ = [
+    "NS_PER_S",
     "Arm",
     "BatteryState",
     "Bumpers",
@@ -115,6 +116,8 @@ __all__ = [
     "twist",
     "type_of",
 ]
+
+NS_PER_S = 1_000_000_000
 
 # What the generated serialisers raise on values and bytes that do not fit.
 ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
@@ -263,13 +266,13 @@ def _read_object(payload: bytes, largest: int, check: Callable[[str, Any], None]
 
 def header(stamp_ns: int, frame_id: str) -> Header:
     """A header from a stamp in ns since the epoch, of the clock that the sender says."""
-    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    seconds, nanoseconds = divmod(stamp_ns, NS_PER_S)
     return Header(stamp=Time(sec=seconds, nanosec=nanoseconds), frame_id=frame_id)
 
 
 def stamp_ns(header: Header) -> int:
     """A header's stamp in ns since the epoch."""
-    return header.stamp.sec * 1_000_000_000 + header.stamp.nanosec
+    return header.stamp.sec * NS_PER_S + header.stamp.nanosec
 
 
 def twist(linear: float, angular: float) -> Twist:

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeVar
 from bus import Bus, KeyNotValid, MessageError, Refused, Sample, Subscription, keys
 from bus.heartbeat import LONGEST_PERIOD, SILENCE, heartbeat_key
 from bus.keys import Topic
-from bus.messages import Twist, decode, stamp_ns
+from bus.messages import NS_PER_S, Twist, decode, stamp_ns
 from bus.validation import sentence
 from gateway.bindings import Binding, MotionBindings
 from gateway.commands import BASE, COMMANDS, DETACH, HEARTBEAT, TOKEN, Arguments, CommandRow, check_arguments
@@ -28,7 +28,6 @@ T = TypeVar("T")
 
 NOTICE_SHOWN = 2.0
 """Seconds for which a refused command, or the loss of a commander, counts among the faults."""
-NS_PER_S = 1_000_000_000
 VELOCITY_PERIOD = 0.005
 """Least seconds between two velocities that are looked at; the robot takes no more than one in its cycle."""
 CLOCK_TOLERANCE = 0.2

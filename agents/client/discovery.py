@@ -1,13 +1,13 @@
 """Which agents and robots are on the bus, and waiting for those that start late or are being restarted."""
 
 import asyncio
-import difflib
 from collections.abc import Iterable
 
 from agents.client.errors import NotThere
 from agents.platform import AgentName, Directory
 from agents.platform.conversations.talk import hand_over
 from bus import Bus
+from configs.suggestion import meant
 
 MEETING_TIME = 3.0  # s in which whoever is there has been seen, on a loaded machine too
 QUIET = 0.4  # s without anything new, after which all are taken to have been seen
@@ -115,9 +115,9 @@ class Discovery:
             )
         if not others:
             return NotThere(f"there is no robot {name!r}, nor any other: {NO_ROBOTS}")
-        near = difflib.get_close_matches(name, others, 1)
-        meant = f"did you mean {near[0]!r}? There {_are(others)}" if near else there
-        return NotThere(f"there is no robot {name!r}; {meant}")
+        near = meant(name, others)
+        advice = f"did you mean {near!r}? There {_are(others)}" if near else there
+        return NotThere(f"there is no robot {name!r}; {advice}")
 
     async def _none_has(self, having: Iterable[str]) -> NotThere:
         if others := await self._robots(()):

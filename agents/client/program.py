@@ -13,7 +13,6 @@ As an agent it offers the services that it lists (`SERVICES = ("patrol",)`), and
 so (`RESTART = True`).
 """
 
-import difflib
 import importlib
 import importlib.util
 import inspect
@@ -29,6 +28,7 @@ from agents.client.complaints import complaint
 from agents.client.errors import RobotError
 from agents.platform.conversations.handler import Handler, NotUnderstood
 from agents.platform.errors import in_words
+from configs.suggestion import meant
 
 PACKAGE = "apps"
 
@@ -157,8 +157,8 @@ def _advice(name: str, folders: Sequence[Path]) -> str:
         known = [*_names_in_package(), *(path.stem for folder in folders for path in folder.glob("*.py"))]
         if Path(f"{name}.py").is_file():
             return f"; did you mean the file {name}.py?"
-    near = difflib.get_close_matches(name, known, 1)
-    return f"; did you mean {near[0]}?" if near else f"; write one with `acromovi new {Path(name).stem}`"
+    near = meant(name, known)
+    return f"; did you mean {near}?" if near else f"; write one with `acromovi new {Path(name).stem}`"
 
 
 def _takes(names: Sequence[str]) -> str:

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from agents.components.component import NS_PER_S, known
+from agents.components.component import known
 from agents.components.motions import MotionGoal, Phase
 from agents.components.moving import MovingElementAgent, Result
 from agents.platform import on, request
 from bus import keys
 from bus.keys import frame
+from bus.messages import NS_PER_S, JointState, stamp_ns
 from bus.messages import Arm as ArmMessage
-from bus.messages import JointState, stamp_ns
 
 TOLERANCES = {"rad": 0.02, "m": 0.002}
 """More than a count of any servo."""

@@ -21,10 +21,9 @@ from agents.platform.conversations.talk import hand_over
 from agents.platform.stream import Stream
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
 from bus.keys import Topic
-from bus.messages import decode, stamp_ns
+from bus.messages import NS_PER_S, decode, stamp_ns
 
 COMMAND_TIME = 2.0  # s for the gateway to answer
-NS_PER_S = 1e9
 
 
 class ElementAgent(Agent):

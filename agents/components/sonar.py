@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from math import atan2, cos, sin
 from typing import Any, ClassVar
 
-from agents.components.component import NS_PER_S, ElementAgent, known
+from agents.components.component import ElementAgent, known
 from agents.platform import AgentName, request
 from bus import keys
-from bus.messages import RangeArray, stamp_ns
+from bus.messages import NS_PER_S, RangeArray, stamp_ns
 
 MEMORY = 1.0
 """Seconds for which a disc's range stands; each packet brings those of a few discs only."""

@@ -4,7 +4,6 @@ Only what lies in the packages `agents` and `apps`, or in a folder of applicatio
 container that ran whatever it is told to would be everybody's.
 """
 
-import difflib
 import importlib
 import inspect
 import pkgutil
@@ -19,6 +18,7 @@ from typing import Any
 from agents.platform.agent import Agent
 from agents.platform.errors import AgentError, in_words
 from agents.platform.names import AgentName
+from configs.suggestion import meant
 
 PACKAGES = ("agents", "apps")
 
@@ -133,5 +133,5 @@ def _is_kind(value: object, module: ModuleType) -> bool:
 
 
 def _advice(name: str, known: Sequence[str]) -> str:
-    near = difflib.get_close_matches(name, known, 1)
-    return f"; did you mean {near[0]}?" if near else ""
+    near = meant(name, known)
+    return f"; did you mean {near}?" if near else ""

@@ -25,7 +25,7 @@ from agents.services.watching import ElementName, RobotName, Watching
 from bus import BusError, Refused, Sample, Subscription
 from bus.bus import Publisher
 from bus.keys import DESCRIPTION, DIAGNOSTICS, STATE, split
-from bus.messages import DiagnosticArray, RobotState
+from bus.messages import NS_PER_S, DiagnosticArray, RobotState
 
 TOKENS = ("*/alive", "*/agents/*/alive", "*/containers/*/alive", "*/elements/*/alive")
 GATHER = 0.01  # s in which tokens that come or go are taken together; a process that dies takes all of its own with it
@@ -124,7 +124,7 @@ class Monitor(Agent):
     async def diagnose(self) -> None:
         """Show ROS how all stand."""
         if self._diagnostics is not None:
-            stamp_ns = int(self.home.wall_time() * 1e9)
+            stamp_ns = int(self.home.wall_time() * NS_PER_S)
             self._diagnostics.put(diagnostic_array(self.name.platform, self._standings(""), stamp_ns))
 
     def _standings(self, robot: str) -> list[Standing]:

@@ -19,7 +19,6 @@ A no is an error reply with one sentence.
 
 import asyncio
 import contextlib
-import difflib
 import logging
 import os
 import socket
@@ -41,6 +40,7 @@ from agents.platform.names import AgentName
 from bus import BusError, BusUnavailable, Conversation, Subscription
 from bus.name_holder import BusProgram
 from bus.validation import check_value
+from configs.suggestion import meant
 
 log = logging.getLogger("agents")
 
@@ -147,8 +147,8 @@ class Control:
     async def _do(self, given: Given, orders: Mapping[str, Order]) -> dict[str, Any]:
         order = text_of(given, "do")
         if order not in orders:
-            near = difflib.get_close_matches(order, orders, 1)
-            advice = f"did you mean {near[0]}?" if near else f"it obeys {', '.join(orders)}"
+            near = meant(order, orders)
+            advice = f"did you mean {near}?" if near else f"it obeys {', '.join(orders)}"
             where = "" if orders is self._orders else " where it is described"
             raise OrderNotValid(f"a container does not obey {order!r}{where}; {advice}")
         return await orders[order](given)

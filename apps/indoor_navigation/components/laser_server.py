@@ -14,11 +14,10 @@ from apps.indoor_navigation.algorithms.pose_history import PoseHistory
 from apps.indoor_navigation.component import Component, Role, hears
 from apps.indoor_navigation.data import LaserRead, RobotOdometry
 from bus import BusUnavailable, Refused, keys
-from bus.messages import LaserScan, stamp_ns
+from bus.messages import NS_PER_S, LaserScan, stamp_ns
 
 ANSWER_TIME = 2.0  # s for the gateway to say where the scanner is
 LOOK_AGAIN = 1.0  # s between two tries
-NS_PER_S = 1e9
 
 log = logging.getLogger("navigation")
 

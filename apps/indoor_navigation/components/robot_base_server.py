@@ -14,14 +14,13 @@ from apps.indoor_navigation.component import Component, Role, answers_query, hea
 from apps.indoor_navigation.components.wheel_lease import WheelLease
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from bus import BusUnavailable, Refused, keys
+from bus.messages import NS_PER_S, RangeArray, heading, stamp_ns, twist
 from bus.messages import Odometry as OdometryMessage
-from bus.messages import RangeArray, heading, stamp_ns, twist
 from geometry import Pose2D
 
 ANSWER_TIME = 2.0  # s for the gateway to say what the robot is
 LOOK_AGAIN = 1.0  # s between two tries
 WATCH = 0.05  # s between two looks whether somebody has fallen silent
-NS_PER_S = 1e9
 
 log = logging.getLogger("navigation")
 

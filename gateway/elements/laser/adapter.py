@@ -8,7 +8,7 @@ import numpy as np
 
 from bus import keys
 from bus.keys import Topic, frame
-from bus.messages import LaserScan, TransformStamped, header, placed
+from bus.messages import NS_PER_S, LaserScan, TransformStamped, header, placed
 from gateway.elements.cable_adapter import CableAdapter, ElementCommander
 from gateway.elements.laser.driver import NAME, LaserDriver
 from gateway.events import Event, LaserScanned
@@ -20,7 +20,6 @@ NEAREST = 0.01
 """m; a hand on the window is measured too."""
 FARTHEST = 80.0
 """m; what the scanner reaches at best, however large the numbers that its values could say."""
-NS_PER_S = 1_000_000_000
 
 
 class LaserAdapter(CableAdapter[LaserDriver]):

@@ -8,7 +8,7 @@ import numpy as np
 
 from bus import keys
 from bus.keys import Topic, frame
-from bus.messages import LaserScan, TransformStamped, header, placed
+from bus.messages import NS_PER_S, LaserScan, TransformStamped, header, placed
 from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.simulated_laser.element import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
@@ -19,7 +19,6 @@ NEAREST = 0.01
 """m; simulators write 0 where there is no reading."""
 FARTHEST = 32.0
 """m; what MobileSim's laser sees. A simulator writes its own farthest range where nothing was near enough."""
-NS_PER_S = 1_000_000_000
 
 
 class SimulatedLaserAdapter(BusAdapter):

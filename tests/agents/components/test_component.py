@@ -10,12 +10,11 @@ from agents.components.generic import Generic
 from agents.platform import Ending
 from agents.platform.conversations.talk import query
 from bus import Refused, Sample, keys
-from bus.messages import Bumpers, header
+from bus.messages import NS_PER_S, Bumpers, header
 from tests.agents.components.bench import Bench
 
 MakeBench = Callable[..., Bench]
 
-NS_PER_S = 1_000_000_000
 WITH_A_CLASS = {
     *(
         "base",

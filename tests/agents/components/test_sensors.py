@@ -9,6 +9,7 @@ import pytest
 
 from bus import keys
 from bus.messages import (
+    NS_PER_S,
     BatteryState,
     Bumpers,
     Compass,
@@ -26,7 +27,6 @@ from tests.agents.components.bench import Bench, odometry
 
 MakeBench = Callable[..., Bench]
 
-NS_PER_S = 1_000_000_000
 STAMP = 1234.5
 
 
