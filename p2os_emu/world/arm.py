@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from p2os.accessories.arm_model import ArmGripperModel, ArmModel
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.links import BodyLink, Joint, Triple
 
 GAIN = 0.5
@@ -32,7 +32,12 @@ class JointedArm:
     """The arm of one robot."""
 
     def __init__(
-        self, client: int, body: int, first: int, model: ArmModel, on_command: Callable[[], None] = lambda: None
+        self,
+        client: PhysicsClient,
+        body: int,
+        first: int,
+        model: ArmModel,
+        on_command: Callable[[], None] = lambda: None,
     ) -> None:
         """Take hold of an arm that is part of a body.
 
@@ -56,7 +61,7 @@ class JointedArm:
         for number, place in enumerate(model.home):
             for link in self._servos[number].links:
                 share = place / len(self._servos[number].links)
-                engine.resetJointState(body, link, share, 0.0, physicsClientId=client)
+                client.resetJointState(body, link, share, 0.0)
             self.release(number)
 
     @property
@@ -75,7 +80,7 @@ class JointedArm:
         servo = self._servos[joint]
         share = len(servo.links)
         for link in servo.links:
-            engine.setJointMotorControl2(
+            self._client.setJointMotorControl2(
                 self._body,
                 link,
                 engine.POSITION_CONTROL,
@@ -84,7 +89,6 @@ class JointedArm:
                 positionGain=GAIN,
                 velocityGain=1.0,
                 force=servo.strength,
-                physicsClientId=self._client,
             )
 
     def release(self, joint: int) -> None:
@@ -92,17 +96,16 @@ class JointedArm:
         self._on_command()
         servo = self._servos[joint]
         for link in servo.links:
-            engine.setJointMotorControl2(
+            self._client.setJointMotorControl2(
                 self._body,
                 link,
                 engine.VELOCITY_CONTROL,
                 targetVelocity=0.0,
                 force=servo.friction,
-                physicsClientId=self._client,
             )
 
     def _shared(self, value: int) -> list[float]:
-        states: Sequence[tuple[Any, ...]] = engine.getJointStates(self._body, self._links, physicsClientId=self._client)
+        states: Sequence[tuple[Any, ...]] = self._client.getJointStates(self._body, self._links)
         row = [state[value] for state in states]
         return [*row[:-FINGERS], sum(row[-FINGERS:])]
 

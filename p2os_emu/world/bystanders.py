@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
+from p2os_emu.world.engine import PhysicsClient
 from p2os_emu.world.leaves import DoorState, Leaves
 from p2os_emu.world.look import Look, leaf_look, person_look
 from p2os_emu.world.objects import MovingObject
@@ -13,7 +14,7 @@ from p2os_emu.world.walkers import PersonPlace, Walkers
 class Bystanders:
     """People and doors of one world. Each waits for the other, and both for robots; things only keep doors open."""
 
-    def __init__(self, client: int, spec: WorldSpec, seed: int) -> None:
+    def __init__(self, client: PhysicsClient, spec: WorldSpec, seed: int) -> None:
         self._people = Walkers(client, spec.people, seed)
         self._leaves = Leaves(client, spec.moving_doors, seed)
         self._there_are_any = bool(spec.people or spec.moving_doors)

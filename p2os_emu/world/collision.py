@@ -19,7 +19,7 @@ from p2os_emu.world.chassis import (
     WHEEL_FRICTION,
     Chassis,
 )
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.links import FIRST, BodyLink, Joint
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.spec import Block
@@ -54,108 +54,101 @@ _TOUCHES = {
 }
 
 
-def build_floor(client: int) -> int:
+def build_floor(client: PhysicsClient) -> int:
     """An endless floor at z = 0 for robots; returns its body id."""
     return _plane(client, FLOOR_FRICTION, Group.FLOOR)
 
 
-def build_object_floor(client: int) -> int:
+def build_object_floor(client: PhysicsClient) -> int:
     """An endless floor at z = 0 for movable objects; returns its body id."""
     return _plane(client, OBJECT_FLOOR_FRICTION, Group.OBJECT_FLOOR)
 
 
-def _plane(client: int, friction: float, group: Group) -> int:
-    shape = engine.createCollisionShape(engine.GEOM_PLANE, physicsClientId=client)
-    body: int = engine.createMultiBody(0.0, shape, physicsClientId=client)
-    engine.changeDynamics(body, HULL, lateralFriction=friction, physicsClientId=client)
+def _plane(client: PhysicsClient, friction: float, group: Group) -> int:
+    shape = client.createCollisionShape(engine.GEOM_PLANE)
+    body: int = client.createMultiBody(0.0, shape)
+    client.changeDynamics(body, HULL, lateralFriction=friction)
     _join(client, body, HULL, group)
     return body
 
 
-def build_blocks(client: int, blocks: Iterable[Block]) -> list[int]:
+def build_blocks(client: PhysicsClient, blocks: Iterable[Block]) -> list[int]:
     """Boxes that do not move; returns their body ids."""
     bodies = []
     for block in blocks:
-        shape = engine.createCollisionShape(
+        shape = client.createCollisionShape(
             engine.GEOM_BOX,
             halfExtents=[block.length / 2, block.width / 2, block.height / 2],
-            physicsClientId=client,
         )
-        body = engine.createMultiBody(
+        body = client.createMultiBody(
             0.0,
             shape,
             basePosition=[block.x, block.y, block.height / 2],
             baseOrientation=upright(block.heading),
             useMaximalCoordinates=True,  # a plain rigid body: nothing of it is looked at in a step
-            physicsClientId=client,
         )
-        engine.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION, physicsClientId=client)
+        client.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION)
         _join(client, body, HULL, Group.BLOCK)
         bodies.append(body)
     return bodies
 
 
-def build_person(client: int, radius: float, height: float) -> int:
+def build_person(client: PhysicsClient, radius: float, height: float) -> int:
     """An upright cylinder that goes where it is put and yields to nothing; returns its body id."""
-    shape = engine.createCollisionShape(engine.GEOM_CYLINDER, radius=radius, height=height, physicsClientId=client)
+    shape = client.createCollisionShape(engine.GEOM_CYLINDER, radius=radius, height=height)
     return _kinematic(client, shape)
 
 
-def build_leaf(client: int, width: float, thickness: float, height: float) -> int:
+def build_leaf(client: PhysicsClient, width: float, thickness: float, height: float) -> int:
     """A panel that goes where it is put and yields to nothing; returns its body id."""
     half = [width / 2, thickness / 2, height / 2]
-    return _kinematic(client, engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client))
+    return _kinematic(client, client.createCollisionShape(engine.GEOM_BOX, halfExtents=half))
 
 
-def _kinematic(client: int, shape: int) -> int:
-    body: int = engine.createMultiBody(0.0, shape, useMaximalCoordinates=True, physicsClientId=client)
-    engine.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION, physicsClientId=client)
+def _kinematic(client: PhysicsClient, shape: int) -> int:
+    body: int = client.createMultiBody(0.0, shape, useMaximalCoordinates=True)
+    client.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION)
     _join(client, body, HULL, Group.BLOCK)
     return body
 
 
-def put(client: int, body: int, pose: Pose2D, height: float) -> None:
+def put(client: PhysicsClient, body: int, pose: Pose2D, height: float) -> None:
     """Put something that stands upright on the floor and is `height` m high where its middle is at a pose."""
-    engine.resetBasePositionAndOrientation(
-        body, [pose.x, pose.y, height / 2], upright(pose.heading), physicsClientId=client
-    )
+    client.resetBasePositionAndOrientation(body, [pose.x, pose.y, height / 2], upright(pose.heading))
 
 
-def build_object(client: int, movable: Movable) -> int:
+def build_object(client: PhysicsClient, movable: Movable) -> int:
     """Something that can be pushed and gripped; returns its body id. Its base frame lies in its middle."""
     if movable.shape is Shape.CYLINDER:
-        shape = engine.createCollisionShape(
-            engine.GEOM_CYLINDER, radius=movable.length / 2, height=movable.height, physicsClientId=client
-        )
+        shape = client.createCollisionShape(engine.GEOM_CYLINDER, radius=movable.length / 2, height=movable.height)
     else:
         half = [movable.length / 2, movable.width / 2, movable.height / 2]
-        shape = engine.createCollisionShape(engine.GEOM_BOX, halfExtents=half, physicsClientId=client)
+        shape = client.createCollisionShape(engine.GEOM_BOX, halfExtents=half)
     pose = movable.pose
-    body: int = engine.createMultiBody(
+    body: int = client.createMultiBody(
         movable.mass,
         shape,
         basePosition=[pose.x, pose.y, movable.height / 2],
         baseOrientation=upright(pose.heading),
         flags=engine.URDF_ENABLE_SLEEPING,  # what rests costs nothing until something touches it
-        physicsClientId=client,
     )
-    engine.changeDynamics(body, HULL, lateralFriction=movable.friction, physicsClientId=client)
+    client.changeDynamics(body, HULL, lateralFriction=movable.friction)
     _join(client, body, HULL, Group.OBJECT)
     return body
 
 
-def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[BodyLink] = ()) -> int:
+def build_robot(client: PhysicsClient, chassis: Chassis, pose: Pose2D, links: Sequence[BodyLink] = ()) -> int:
     """A hull on casters with two driven wheels, and the links of its accessories; returns its body id.
 
     Its base frame lies in the centre of mass, right above or below the middle of the axle. Wheels collide as spheres,
     whose one point of contact stays under the axle (cylinders shift it by 19 mm). Links count from `links.FIRST`, and
     a parent among them as it stands in `links`.
     """
-    wheel = engine.createCollisionShape(engine.GEOM_SPHERE, radius=chassis.wheel_radius, physicsClientId=client)
+    wheel = client.createCollisionShape(engine.GEOM_SPHERE, radius=chassis.wheel_radius)
     sides = (chassis.wheel_track / 2, -chassis.wheel_track / 2)
     axles = [_from_mass(0.0, side, chassis.wheel_radius) for side in sides]
     everything = len(sides) + len(links)
-    body: int = engine.createMultiBody(
+    body: int = client.createMultiBody(
         chassis.hull_mass,
         _hull_shape(client, chassis),
         basePosition=mass_position(pose),
@@ -171,59 +164,55 @@ def build_robot(client: int, chassis: Chassis, pose: Pose2D, links: Sequence[Bod
         linkParentIndices=[0, 0, *(0 if link.parent is None else FIRST + link.parent + 1 for link in links)],
         linkJointTypes=[*[engine.JOINT_REVOLUTE] * 2, *(link.joint.value for link in links)],
         linkJointAxis=[*[(0.0, 1.0, 0.0)] * 2, *(link.axis for link in links)],
-        physicsClientId=client,
     )
     parts = [(HULL, chassis.hull_inertia, HULL_FRICTION, Group.HULL)]
     parts += [(link, chassis.wheel_inertia, WHEEL_FRICTION, Group.WHEEL) for link in WHEELS]
     for link, inertia, friction, group in parts:
-        engine.changeDynamics(body, link, localInertiaDiagonal=inertia, physicsClientId=client)
+        client.changeDynamics(body, link, localInertiaDiagonal=inertia)
         # In a call of its own: beside others it would land on the base.
-        engine.changeDynamics(body, link, lateralFriction=friction, physicsClientId=client)
+        client.changeDynamics(body, link, lateralFriction=friction)
         _join(client, body, link, group)
     for index, part in enumerate(links, FIRST):
         _finish_link(client, body, index, part)
     # Damping would brake spinning wheels: motors of a robot at 1 m/s would work at 80 % of their strength.
-    engine.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=0.0, physicsClientId=client)
+    client.changeDynamics(body, HULL, linearDamping=0.0, angularDamping=0.0)
     # Casters in the air are none of the solver's business.
-    engine.changeDynamics(body, HULL, contactProcessingThreshold=0.0, physicsClientId=client)
+    client.changeDynamics(body, HULL, contactProcessingThreshold=0.0)
     return body
 
 
-def _link_shape(client: int, link: BodyLink) -> int:
+def _link_shape(client: PhysicsClient, link: BodyLink) -> int:
     """The box of a link; -1 where there is nothing to touch."""
     if not link.collides:
         return -1
-    shape: int = engine.createCollisionShape(
+    shape: int = client.createCollisionShape(
         engine.GEOM_BOX,
         halfExtents=[edge / 2 for edge in link.size],
         collisionFramePosition=link.centre,
-        physicsClientId=client,
     )
     return shape
 
 
-def _finish_link(client: int, body: int, index: int, link: BodyLink) -> None:
+def _finish_link(client: PhysicsClient, body: int, index: int, link: BodyLink) -> None:
     """Give a link what its creation could not: inertia of an even box and a rotor, friction, ends, and no motor."""
     x, y, z = (edge**2 for edge in link.size)
     box = (link.mass / 12 * edges for edges in (y + z, x + z, x + y))
     inertia = [part + link.rotor * abs(share) for part, share in zip(box, link.axis, strict=True)]
-    engine.changeDynamics(body, index, localInertiaDiagonal=inertia, physicsClientId=client)
-    engine.changeDynamics(body, index, lateralFriction=link.friction, physicsClientId=client)
+    client.changeDynamics(body, index, localInertiaDiagonal=inertia)
+    client.changeDynamics(body, index, lateralFriction=link.friction)
     if link.lower < link.upper:
-        engine.changeDynamics(
-            body, index, jointLowerLimit=link.lower, jointUpperLimit=link.upper, physicsClientId=client
-        )
+        client.changeDynamics(body, index, jointLowerLimit=link.lower, jointUpperLimit=link.upper)
     if link.joint is not Joint.FIXED:
-        engine.setJointMotorControl2(body, index, engine.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
+        client.setJointMotorControl2(body, index, engine.VELOCITY_CONTROL, force=0.0)
     if link.collides:
         _join(client, body, index, Group.HULL)
 
 
-def lift_wheels(client: int, body: int, off_the_floor: bool) -> None:
+def lift_wheels(client: PhysicsClient, body: int, off_the_floor: bool) -> None:
     """Let a robot's wheels turn in the air, or put them on the floor again."""
     touched = Group(0) if off_the_floor else _TOUCHES[Group.WHEEL]
     for link in WHEELS:
-        engine.setCollisionFilterGroupMask(body, link, int(Group.WHEEL), int(touched), physicsClientId=client)
+        client.setCollisionFilterGroupMask(body, link, int(Group.WHEEL), int(touched))
 
 
 def mass_position(pose: Pose2D) -> tuple[float, float, float]:
@@ -248,21 +237,20 @@ def heading_of(quaternion: Sequence[float]) -> float:
     return atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
-def _hull_shape(client: int, chassis: Chassis) -> int:
+def _hull_shape(client: PhysicsClient, chassis: Chassis) -> int:
     """A box and the two casters under it, as one shape."""
     half = [(chassis.front + chassis.rear) / 2, chassis.width / 2, (HULL_TOP - HULL_BOTTOM) / 2]
     middle = ((chassis.front - chassis.rear) / 2, 0.0, (HULL_TOP + HULL_BOTTOM) / 2)
     ends = (chassis.front, -chassis.rear)
     casters = [(CASTER_REACH * end, 0.0, CASTER_RADIUS + CASTER_GAP) for end in ends]
-    shape: int = engine.createCollisionShapeArray(
+    shape: int = client.createCollisionShapeArray(
         shapeTypes=[engine.GEOM_BOX, engine.GEOM_SPHERE, engine.GEOM_SPHERE],
         halfExtents=[half] * 3,
         radii=[CASTER_RADIUS] * 3,
         collisionFramePositions=[_from_mass(*place) for place in (middle, *casters)],
-        physicsClientId=client,
     )
     return shape
 
 
-def _join(client: int, body: int, link: int, group: Group) -> None:
-    engine.setCollisionFilterGroupMask(body, link, int(group), int(_TOUCHES[group]), physicsClientId=client)
+def _join(client: PhysicsClient, body: int, link: int, group: Group) -> None:
+    client.setCollisionFilterGroupMask(body, link, int(group), int(_TOUCHES[group]))

@@ -4,6 +4,8 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
+from typing import Any
 
 from configs.extras import require
 
@@ -32,4 +34,21 @@ with _quiet():
 STEP = 1 / 120
 """s; the world moves in steps of this size and no other."""
 
-__all__ = ["STEP", "engine"]
+__all__ = ["STEP", "PhysicsClient", "engine"]
+
+
+class PhysicsClient:
+    """One of the engine's worlds: its functions, each called for this world.
+
+    number: the engine's own for it; below 0 when it has no room for one more.
+    """
+
+    def __init__(self, number: int) -> None:
+        """Wrap a world that the engine has opened."""
+        self.number = number
+
+    def __getattr__(self, name: str) -> Any:
+        """Bind a function of the engine to this world on its first use."""
+        function = partial(getattr(engine, name), physicsClientId=self.number)
+        setattr(self, name, function)
+        return function

@@ -14,7 +14,7 @@ from p2os_emu.body import GripperMechanismState
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, SEEN_BY_RAYS, heading_of
-from p2os_emu.world.engine import STEP, engine
+from p2os_emu.world.engine import STEP, PhysicsClient, engine
 from p2os_emu.world.links import BodyLink, Joint
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.rays import Place
@@ -74,7 +74,7 @@ class RobotGripper:
 
     def __init__(
         self,
-        client: int,
+        client: PhysicsClient,
         body: int,
         first: int,
         model: GripperModel,
@@ -127,7 +127,7 @@ class RobotGripper:
     def let_go(self) -> None:
         """Hold nothing any more."""
         if self._grip is not None:
-            engine.removeConstraint(self._grip.constraint, physicsClientId=self._client)
+            self._client.removeConstraint(self._grip.constraint)
             self._grip = None
 
     def follow(self) -> None:
@@ -147,13 +147,12 @@ class RobotGripper:
             for paddle in (self._left, self._right):
                 self._move(paddle, 0.0, speed, PADDLE_FORCE)
         elif self._paddles < 0.0:
-            engine.setJointMotorControlArray(
+            self._client.setJointMotorControlArray(
                 self._body,
                 (self._left, self._right),
                 engine.VELOCITY_CONTROL,
                 targetVelocities=[speed] * 2,
                 forces=[self.model.contact_force_n] * 2,
-                physicsClientId=self._client,
             )
         else:
             self._hold(self._left, self._right)
@@ -173,7 +172,7 @@ class RobotGripper:
             self._move(link, position, self.model.lift_speed_m_s, force)
 
     def _move(self, link: int, position: float, speed: float, force: float) -> None:
-        engine.setJointMotorControl2(
+        self._client.setJointMotorControl2(
             self._body,
             link,
             engine.POSITION_CONTROL,
@@ -181,14 +180,11 @@ class RobotGripper:
             positionGain=GAIN,
             maxVelocity=speed,
             force=force,
-            physicsClientId=self._client,
         )
 
     def _joints(self, *links: int) -> Sequence[tuple[float, float, Any, float]]:
         """Place (m) and speed (m/s) of each link, among others."""
-        states: Sequence[tuple[float, float, Any, float]] = engine.getJointStates(
-            self._body, links, physicsClientId=self._client
-        )
+        states: Sequence[tuple[float, float, Any, float]] = self._client.getJointStates(self._body, links)
         return states
 
     def _between(self) -> int | None:
@@ -198,10 +194,10 @@ class RobotGripper:
 
     def _touched(self, paddle: int, outward: float) -> Iterator[int]:
         """What presses on the inner face of a paddle; `outward` is 1 for the left paddle, -1 for the right."""
-        contacts = engine.getContactPoints(bodyA=self._body, linkIndexA=paddle, physicsClientId=self._client)
+        contacts = self._client.getContactPoints(bodyA=self._body, linkIndexA=paddle)
         if not contacts:
             return
-        _, orientation = engine.getBasePositionAndOrientation(self._body, physicsClientId=self._client)
+        _, orientation = self._client.getBasePositionAndOrientation(self._body)
         heading = heading_of(orientation)
         for contact in contacts:
             other, normal, distance = contact[2], contact[7], contact[8]
@@ -211,7 +207,7 @@ class RobotGripper:
     def _take(self, held: int, force: float) -> None:
         """Begin to hold an object where it is."""
         place, orientation = self._from_lift(held)
-        constraint = engine.createConstraint(
+        constraint = self._client.createConstraint(
             self._body,
             self._lift,
             held,
@@ -222,7 +218,6 @@ class RobotGripper:
             [0.0] * 3,
             orientation,
             [0.0, 0.0, 0.0, 1.0],
-            physicsClientId=self._client,
         )
         self._grip = _Grip(held, constraint, place, force)
         self._set_strength(self._grip)
@@ -240,21 +235,20 @@ class RobotGripper:
 
     def _set_strength(self, grip: _Grip) -> None:
         friction = self._objects.friction(grip.held, self.model.paddle_friction)
-        engine.changeConstraint(grip.constraint, maxForce=2 * friction * grip.force, physicsClientId=self._client)
+        self._client.changeConstraint(grip.constraint, maxForce=2 * friction * grip.force)
 
     def _from_lift(self, held: int) -> tuple[Place, tuple[float, float, float, float]]:
         """Place (m) and orientation of an object, seen from the middle of the lift's carriage."""
-        thing = engine.getBasePositionAndOrientation(held, physicsClientId=self._client)
+        thing = self._client.getBasePositionAndOrientation(held)
         place, orientation = engine.multiplyTransforms(*engine.invertTransform(*self._carriage()), *thing)
         return place, orientation
 
     def _carriage(self) -> tuple[Place, tuple[float, float, float, float]]:
         """Place (m, in the world) and orientation of the middle of the lift's carriage."""
-        state = engine.getLinkState(
+        state = self._client.getLinkState(
             self._body,
             self._lift,
             computeForwardKinematics=True,  # otherwise it is where it was a step ago
-            physicsClientId=self._client,
         )
         return state[0], state[1]
 
@@ -286,9 +280,7 @@ class RobotGripper:
             places = (self._in_world(origin, orientation, beam + CARRIAGE / 2, y) for y in ends)
             starts.append(next(places))
             stops.append(next(places))
-        hits = engine.rayTestBatch(
-            starts, stops, numThreads=1, collisionFilterMask=SEEN_BY_RAYS, physicsClientId=self._client
-        )
+        hits = self._client.rayTestBatch(starts, stops, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
         outer, inner = (body not in (NOTHING, self._body) for body, *_ in hits)
         return outer, inner
 

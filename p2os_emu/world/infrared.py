@@ -10,7 +10,7 @@ from geometry import Pose2D
 from p2os.robot_model import InfraredSensor, RobotModel
 from p2os_emu.world.chassis import HULL_TOP, Chassis
 from p2os_emu.world.collision import SEEN_BY_RAYS
-from p2os_emu.world.engine import STEP, engine
+from p2os_emu.world.engine import STEP, PhysicsClient
 from p2os_emu.world.rays import Place
 
 PERIOD = round(0.05 / STEP)
@@ -39,7 +39,7 @@ def sensors_of(model: RobotModel) -> Sequence[InfraredSensor]:
 class InfraredRays:
     """The infrared sensors of one robot."""
 
-    def __init__(self, client: int, body: int, model: RobotModel, chassis: Chassis) -> None:
+    def __init__(self, client: PhysicsClient, body: int, model: RobotModel, chassis: Chassis) -> None:
         self._client = client
         self._body = body
         self._sensors = sensors_of(model)
@@ -60,9 +60,7 @@ class InfraredRays:
         for (x, y, z), (end_x, end_y, end_z) in self._rays:
             starts.append((*pose.transform(x, y), z))
             ends.append((*pose.transform(end_x, end_y), end_z))
-        hits = engine.rayTestBatch(
-            starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS, physicsClientId=self._client
-        )
+        hits = self._client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
         levels = NOTHING_SEEN
         for sensor, (body, *_) in zip(self._sensors, hits, strict=True):
             triggered = body >= 0 and body != self._body

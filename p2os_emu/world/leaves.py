@@ -8,7 +8,7 @@ from typing import NamedTuple
 from geometry import Pose2D
 from p2os_emu.hints import nearest
 from p2os_emu.world.collision import build_leaf, put
-from p2os_emu.world.engine import STEP
+from p2os_emu.world.engine import STEP, PhysicsClient
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.moving_doors import LEAF_HEIGHT, LEAF_THICKNESS, MovingDoor
 from p2os_emu.world.objects import MovingObject
@@ -31,7 +31,7 @@ class DoorState(NamedTuple):
 class Leaf:
     """One leaf. opening: how far it is open, m."""
 
-    def __init__(self, client: int, door: MovingDoor, random: Random) -> None:
+    def __init__(self, client: PhysicsClient, door: MovingDoor, random: Random) -> None:
         self.door = door
         self._client = client
         self._random = random
@@ -92,7 +92,7 @@ class Leaf:
 class Leaves:
     """All doors with a leaf in one world."""
 
-    def __init__(self, client: int, doors: Sequence[MovingDoor], seed: int) -> None:
+    def __init__(self, client: PhysicsClient, doors: Sequence[MovingDoor], seed: int) -> None:
         self._leaves = {door.name: Leaf(client, door, Random(f"{seed} {door.name} door")) for door in doors}
         self._busy = [leaf for leaf in self._leaves.values() if not leaf.is_still]
 

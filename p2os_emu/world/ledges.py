@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from geometry import Pose2D
 from p2os_emu.world.collision import HULL, lift_wheels
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.spec import Block
 
 
@@ -24,7 +24,9 @@ class Ledges:
     air. How it would fall further is not modelled.
     """
 
-    def __init__(self, client: int, body: int, drops: Sequence[Block], front: float, model: LedgeModel | None) -> None:
+    def __init__(
+        self, client: PhysicsClient, body: int, drops: Sequence[Block], front: float, model: LedgeModel | None
+    ) -> None:
         """Watch one robot.
 
         Args:
@@ -49,8 +51,8 @@ class Ledges:
     def follow(self, pose: Pose2D) -> None:
         """Hold a robot whose axle has passed an edge."""
         if self._hold < 0 and self._is_open(pose.x, pose.y):
-            place, orientation = engine.getBasePositionAndOrientation(self._body, physicsClientId=self._client)
-            self._hold = engine.createConstraint(
+            place, orientation = self._client.getBasePositionAndOrientation(self._body)
+            self._hold = self._client.createConstraint(
                 self._body,
                 HULL,
                 -1,
@@ -61,14 +63,13 @@ class Ledges:
                 place,
                 [0.0, 0.0, 0.0, 1.0],
                 orientation,
-                physicsClientId=self._client,
             )
             lift_wheels(self._client, self._body, True)
 
     def free(self) -> None:
         """Put the robot on its wheels again, as somebody does who lifts it."""
         if self._hold >= 0:
-            engine.removeConstraint(self._hold, physicsClientId=self._client)
+            self._client.removeConstraint(self._hold)
             self._hold = -1
             lift_wheels(self._client, self._body, False)
 

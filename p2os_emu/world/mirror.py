@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.floor import Floor, picture
 from p2os_emu.world.look import Form, ShapePart
 from p2os_emu.world.sight import Placed, SceneChanges
@@ -64,22 +64,22 @@ class Mirror:
 
     def __init__(self, renderer: Renderer = Renderer.SOFTWARE) -> None:
         self._renderer = renderer
-        self._client = engine.connect(engine.DIRECT)
+        self._client = PhysicsClient(engine.connect(engine.DIRECT))
         self._things: dict[int, list[tuple[int, ShapePart]]] = {}
         if renderer is Renderer.HARDWARE:
             plugin = find_spec(EGL)
             assert plugin is not None  # or it would not have been chosen
-            engine.loadPlugin(plugin.origin, f"_{EGL}Plugin", physicsClientId=self._client)
+            self._client.loadPlugin(plugin.origin, f"_{EGL}Plugin")
 
     def close(self) -> None:
         """Forget everything."""
-        engine.disconnect(physicsClientId=self._client)
+        self._client.disconnect()
 
     def apply(self, news: SceneChanges) -> None:
         """Take in what has changed."""
         for number in news.gone:
             for body, _ in self._things.pop(number, ()):
-                engine.removeBody(body, physicsClientId=self._client)
+                self._client.removeBody(body)
         for number, (look, placed) in news.new.items():
             self._things[number] = [(self._build(part), part) for part in look]
             self._place(self._things[number], placed)
@@ -90,7 +90,7 @@ class Mirror:
         """Draw what a view shows: rows of pixels with red, green, blue."""
         aspect = width / height
         vertical = 2 * atan(tan(view.field_of_view / 2) / aspect)
-        drawn = engine.getCameraImage(
+        drawn = self._client.getCameraImage(
             width,
             height,
             engine.computeViewMatrix(view.eye, view.ahead, view.up),
@@ -99,7 +99,6 @@ class Mirror:
             shadow=0,
             renderer=self._renderer.value,
             flags=engine.ER_NO_SEGMENTATION_MASK,
-            physicsClientId=self._client,
         )
         colours = np.reshape(np.asarray(drawn[2], np.uint8), (height, width, 4))[:, :, :3].copy()
         colours[np.reshape(drawn[3], (height, width)) >= 1.0] = SKY
@@ -114,8 +113,8 @@ class Mirror:
                 shape = {"shapeType": engine.GEOM_CYLINDER, "radius": x / 2, "length": z}
             case Form.SPHERE:
                 shape = {"shapeType": engine.GEOM_SPHERE, "radius": x / 2}
-        visual = engine.createVisualShape(rgbaColor=part.colour, physicsClientId=self._client, **shape)
-        body: int = engine.createMultiBody(0.0, -1, visual, physicsClientId=self._client)
+        visual = self._client.createVisualShape(rgbaColor=part.colour, **shape)
+        body: int = self._client.createMultiBody(0.0, -1, visual)
         if part.floor is not None:
             self._cover(body, part.floor, x)
         return body
@@ -125,10 +124,10 @@ class Mirror:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "floor.bmp"
             Image.fromarray(picture(floor, edge)).save(file)
-            texture = engine.loadTexture(str(file), physicsClientId=self._client)
-        engine.changeVisualShape(body, -1, textureUniqueId=texture, physicsClientId=self._client)
+            texture = self._client.loadTexture(str(file))
+        self._client.changeVisualShape(body, -1, textureUniqueId=texture)
 
     def _place(self, parts: Iterable[tuple[int, ShapePart]], placed: Placed) -> None:
         for body, part in parts:
             place, turn = engine.multiplyTransforms(placed.place, placed.turn, part.place, part.turn)
-            engine.resetBasePositionAndOrientation(body, place, turn, physicsClientId=self._client)
+            self._client.resetBasePositionAndOrientation(body, place, turn)

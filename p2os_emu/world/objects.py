@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from geometry import Polygon, Pose2D
 from p2os_emu.world.collision import build_object, build_object_floor, heading_of
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient
 from p2os_emu.world.movable import Movable
 
 
@@ -35,7 +35,7 @@ class ObjectPlace(NamedTuple):
 class Objects:
     """The movable objects of one world."""
 
-    def __init__(self, client: int, movables: Iterable[Movable]) -> None:
+    def __init__(self, client: PhysicsClient, movables: Iterable[Movable]) -> None:
         self._client = client
         self._by_id = {build_object(client, movable): movable for movable in movables}
         if self._by_id:
@@ -72,5 +72,5 @@ class Objects:
             yield place.x, place.y, movable.reach
 
     def _place(self, body: int) -> ObjectPlace:
-        (x, y, z), quaternion = engine.getBasePositionAndOrientation(body, physicsClientId=self._client)
+        (x, y, z), quaternion = self._client.getBasePositionAndOrientation(body)
         return ObjectPlace(x, y, z, heading_of(quaternion))

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from p2os_emu.world.collision import SEEN_BY_RAYS
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient
 
 MAX_RAYS = 16384  # the engine takes no more in one call
 _STEP_ON = 0.002  # of a ray
@@ -14,7 +14,7 @@ Hit = Sequence[Any]
 """What the engine says of a ray: body id (-1: met nothing), link, fraction of the ray, place, normal of the surface."""
 
 
-def cast(client: int, starts: Sequence[Place], ends: Sequence[Place], own: int) -> Sequence[Hit]:
+def cast(client: PhysicsClient, starts: Sequence[Place], ends: Sequence[Place], own: int) -> Sequence[Hit]:
     """Follow rays to the first surface.
 
     Args:
@@ -24,14 +24,12 @@ def cast(client: int, starts: Sequence[Place], ends: Sequence[Place], own: int) 
     """
     if not starts:
         return ()
-    hits: Sequence[Hit] = engine.rayTestBatch(
-        starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS, physicsClientId=client
-    )
+    hits: Sequence[Hit] = client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
     rays = zip(hits, starts, ends, strict=True)
     return [hit if hit[0] != own else _look_past(client, start, end, own) for hit, start, end in rays]
 
 
-def _look_past(client: int, start: Place, end: Place, own: int) -> Hit:
+def _look_past(client: PhysicsClient, start: Place, end: Place, own: int) -> Hit:
     """Cast a ray anew from a little further on.
 
     A ray that starts inside a hull leaves it unseen, but for one in 30,000, which meets it at its very start.

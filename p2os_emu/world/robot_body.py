@@ -17,7 +17,7 @@ from p2os_emu.world.arm import JointedArm, arm_links
 from p2os_emu.world.bumpers import Bumper
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.gripper import RobotGripper, gripper_links
 from p2os_emu.world.infrared import InfraredRays, sensors_of
 from p2os_emu.world.ledges import LedgeModel, Ledges
@@ -46,7 +46,7 @@ class RobotBody:
 
     def __init__(
         self,
-        client: int,
+        client: PhysicsClient,
         floor_id: int,
         model: RobotModel,
         chassis: Chassis,
@@ -113,13 +113,13 @@ class RobotBody:
     @property
     def pose(self) -> Pose2D:
         """Where the middle of the axle truly is, in the world."""
-        (x, y, _), (qx, qy, qz, qw) = engine.getBasePositionAndOrientation(self.body_id, physicsClientId=self._client)
+        (x, y, _), (qx, qy, qz, qw) = self._client.getBasePositionAndOrientation(self.body_id)
         return Pose2D(x, y, math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
 
     @property
     def velocity(self) -> tuple[float, float]:
         """True velocity: m/s forward, rad/s counter-clockwise."""
-        (vx, vy, _), (_, _, angular) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
+        (vx, vy, _), (_, _, angular) = self._client.getBaseVelocity(self.body_id)
         heading = self.pose.heading
         return vx * math.cos(heading) + vy * math.sin(heading), angular
 
@@ -176,27 +176,25 @@ class RobotBody:
             self.wake()
 
     def _moves(self) -> bool:
-        (vx, vy, _), (_, _, turning) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
+        (vx, vy, _), (_, _, turning) = self._client.getBaseVelocity(self.body_id)
         if max(abs(vx), abs(vy), abs(turning)) > STANDING:
             return True
-        joints = range(engine.getNumJoints(self.body_id, physicsClientId=self._client))
-        states = engine.getJointStates(self.body_id, list(joints), physicsClientId=self._client)
+        joints = range(self._client.getNumJoints(self.body_id))
+        states = self._client.getJointStates(self.body_id, list(joints))
         return any(abs(speed) > STANDING for _, speed, *_ in states)
 
     def _activate(self, state: int) -> None:
-        engine.changeDynamics(self.body_id, HULL, activationState=state, physicsClientId=self._client)
+        self._client.changeDynamics(self.body_id, HULL, activationState=state)
 
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""
         client = self._client
         self.wake()
         self.lift()
-        engine.resetBasePositionAndOrientation(
-            self.body_id, mass_position(pose), upright(pose.heading), physicsClientId=client
-        )
-        engine.resetBaseVelocity(self.body_id, [0.0] * 3, [0.0] * 3, physicsClientId=client)
+        client.resetBasePositionAndOrientation(self.body_id, mass_position(pose), upright(pose.heading))
+        client.resetBaseVelocity(self.body_id, [0.0] * 3, [0.0] * 3)
         for wheel, (angle, *_) in zip(WHEELS, self._joints(), strict=True):
-            engine.resetJointState(self.body_id, wheel, angle, 0.0, physicsClientId=client)
+            client.resetJointState(self.body_id, wheel, angle, 0.0)
         self.refresh()
 
     def lift(self) -> None:
@@ -231,7 +229,7 @@ class RobotBody:
     def _look_around(self, pose: Pose2D) -> None:
         """Add what sensors see and feel that few robots have."""
         if self._turns_are_felt:
-            _, (_, _, turn_rate) = engine.getBaseVelocity(self.body_id, physicsClientId=self._client)
+            _, (_, _, turn_rate) = self._client.getBaseVelocity(self.body_id)
             self._state = self._state._replace(heading=pose.heading, turn_rate=turn_rate)
         if self._magnets:
             self._state = self._state._replace(magnetic=field_at(self._magnets, pose.x, pose.y))
@@ -244,26 +242,23 @@ class RobotBody:
 
     def _joints(self) -> Sequence[tuple[float, float, Any, float]]:
         """Angle (rad), speed (rad/s), forces and motor torque (N m) of each wheel, left first."""
-        states: Sequence[tuple[float, float, Any, float]] = engine.getJointStates(
-            self.body_id, WHEELS, physicsClientId=self._client
-        )
+        states: Sequence[tuple[float, float, Any, float]] = self._client.getJointStates(self.body_id, WHEELS)
         return states
 
     def _motors(self, left: float, right: float, torque: float) -> None:
         """Set the speeds (rad/s) the motors strive for, and the most they may give (N m)."""
-        engine.setJointMotorControlArray(
+        self._client.setJointMotorControlArray(
             self.body_id,
             WHEELS,
             engine.VELOCITY_CONTROL,
             targetVelocities=[left, right],
             forces=[torque, torque],
-            physicsClientId=self._client,
         )
 
     def _hull_contacts(self) -> dict[int, list[Point]]:
         """Where the hull touches what, m in the world, by body id; the floor does not count."""
         touched: dict[int, list[Point]] = {}
-        for contact in engine.getContactPoints(bodyA=self.body_id, linkIndexA=HULL, physicsClientId=self._client):
+        for contact in self._client.getContactPoints(bodyA=self.body_id, linkIndexA=HULL):
             other = contact[2]
             if other != self._floor_id and contact[8] <= 0.0:  # their distance
                 touched.setdefault(other, []).append(contact[5][:2])
@@ -271,7 +266,7 @@ class RobotBody:
 
     def _bumped_by_links(self) -> Iterator[int]:
         """What arm and gripper touch; things that can be gripped are theirs to touch."""
-        for contact in engine.getContactPoints(bodyA=self.body_id, physicsClientId=self._client):
+        for contact in self._client.getContactPoints(bodyA=self.body_id):
             other, link, distance = contact[2], contact[3], contact[8]
             if link >= FIRST and distance <= 0.0 and other not in self._objects:
                 yield other

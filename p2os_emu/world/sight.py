@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from p2os_emu.world.collision import HULL
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient
 from p2os_emu.world.look import Look, Quaternion, Triple
 
 MOST_NEW = 100
@@ -50,7 +50,7 @@ class SceneChanges:
 class Sight:
     """Everything that can be seen in one world."""
 
-    def __init__(self, client: int) -> None:
+    def __init__(self, client: PhysicsClient) -> None:
         self._client = client
         self._numbers = itertools.count()
         self._things: dict[int, Thing] = {}
@@ -75,5 +75,5 @@ class Sight:
 
     def _placed(self, thing: Thing) -> Placed:
         if thing.link == HULL:
-            return Placed(*engine.getBasePositionAndOrientation(thing.body, physicsClientId=self._client))
-        return Placed(*engine.getLinkState(thing.body, thing.link, physicsClientId=self._client)[:2])
+            return Placed(*self._client.getBasePositionAndOrientation(thing.body))
+        return Placed(*self._client.getLinkState(thing.body, thing.link)[:2])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from geometry import Point, Polygon, Pose2D, polygons_overlap
 from p2os_emu.world.collision import build_person, put
-from p2os_emu.world.engine import STEP
+from p2os_emu.world.engine import STEP, PhysicsClient
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.objects import MovingObject
@@ -41,7 +41,7 @@ class PersonPlace(NamedTuple):
 class Walker:
     """One person."""
 
-    def __init__(self, client: int, person: Person, random: Random) -> None:
+    def __init__(self, client: PhysicsClient, person: Person, random: Random) -> None:
         self.person = person
         self.walks = True
         self._is_blocked = False
@@ -101,7 +101,7 @@ class Walker:
 class Walkers:
     """All people in one world. stand_still: nobody takes a step."""
 
-    def __init__(self, client: int, people: Sequence[Person], seed: int) -> None:
+    def __init__(self, client: PhysicsClient, people: Sequence[Person], seed: int) -> None:
         self.stand_still = False
         self._steps = 0
         self._walkers = [Walker(client, person, Random(f"{seed} {person.name} walk")) for person in people]

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 
-from p2os_emu.world.engine import engine
+from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.look import Look
 from p2os_emu.world.spec import WorldSpec
@@ -28,21 +28,20 @@ def connect() -> int:
     return client
 
 
-def arrange(client: int, spec: WorldSpec) -> None:
+def arrange(client: PhysicsClient, spec: WorldSpec) -> None:
     """Show the whole world from above at a slant, without the engine's own panels."""
     for name in (*_PANELS, *_EFFECTS):
-        engine.configureDebugVisualizer(getattr(engine, name), 0, physicsClientId=client)
+        client.configureDebugVisualizer(getattr(engine, name), 0)
     x, y, extent = spec.middle
-    engine.resetDebugVisualizerCamera(
+    client.resetDebugVisualizerCamera(
         cameraDistance=max(LEAST_DISTANCE, ROOM * extent),
         cameraYaw=0.0,
         cameraPitch=PITCH_DEG,
         cameraTargetPosition=[x, y, 0.0],
-        physicsClientId=client,
     )
 
 
-def paint(client: int, body: int, looks: Mapping[int, Look]) -> None:
+def paint(client: PhysicsClient, body: int, looks: Mapping[int, Look]) -> None:
     """Give a body's links the colours of their looks."""
     for link, look in looks.items():
-        engine.changeVisualShape(body, link, rgbaColor=look[0].colour, physicsClientId=client)
+        client.changeVisualShape(body, link, rgbaColor=look[0].colour)

@@ -15,7 +15,7 @@ from p2os_emu.world import window
 from p2os_emu.world.bystanders import Bystanders
 from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
 from p2os_emu.world.collision import HULL, build_blocks, build_floor
-from p2os_emu.world.engine import STEP, engine
+from p2os_emu.world.engine import STEP, PhysicsClient, engine
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.leaves import DoorState
 from p2os_emu.world.look import Look, floor_look, furniture_look, movable_look, robot_looks, wall_look
@@ -165,7 +165,7 @@ class World:
         robot = self._robot(name)
         robot.lift()
         self.sight.remove(robot.body_id)
-        engine.removeBody(robot.body_id, physicsClientId=self._client)
+        self._client.removeBody(robot.body_id)
         del self._robots[name], self._names[robot.body_id], self._touches[name]
         self._moving = None
 
@@ -176,7 +176,7 @@ class World:
                 lambda: (Footprint.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()),
                 lambda: (Footprint.of(thing.footprint) for thing in self.objects.moving()),
             )
-        engine.stepSimulation(physicsClientId=self._client)
+        self._client.stepSimulation()
         self.steps += 1
         self._moving = None
         may_rest = self._rests_parked and self.steps % LOOK_AT_PARKED == 0
@@ -261,10 +261,10 @@ class World:
 
     def close(self) -> None:
         """End the world; no robot of it can be used any more. Closing twice does nothing."""
-        if self._client >= 0:
-            if engine.isConnected(physicsClientId=self._client):
-                engine.disconnect(physicsClientId=self._client)
-            self._client = -1
+        if self._client.number >= 0:
+            if self._client.isConnected():
+                self._client.disconnect()
+            self._client = PhysicsClient(-1)
             self._robots.clear()
 
     @contextmanager
@@ -273,7 +273,7 @@ class World:
         try:
             yield
         except engine.error:
-            if engine.isConnected(physicsClientId=self._client):
+            if self._client.isConnected():
                 raise
 
     def _show(self, body: int, looks: Mapping[int, Look], *, is_fixed: bool = False) -> None:

@@ -21,7 +21,6 @@ from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.body import ArmMechanism
 from p2os_emu.fit import Fit
 from p2os_emu.world import STEP, RobotBody, World
-from p2os_emu.world.engine import engine
 from p2os_emu.world.links import FIRST
 
 Models = Callable[[str], RobotModel]
@@ -130,7 +129,7 @@ def _lift(armed: Armed, load_kg: float) -> tuple[PowerCubeArm, float]:
     tell(2, ModuleRequest(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, radians(90)), 3.5)
     finger = armed.model.gripper.mass_kg
     for link in (FIRST + 7, FIRST + 8):
-        engine.changeDynamics(armed.body.body_id, link, mass=finger + load_kg / 2, physicsClientId=armed.world._client)
+        armed.world._client.changeDynamics(armed.body.body_id, link, mass=finger + load_kg / 2)
     before = armed.arm.positions[1]
     tell(2, ModuleRequest(CubeCommand.MOVE, MotionKind.RAMP_ACKNOWLEDGED, radians(45)), 2.5)
     return device, degrees(before - armed.arm.positions[1])
@@ -187,4 +186,4 @@ def test_robot_without_an_arm_has_none(make_world: MakeWorld, model: Models) -> 
     world = make_world()
     body = world.add_robot("robot", model("p3dx"))
     assert body.arm is None
-    assert engine.getNumJoints(body.body_id, physicsClientId=world._client) == 2
+    assert world._client.getNumJoints(body.body_id) == 2

@@ -183,7 +183,7 @@ def test_world_whose_window_is_closed_ends_without_an_error() -> None:
         reached_the_end = False
         with world.until_window_closes():
             world.step()
-            engine.disconnect(physicsClientId=world._client)  # what closing the window does to the engine
+            world._client.disconnect()  # what closing the window does to the engine
             world.step()
             reached_the_end = True
         assert not reached_the_end
@@ -191,4 +191,4 @@ def test_world_whose_window_is_closed_ends_without_an_error() -> None:
 
 def test_other_errors_of_the_engine_are_not_taken_for_a_closed_window() -> None:
     with World(load_world("empty")) as world, pytest.raises(engine.error), world.until_window_closes():
-        engine.getBasePositionAndOrientation(1234, physicsClientId=world._client)
+        world._client.getBasePositionAndOrientation(1234)
