@@ -1,6 +1,6 @@
 """The messages of ROS 2 Jazzy that robots and their programs exchange.
 
-They are those of rosbags, written out: its own are made together with all of ROS, which takes each program 0.15 s.
+They are those of rosbags, written out: its own are made together with all of ROS, which takes each program 0.1 s.
 Every field must be given; number arrays are numpy arrays of the field's own type (`covariance`: float64, shape (36,)).
 Units and meaning are those of the standard. Source: the `.msg` files of ROS 2 Jazzy; a test compares them with rosbags.
 """
