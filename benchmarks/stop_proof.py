@@ -23,7 +23,7 @@ from configs.default_bus import default_bus
 
 MODEL = "p3dx-sh"
 SPEED = 0.5  # m/s
-MOVE_SPEED = 0.75  # m/s, of a move by the model's FLASH
+MOVE_SPEED = 0.75  # m/s, of a move when it happens; the robot is still speeding up then
 STANDS = 0.005  # m/s; below it the wheels stand
 STAYS_S = 1.0
 TIMEOUT_S = 20.0
@@ -32,9 +32,11 @@ PAGE = "stop-proof.md"
 FAR = 25.0  # m; a move that lasts longer than anything here
 CMD_VEL_SILENCE_S = 0.5
 WATCHDOG_S = 2.0
-BRAKING_S = SPEED / 0.3  # the firmware's deceleration, m/s2
+ACCELERATION = 0.3  # m/s2, of the firmware, and its deceleration
+BRAKING_S = SPEED / ACCELERATION
 EMERGENCY_BRAKING_S = 0.5  # motors at their strongest
 REACTION_S = 0.25  # a SIP cycle and the way through the processes
+MOTION_REACTION_S = 0.1  # a motion is stopped within 0.6 s of the last sign of life
 
 
 @dataclass(slots=True)
@@ -70,23 +72,33 @@ class Mishap:
 
     @property
     def speed(self) -> float:
-        """Of the robot, m/s: a move is driven at the robot's own."""
+        """Of the robot when it happens, m/s."""
         return MOVE_SPEED if self.is_asked else SPEED
+
+    @property
+    def delay(self) -> float:
+        """The longest until the robot brakes, s."""
+        return self.notices + (MOTION_REACTION_S if self.is_asked else REACTION_S)
+
+    @property
+    def top_speed(self) -> float:
+        """Of the robot when it begins to brake, at most, m/s: in a move it speeds up until then."""
+        return self.speed + (ACCELERATION * self.delay if self.is_asked else 0.0)
 
     @property
     def braking(self) -> float:
         """Longest time for braking, s."""
-        return self.brakes * self.speed / SPEED
+        return self.brakes * self.top_speed / SPEED
 
     @property
     def time(self) -> float:
         """The longest that it may take, s."""
-        return self.notices + self.braking + REACTION_S
+        return self.delay + self.braking
 
     @property
     def distance(self) -> float:
         """The farthest that the robot may come, m."""
-        return self.speed * (self.notices + REACTION_S + self.braking / 2)
+        return (self.speed + self.top_speed) / 2 * self.delay + self.top_speed * self.braking / 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,8 +295,8 @@ def _write_page(proofs: Sequence[Proof], path: Path) -> None:
     )
     path.write_text(
         "# Does it stop when it must?\n\n"
-        f"A {MODEL} at {SPEED} m/s, commanded over the bus ten times a second, or at {MOVE_SPEED} m/s in a move that "
-        "an agent was asked for; measured on the emulated robot's true "
+        f"A {MODEL} at {SPEED} m/s, commanded over the bus ten times a second, or at {MOVE_SPEED} m/s and "
+        "speeding up in a move that an agent was asked for; measured on the emulated robot's true "
         "motion\nuntil its wheels stood, and went on standing for "
         f"{STAYS_S:g} s. Made by `python -m benchmarks stop_proof`.\n\n"
         "| what happens | who stops it | stands after | at most | stands within | at most |\n"
@@ -292,7 +304,7 @@ def _write_page(proofs: Sequence[Proof], path: Path) -> None:
         f"{rows}\n"
         f"At most: {CMD_VEL_SILENCE_S} s of silence that the gateway allows, or {WATCHDOG_S:g} s that the robot's "
         f"watchdog allows, then {BRAKING_S:.1f} s of braking at\nthe firmware's 0.3 m/s² ({EMERGENCY_BRAKING_S} s in "
-        f"an emergency), and {REACTION_S} s for a SIP cycle and the way there.\n\n"
+        f"an emergency), and {REACTION_S} s ({MOTION_REACTION_S} s in a move) for the way there.\n\n"
         "Firmware that hangs (`frozen-firmware`) keeps its wheels turning, and nothing on the cable can stop it, on "
         "iron as here: only\nswitching off can.\n",
         encoding="utf-8",
