@@ -306,6 +306,6 @@ def _write_page(proofs: Sequence[Proof], path: Path) -> None:
         f"watchdog allows, then {BRAKING_S:.1f} s of braking at\nthe firmware's 0.3 m/s² ({EMERGENCY_BRAKING_S} s in "
         f"an emergency), and {REACTION_S} s ({MOTION_REACTION_S} s in a move) for the way there.\n\n"
         "Firmware that hangs (`frozen-firmware`) keeps its wheels turning, and nothing on the cable can stop it, on "
-        "iron as here: only\nswitching off can.\n",
+        "a real robot as here: only\nswitching off can.\n",
         encoding="utf-8",
     )

@@ -137,7 +137,7 @@ class Emulator:
             world: Nobody else may step it.
             profile: What every line does to bytes.
             seed: Decides what chance would in firmware and lines; each robot draws by its own name.
-            hangup_stops: Stop a robot whose client has closed the port, as iron never could.
+            hangup_stops: Stop a robot whose client has closed the port, as a real robot never could.
             as_simulator: Robots execute the commands of MobileSim, and have the serial number by which clients
                 recognise a simulator. Otherwise these are unknown commands, as on a real robot.
         """

@@ -35,7 +35,7 @@ examples:
                                                      5 s after the start the cable is cut for 10 s
   p2os-emu --robot p3dx --record drive.jsonl         write down all that flows on its cable
   p2os-emu --serve drive.jsonl --pty /tmp/happy      a client meets the robot as it was recorded
-  p2os-emu --check iron.jsonl                        where does the emulator part from a recorded robot?
+  p2os-emu --check robot.jsonl                       where does the emulator part from a recorded robot?
 
 exit codes:
   0  ended by --duration, by SIGINT, by SIGTERM or over the control socket

@@ -1,6 +1,6 @@
 """What the protocol sheet calls unverified: how to ask a robot, and how this project reads the matter meanwhile.
 
-Nothing here is right or wrong. The bytes that a robot of iron answers are written to a report that its owner can send
+Nothing here is right or wrong. The bytes that a real robot answers are written to a report that its owner can send
 back (`--report FILE`); see test_questions.
 """
 
@@ -118,7 +118,7 @@ QUESTIONS = (
     ),
     Question(
         "simulator-commands",
-        "whether commands of simulators (63, 64, 69, 224 to 239) have any effect on iron",
+        "whether commands of simulators (63, 64, 69, 224 to 239) have any effect on a real robot",
         "none",
         (*(command(number) for number in (64, 69, 225)), command(237, 1), command(237, 0)),
         pause=0.15,

@@ -1,6 +1,6 @@
 """Bytes and commands a robot must survive: noise, lies, damage and clients that hurry.
 
-Nothing here holds a sound frame that could move a robot, so it may be sent to iron.
+Nothing here holds a sound frame that could move a robot, so it may be sent to a real robot.
 """
 
 import random

@@ -1,4 +1,4 @@
-"""The command line's promise: a stranger's script drives `p2os-emu --robot powerbot --json` as it would drive iron."""
+"""A stranger's script drives `p2os-emu --robot powerbot --json` as it would a real robot: the promise of the README."""
 
 import ast
 import json

@@ -120,7 +120,7 @@ class RobotQueue:
 class BaudCheck:
     """Bytes become noise while the two ends disagree on the rate.
 
-    On iron the number of bytes changes as well; for whoever listens, noise is noise.
+    On a real robot the number of bytes changes as well; for whoever listens, noise is noise.
 
     fixed_baud: what a device between the two ends demands of both; None if there is none.
     """

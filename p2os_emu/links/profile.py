@@ -15,7 +15,7 @@ class LinkProfile:
     enforces_baud: whether bytes arrive as garbage when the client's rate is not the robot's.
     paces: whether bytes take their time, ten bits each at the line's rate.
     buffer_bytes: how many bytes wait in the robot for a paced line before frames are dropped.
-    host_buffer_bytes: likewise in the client's computer; iron lets the client wait then.
+    host_buffer_bytes: likewise in the client's computer; a real one lets the client wait then.
     adapter: a USB adapter at the client's end. modem: a pair of radio modems between the ends.
     to_robot, to_host: what goes wrong in each direction.
     """

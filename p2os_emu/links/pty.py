@@ -1,8 +1,8 @@
 """A pseudo-terminal as the robot's serial port: the client opens the slave, the robot lives behind the master.
 
-A serial port on iron shows nothing when a client comes or goes, and loses what is sent while nobody has it open. A
-pseudo-terminal hangs up when the last client closes it, and keeps unread bytes for whoever opens it next. So the
-robot holds the slave open itself while nobody else does, and lets go of it while a client has it. Then:
+A serial port on a real robot shows nothing when a client comes or goes, and loses what is sent while nobody has it
+open. A pseudo-terminal hangs up when the last client closes it, and keeps unread bytes for whoever opens it next. So
+the robot holds the slave open itself while nobody else does, and lets go of it while a client has it. Then:
 
 - the master reports a hang-up exactly when the last client has left, without counting opens and closes;
 - what that client left unread is discarded, and nothing piles up until the next one comes;

@@ -1,7 +1,7 @@
 """A TCP port as the robot's cable, as serial bridges and MobileSim offer it.
 
 A robot has one cable, so it serves one client at a time: a second one is closed at once, which it sees as end of
-file. When the client goes, the robot keeps its state, as on iron, and the next client is accepted.
+file. When the client goes, the robot keeps its state, as on a real robot, and the next client is accepted.
 """
 
 import os
