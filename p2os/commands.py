@@ -47,9 +47,14 @@ def encode_command(command: Command, value: CommandValue | None = None) -> bytes
         command: Which.
         value: As `ReceivedCommand` has it; None only for commands without argument.
     Raises:
-        EncodeError: The value does not fit the command's argument.
+        EncodeError: There is no such command, or the value does not fit its argument.
     """
-    spec = COMMANDS[command]
+    spec = COMMANDS.get(command)
+    if spec is None:
+        meant = (
+            f"Command.{command}" if str(command) in Command.__members__ else "a member of Command, such as Command.VEL"
+        )
+        raise EncodeError(f"{command!r} is not a command; give {meant}")
     if spec.argument is Argument.NONE:
         if value is not None:
             raise EncodeError(f"{spec.name} takes no argument, not {value!r}")

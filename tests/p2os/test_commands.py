@@ -180,3 +180,11 @@ def test_angles_are_degrees_on_the_wire() -> None:
     value = decode_command(wire("0C 1B B4 00")).value
     assert isinstance(value, float)
     assert degrees(value) == pytest.approx(-180)
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"), [("VEL", r"'VEL' is not a command; give Command\.VEL"), (9999, "a member of Command")]
+)
+def test_what_is_no_command_is_told_what_to_give(given: object, meant: str) -> None:
+    with pytest.raises(EncodeError, match=meant):
+        encode_command(given, 1)  # type: ignore[arg-type]  # as somebody without a type checker may do
