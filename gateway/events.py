@@ -18,8 +18,7 @@ from p2os import (
 )
 
 if TYPE_CHECKING:  # numpy takes longer to load than the robot to answer
-    from p2os.accessories.lms import LmsConfiguration as LaserConfiguration
-    from p2os.accessories.lms import Scan, Variant
+    from p2os.accessories.lms import LmsConfiguration, Scan, Variant
 
 
 class HandshakeCompleted(NamedTuple):
@@ -203,7 +202,7 @@ class LaserScanned(NamedTuple):
 
     scan: "Scan"
     variant: "Variant"
-    configuration: "LaserConfiguration"
+    configuration: "LmsConfiguration"
     age: float
     period: float
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self, TypeVar
 
 from acromovi.lockstep import SETTINGS, Lockstep
-from agents.platform import AgentName, Container, Kinds, Report
+from agents.platform import Container, Kinds, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, query_key, send_key
 from apps.indoor_navigation.data import GoalPoint, LogMessage
@@ -139,10 +139,6 @@ class Course:
         part = next(part for part in self._wiring.parts if part.local == local)
         kind = self._instead.get(local) or Kinds().find(part.kind)
         self._do(self._home.start(kind(part.agent(ROBOT), part.properties)))
-
-    def stop_component(self, local: str) -> None:
-        """End a component."""
-        self._do(self._home.stop(AgentName(local, ROBOT)))
 
     def go(self, goal: Point, *, facing: float | None = None, limit: float = 300.0, mission: str = "mission") -> Played:
         """Send the robot to a place of the world, and let time pass until it says that the mission has ended.

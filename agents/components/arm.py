@@ -9,8 +9,7 @@ from agents.components.moving import MovingElementAgent, Result
 from agents.platform import on, request
 from bus import keys
 from bus.keys import frame
-from bus.messages import NS_PER_S, JointState, stamp_ns
-from bus.messages import Arm as ArmMessage
+from bus.messages import NS_PER_S, Arm, JointState, stamp_ns
 
 TOLERANCES = {"rad": 0.02, "m": 0.002}
 """More than a count of any servo."""
@@ -40,12 +39,12 @@ class ArmAgent(MovingElementAgent):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._arm: ArmMessage | None = None  # until its joints have come
+        self._arm: Arm | None = None  # until its joints have come
         self._joints: JointState | None = None  # until the arm's message has come
         self._is_powered = True
 
     @on("arm")
-    async def _hear_arm(self, arm: ArmMessage) -> None:
+    async def _hear_arm(self, arm: Arm) -> None:
         self._arm = arm
         self._join()
 

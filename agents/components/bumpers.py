@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 from agents.components.component import ElementAgent
 from bus import keys
-from bus.messages import Bumpers as BumpersMessage
+from bus.messages import Bumpers
 
 
 class BumpersAgent(ElementAgent):
@@ -20,7 +20,7 @@ class BumpersAgent(ElementAgent):
         "pressed": "true while any segment is",
     }
 
-    def result(self, message: BumpersMessage) -> dict[str, Any]:
+    def result(self, message: Bumpers) -> dict[str, Any]:
         """What touches the robot."""
         front, rear = [[bool(segment) for segment in side] for side in (message.front, message.rear)]
         return {

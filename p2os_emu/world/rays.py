@@ -6,7 +6,6 @@ from typing import Any
 from p2os_emu.world.collision import SEEN_BY_RAYS
 from p2os_emu.world.engine import PhysicsClient
 
-MAX_RAYS = 16384  # the engine takes no more in one call
 _STEP_ON = 0.002  # of a ray
 
 Place = tuple[float, float, float]
@@ -19,7 +18,7 @@ def cast(client: PhysicsClient, starts: Sequence[Place], ends: Sequence[Place], 
 
     Args:
         client: Of the physics engine.
-        starts, ends: Of the rays, m in the world; at most `MAX_RAYS`.
+        starts, ends: Of the rays, m in the world; at most 16384, as the engine has it.
         own: Body id of the robot that casts; it does not see itself.
     """
     if not starts:

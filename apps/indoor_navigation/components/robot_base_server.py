@@ -14,8 +14,7 @@ from apps.indoor_navigation.component import Component, Role, answers_query, hea
 from apps.indoor_navigation.components.wheel_lease import WheelLease
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from bus import BusUnavailable, Refused, keys
-from bus.messages import NS_PER_S, RangeArray, heading, stamp_ns, twist
-from bus.messages import Odometry as OdometryMessage
+from bus.messages import NS_PER_S, Odometry, RangeArray, heading, stamp_ns, twist
 from geometry import Pose2D
 
 ANSWER_TIME = 2.0  # s for the gateway to say what the robot is
@@ -72,7 +71,7 @@ class RobotBaseServer(Component):
             self._halt()
 
     @on("odom")
-    async def follow(self, message: OdometryMessage) -> None:
+    async def follow(self, message: Odometry) -> None:
         """The robot says where it is."""
         odometry = self._odometry(message)
         self._heard_at = self._now
@@ -115,7 +114,7 @@ class RobotBaseServer(Component):
             raise Refused(f"nobody has said yet what {self.robot} is; see whether its p2os-gateway runs")
         return self._about
 
-    def _odometry(self, message: OdometryMessage) -> RobotOdometry:
+    def _odometry(self, message: Odometry) -> RobotOdometry:
         pose, speed = message.pose.pose, message.twist.twist
         before = self._history.newest
         odometry = RobotOdometry(

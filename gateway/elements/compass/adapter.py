@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 from bus import keys
 from bus.keys import Topic, frame
-from bus.messages import Compass as CompassMessage
-from bus.messages import Vector3, header
+from bus.messages import Compass, Vector3, header
 from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.compass.element import ERROR_BITS, CompassElement
@@ -26,7 +25,7 @@ class CompassAdapter(BusAdapter):
         """One with every packet."""
         if isinstance(event, CompassSeen):
             report = event.report
-            message = CompassMessage(
+            message = Compass(
                 header(stamp, frame(self._robot, "base_link")),
                 heading=event.heading,
                 pitch=report.pitch,

@@ -176,8 +176,3 @@ def _is_needless(terrain: Terrain, robot: Place, targets: tuple[SubTarget, ...],
     if first.is_reached(robot, near):
         return True
     return first.door is None and straight <= DEARER * terrain.cost_of(robot, first.place, second.place)
-
-
-def ahead_of(pose: tuple[float, float, float], distance: float) -> Place:
-    """A place so many m before the robot."""
-    return pose[0] + distance * cos(pose[2]), pose[1] + distance * sin(pose[2])
