@@ -104,7 +104,7 @@ class Gateway:
 
     @property
     def deadline(self) -> float:
-        """When `happened` is due even without events, s."""
+        """When `on_events` is due even without events, s."""
         return inf if self._robot is None else self._robot.deadline
 
     def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:

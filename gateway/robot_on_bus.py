@@ -1,6 +1,6 @@
 """One robot as the bus sees it: its streams, its commands, its leases, its description.
 
-It has no thread and no clock of its own: whoever has the driver calls `happened`.
+It has no thread and no clock of its own: whoever has the driver calls `on_events`.
 """
 
 import secrets
@@ -16,12 +16,39 @@ from bus.name_holder import BusProgram
 from gateway.command_server import Commander, CommandServer
 from gateway.description import CachedDescription, describe, present
 from gateway.driver import Driver
-from gateway.element_tokens import ElementTokens
 from gateway.elements.all_adapters import ADAPTERS
 from gateway.elements.cable_adapter import CableAdapter
 from gateway.events import Event
 from gateway.settings import Settings
 from gateway.streams import RobotPublishers
+
+
+class ElementTokens(Subscription):
+    """A token on the bus for each element of a robot, by which agents are made and ended; for one thread.
+
+    They stand for what the robot is known to have, not for what works just now: a cable that is cut for a second ends
+    no agent. An element on a cable of its own that does not answer is one that the robot does not have.
+    """
+
+    def __init__(self, robot: str, bus: Bus) -> None:
+        self._robot = robot
+        self._bus = bus
+        self._shown: dict[str, Subscription] = {}
+
+    def follow(self, present: Iterable[str]) -> None:
+        """Show the tokens of these elements, and no others."""
+        wanted = set(present)
+        if wanted == self._shown.keys():
+            return
+        for element in self._shown.keys() - wanted:
+            self._shown.pop(element).close()
+        for element in sorted(wanted - self._shown.keys()):
+            self._shown[element] = self._bus.declare_alive(keys.element_alive_key(self._robot, element))
+
+    def close(self) -> None:
+        """Withdraw them all."""
+        self.follow(())
+
 
 STAMPS_APART = 1000
 """ns between the stamps of two packets that were read at once: readers take equal stamps for a repetition."""
@@ -91,7 +118,7 @@ class RobotOnBus(Subscription):
 
     @property
     def deadline(self) -> float:
-        """When `happened` is due even without events, s."""
+        """When `on_events` is due even without events, s."""
         return min(self._streams.due_at, self._server.deadline)
 
     def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
@@ -121,7 +148,7 @@ class RobotOnBus(Subscription):
                 self._streams.publish_status(self._server.refused, self._server.recent_notice(now), now, stamp_ns)
 
     def publish_kept(self, events: Iterable[tuple[Event, int]]) -> None:
-        """Publish events from before the robot was on the bus, each with its stamp as in `happened`."""
+        """Publish events from before the robot was on the bus, each with its stamp as in `on_events`."""
         with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
             for event, stamp_ns in events:
                 with self._streams.guarded("events"):

@@ -1,11 +1,47 @@
 """Listens to all that agents say, in the order in which they say it."""
 
+import heapq
+import itertools
 import queue
 import time
+from collections import deque
 
-from acromovi.sniffer.in_order import InOrder
 from acromovi.sniffer.overheard import ALL_THAT_IS_SAID, Heard, read
 from bus.bus import Bus, Closeable
+
+HOLD = 0.2  # s that a message is held back, so that one from elsewhere that was said before it can come
+
+
+class InOrder:
+    """Holds what is heard for a moment, and gives it in the order of its times.
+
+    What comes later than that is given when it comes. `now` is s of any steady clock.
+    """
+
+    def __init__(self, hold: float = HOLD) -> None:
+        self._hold = hold
+        self._numbers = itertools.count()  # of two with one time the first comes first
+        self._waiting: list[tuple[float, int, Heard]] = []
+        self._came: deque[tuple[float, float]] = deque()  # when, and its time
+
+    def add(self, heard: Heard, now: float) -> None:
+        """Something was heard."""
+        heapq.heappush(self._waiting, (heard.time, next(self._numbers), heard))
+        self._came.append((now, heard.time))
+
+    def due(self, now: float) -> list[Heard]:
+        """What has been held long enough, and all that was said before it."""
+        until = -float("inf")
+        while self._came and self._came[0][0] + self._hold <= now:
+            until = max(until, self._came.popleft()[1])
+        found = []
+        while self._waiting and self._waiting[0][0] <= until:
+            found.append(heapq.heappop(self._waiting)[2])
+        return found
+
+    def rest(self) -> list[Heard]:
+        """All that is still held."""
+        return self.due(float("inf"))
 
 
 class Listener(Closeable):

@@ -2,16 +2,38 @@
 
 import asyncio
 import contextlib
+from math import inf
 
 import bus
 from agents.client.errors import Failed, NotThere, RequestRefused, RobotError
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LoopThread
-from agents.client.stall import Stall
 from agents.client.wording import in_api_words
 from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import in_words
 from bus import MessageError, Publisher, Sample, Subscription, keys, messages
+
+LASTS = 0.5
+"""Seconds from the first stall flag on, after which another one counts: a robot that only starts hard shows it once."""
+APART = 2.0
+"""Seconds between flags of one stall; the firmware takes the power off for a while and tries again."""
+
+
+class Stall:
+    """Of one robot, while it is driven in one direction. No clock: `now` is any steady time, s."""
+
+    def __init__(self) -> None:
+        self._first = self._last = -inf
+
+    def hear(self, is_stalled: bool, now: float) -> bool:
+        """Take the flags of both wheels, as one; return whether the robot is stalled for good."""
+        if not is_stalled:
+            return False
+        if now - self._last > APART:
+            self._first = now
+        self._last = now
+        return now - self._first >= LASTS
+
 
 PERIOD = 0.1  # s; half a second of silence stops the robot
 ANSWER_TIME = 2.0  # s for the gateway

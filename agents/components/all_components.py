@@ -4,19 +4,21 @@ from collections.abc import Mapping
 
 from agents.components.arm import ArmAgent
 from agents.components.base import BaseAgent
-from agents.components.battery import BatteryAgent
-from agents.components.bumpers import BumpersAgent
 from agents.components.camera import CameraAgent
 from agents.components.component import ElementAgent
-from agents.components.encoders import EncodersAgent
 from agents.components.generic import Generic
 from agents.components.gripper import GripperAgent
-from agents.components.infrared import InfraredAgent
 from agents.components.io import InputOutput
-from agents.components.joystick import JoystickAgent
-from agents.components.laser import LaserAgent
 from agents.components.ptz import PtzAgent
-from agents.components.sonar import SonarAgent
+from agents.components.sensors import (
+    BatteryAgent,
+    BumpersAgent,
+    EncodersAgent,
+    InfraredAgent,
+    JoystickAgent,
+    LaserAgent,
+    SonarAgent,
+)
 from agents.components.sound import SoundAgent
 
 COMPONENTS: Mapping[str, type[ElementAgent]] = {

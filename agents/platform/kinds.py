@@ -28,7 +28,7 @@ class UnknownKind(AgentError, LookupError):
 
 
 def kind_of(agent: Agent) -> str:
-    """The name of an agent's kind: `agents.components.sonar:SonarAgent`."""
+    """The name of an agent's kind: `agents.components.sensors:SonarAgent`."""
     return f"{type(agent).__module__}:{type(agent).__qualname__}"
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from acromovi.lockstep import Lockstep
 from bus import MemoryBus, keys
-from gateway.element_tokens import ElementTokens
+from gateway.robot_on_bus import ElementTokens
 from p2os_emu.world import load_world
 
 PLAIN = {"base", "battery", "io", "sonar", "sound", "servos"}

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from gateway.obedience import PATIENCE, Obedience
+from gateway.motion import PATIENCE, Obedience
 from p2os import StandardSip
 
 CYCLE = 0.1

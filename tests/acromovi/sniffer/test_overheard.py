@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from acromovi.sniffer.in_order import InOrder
+from acromovi.sniffer.listener import InOrder
 from acromovi.sniffer.overheard import Overheard, Unreadable, brief, read, shortened, wanted
 from bus import Sample
 from tests.acromovi.sniffer.talking import A_TALK, APP, ARM, BASE, said

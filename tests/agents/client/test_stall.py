@@ -2,7 +2,7 @@
 
 import pytest
 
-from agents.client.stall import Stall
+from agents.client.driving import Stall
 
 
 def flags(text: str, period: float = 0.1) -> list[bool]:

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.planning.breadcrumbs import AT_ONCE, MOST, STEP, Breadcrumbs
+from apps.indoor_navigation.algorithms.planning.memory import AT_ONCE, MOST, STEP, Breadcrumbs
 from apps.indoor_navigation.data import Place
 
 
