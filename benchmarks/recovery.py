@@ -112,7 +112,7 @@ def _freeze(frozen: "subprocess.Popen[str]", subscriber: Subscriber, seconds: fl
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
-    with suppress(ProcessLookupError):
+    with suppress(ProcessLookupError):  # it has ended by itself
         process.send_signal(signal.SIGCONT)
     process.kill()
     process.wait()

@@ -105,7 +105,7 @@ class Scouting(Closeable):
             self._socket.settimeout(max(next_scout - time.monotonic(), 0.001))
             try:
                 datagram, sender = self._socket.recvfrom(MOST_BYTES)
-            except TimeoutError:
+            except TimeoutError:  # nothing was heard, and it is time to scout again
                 continue
             except OSError:  # a program that we answered has ended
                 continue

@@ -41,7 +41,7 @@ SILENCE = 0.6  # s after a stop until the gateway obeys a stream again
 
 
 class ContinuousDrive:
-    """One robot that is driven so. All of it belongs to the stage's event loop."""
+    """One robot that is driven so. All of it belongs to the event loop of the `LoopThread`."""
 
     def __init__(self, thread: LoopThread, robot: str) -> None:
         self._thread = thread

@@ -20,7 +20,7 @@ OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 class PrivateContainer:
     """What a plain script stands on; its thread ends with the program, whatever the program does.
 
-    stage: that of its agent, `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the owner of the key.
+    thread: that of its agent, `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the owner of the key.
     """
 
     def __init__(self, bus: Bus | str) -> None:

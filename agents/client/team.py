@@ -187,5 +187,5 @@ def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
 
 
 async def look(thread: LoopThread) -> Discovery:
-    """Begin to look round from a stage."""
+    """Begin to look round from a thread with an event loop."""
     return Discovery(thread.agent.bus)

@@ -52,7 +52,7 @@ def receive(channel: socket.socket) -> SceneMoment | None:
 
 def report_watched(channel: socket.socket, is_watched: bool) -> None:
     """Tell the emulator whether somebody looks; an emulator that is gone need not know."""
-    with suppress(OSError):
+    with suppress(OSError):  # it is gone
         channel.send(WATCHED if is_watched else UNWATCHED, socket.MSG_DONTWAIT)
 
 

@@ -265,7 +265,7 @@ def main() -> None:
     arguments = parser.parse_args()
     served = ServedPeer(SimulatorPeer(name=arguments.name), arguments.port)
     print(served.url, flush=True)
-    with contextlib.suppress(KeyboardInterrupt):
+    with contextlib.suppress(KeyboardInterrupt):  # how the test ends it
         while True:
             time.sleep(1.0)
     served.close()

@@ -171,7 +171,7 @@ class RequestDispatcher:
 
     @property
     def _home_there(self) -> ContainerContext:
-        assert self._home is not None, "nobody hears of a desk before it is open"
+        assert self._home is not None, "nobody hears of a dispatcher before it is open"
         return self._home
 
     # In the loop.

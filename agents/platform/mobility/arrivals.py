@@ -57,7 +57,7 @@ class Arrivals:
 
         Args:
             agent: It, just made.
-            luggage: What it takes along.
+            migration: What it takes along.
             origin: The key of the control of the container where it was.
         Raises:
             AlreadyThere: One of this name lives here.

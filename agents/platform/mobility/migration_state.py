@@ -25,13 +25,13 @@ class MigrationState:
 
 
 def packed(migration: MigrationState) -> dict[str, Any]:
-    """Luggage as a JSON object."""
+    """A migration state as a JSON object."""
     mailbox = [message.to_dict() for message in migration.mailbox]
     return {"state": migration.state, "mailbox": mailbox, "suspended": migration.is_suspended}
 
 
 def unpacked(value: Mapping[str, Any]) -> MigrationState:
-    """Luggage from a JSON object.
+    """A migration state from a JSON object.
 
     Raises:
         NotMoved, AclError: It is none.
@@ -43,12 +43,12 @@ def unpacked(value: Mapping[str, Any]) -> MigrationState:
 
 
 def enveloped(waiting: Sequence[QueuedMessage]) -> list[list[str]]:
-    """Letters as JSON."""
+    """Queued messages as JSON."""
     return [[queued.label, b64encode(queued.payload).decode()] for queued in waiting]
 
 
 def opened(value: Any) -> list[QueuedMessage]:
-    """Letters from JSON.
+    """Queued messages from JSON.
 
     Raises:
         NotMoved: They are none.

@@ -79,7 +79,7 @@ class MobileAgent(Initiator):
         """Begin to live here.
 
         Args:
-            luggage: What it took along, already unpacked.
+            migration: What it took along, already unpacked.
             letters: Messages that came where it was, since it packed.
         """
         self._door.bring(waiting)
