@@ -52,7 +52,7 @@ class FaultyBody:
 
         Args:
             body: The machine; nobody else drives it from now on.
-            chance: Decides what noisy discs hear.
+            rng: Decides what noisy discs hear.
         """
         self.bumpers = NO_BUMPERS
         self.sonar = HEALTHY_SONAR

@@ -29,7 +29,7 @@ HEAD_PORT = 1
 class FittingContext(NamedTuple):
     """Everything that a device may be connected to.
 
-    chance: of this device alone, seeded.
+    rng: of this device alone, seeded.
     """
 
     model: RobotModel

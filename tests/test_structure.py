@@ -1,11 +1,16 @@
 """The structure of the product: what `tools/structure.py` counts stays where it was brought."""
 
+import ast
+import re
+
 import pytest
 
 from tools.structure import Module, circles, modules, repeated_classes
 
 API = 250
 """Names at most that packages export."""
+DESCRIBED = re.compile(r"Args:\n((?:    .*\n?)+)")
+ARGUMENT = re.compile(r"^    (\*{0,2}\w+(?:, \*{0,2}\w+)*):", re.MULTILINE)
 
 
 @pytest.fixture(scope="module")
@@ -23,3 +28,16 @@ def test_no_modules_import_each_other_not_even_for_type_checkers(known: dict[str
 
 def test_the_public_api_stays_small(known: dict[str, Module]) -> None:
     assert sum(len(module.exported()) for module in known.values() if module.is_package) <= API
+
+
+def test_docstrings_describe_arguments_that_are_there(known: dict[str, Module]) -> None:
+    strangers = []
+    for module in known.values():
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                described = DESCRIBED.search(ast.get_docstring(node) or "")
+                taken = {each.arg for each in ast.walk(node.args) if isinstance(each, ast.arg)}
+                told = ARGUMENT.findall(described[1]) if described else []
+                names = [name.strip("* ") for names in told for name in names.split(",")]
+                strangers += [f"{module.name}.{node.name}: {name}" for name in names if name not in taken]
+    assert strangers == []

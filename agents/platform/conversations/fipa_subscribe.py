@@ -37,7 +37,7 @@ class Values:
         """Prepare it; it begins with the block.
 
         Args:
-            dialogue: The conversation.
+            initiated: The conversation.
             keep: How many values wait while one is being dealt with; the oldest are left out.
         """
         self.skipped = 0

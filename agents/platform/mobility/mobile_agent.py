@@ -80,7 +80,7 @@ class MobileAgent(Initiator):
 
         Args:
             migration: What it took along, already unpacked.
-            letters: Messages that came where it was, since it packed.
+            waiting: Messages that came where it was, since it packed.
         """
         self._door.bring(waiting)
         self._go_on(migration)
