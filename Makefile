@@ -55,8 +55,9 @@ format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-docs: $(READY)  ## Print PROTOCOL.md anew from the packet tables
+docs: $(READY)  ## Write PROTOCOL.md from the packet tables, and docs/api.md and docs/api/ from the docstrings
 	$(BIN)/python -m acromovi.compliance > PROTOCOL.md
+	$(BIN)/python tools/api_pages.py
 
 pictures: $(READY)  ## Make the pictures in docs/pictures anew
 	$(BIN)/python tools/make_pictures.py

@@ -17,7 +17,9 @@ from bus.errors import BusError
 from bus.errors import Refused as Refused  # a handler raises it, so it belongs to this interface
 
 CDR = "application/cdr"
+"""Encoding of samples that hold a ROS 2 message."""
 JSON = "application/json"
+"""Encoding of samples that hold a JSON object."""
 MOST_WAITING = 64
 """Queries of one client that wait for their turn, at most."""
 QUERY_TIMEOUT = 10.0  # s; Zenoh's own default differs between versions, so every query says it

@@ -118,6 +118,7 @@ __all__ = [
 ]
 
 NS_PER_S = 1_000_000_000
+"""Nanoseconds in a second."""
 
 # What the generated serialisers raise on values and bytes that do not fit.
 ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
