@@ -11,6 +11,14 @@ from typing import NamedTuple
 from p2os.fields import Ceiling, Field, Quantity
 
 _TEN_BITS = Ceiling(1023)
+GYRO_REST, GYRO_TOP = 512, 1023
+"""Counts of an analog gyro at rest (nominal), and the largest count."""
+GYRO_TEMPERATURE_TOP = 255
+"""Largest count of a gyro's temperature."""
+GYRO_PERIOD = 0.025
+"""s between two samples of a GYROpac."""
+RELATIVE_CHARGE = 3
+"""Index in a battery of `BatteryReport`: charge in percent of the present capacity."""
 
 
 class GyroSample(NamedTuple):

@@ -4,9 +4,38 @@ Source: Pioneer 3/2 H8-series manual, CONFIGpac; its later fields as client libr
 """
 
 from collections.abc import Mapping
+from enum import IntEnum
 from typing import NamedTuple
 
 from p2os.fields import Field, Quantity
+
+
+class ChargerKind(IntEnum):
+    """Values of `Configuration.charger`."""
+
+    NONE = 0
+    PIONEER = 1
+    POWERBOT = 2
+
+
+class GyroKind(IntEnum):
+    """Values of `Configuration.has_gyro`. INSIDE: the controller corrects its own heading."""
+
+    NONE = 0
+    PACKETS = 1
+    INSIDE = 2
+
+
+class AutoBaud(IntEnum):
+    """Values of `Configuration.auto_baud`. PER_CLIENT: the rate that HOSTBAUD sets ends with the connection.
+
+    A client library calls the byte so, starts at the old rate every time, and sends CLOSE at every rate to a robot
+    that does not answer.
+    """
+
+    CHANGEABLE = 1
+    PER_CLIENT = 2
+
 
 CONFIGURATION = (
     Field("robot_type", "z", Quantity.TEXT),

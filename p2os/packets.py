@@ -35,7 +35,7 @@ from p2os.accessory_packets import (
 )
 from p2os.configuration import CONFIGURATION, Configuration
 from p2os.errors import DecodeError
-from p2os.fields import Field, Quantity
+from p2os.fields import Field, Quantity, Ring
 from p2os.firmware import FIRMWARES
 from p2os.packing import pack, unpack
 from p2os.robot_model import RobotModel
@@ -104,7 +104,9 @@ class Encoders(NamedTuple):
     right: int
 
 
-ENCODERS = (Field("left", "i", meaning="ticks"), Field("right", "i", meaning="ticks"))
+TICK_RING = Ring(-(1 << 31), 1 << 32)
+"""Ticks after which the counters of an ENCODERpac roll over."""
+ENCODERS = (Field("left", "i", bound=TICK_RING, meaning="ticks"), Field("right", "i", bound=TICK_RING, meaning="ticks"))
 
 
 class IoReport(NamedTuple):

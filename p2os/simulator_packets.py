@@ -1,17 +1,70 @@
 """Packets that only simulators of these robots send. Source: client library."""
 
+import struct
 from collections.abc import Sequence
+from enum import IntEnum
+from math import degrees, pi, radians
 from typing import Any, NamedTuple
 
-from p2os.fields import Field, Quantity
+from p2os.errors import DecodeError
+from p2os.fields import FIXED_SCALES, Field, Quantity, limits
 
 SIMULATOR_NAMES = frozenset({"MobileSim", "AMRISim"})
 """Names that simulators give all their robots in the answer to SYNC2."""
 SIMULATOR_SERIAL = "SIM"
 """Serial number in a CONFIGpac by which clients know a simulator."""
+READINGS_PLAIN, READINGS_EXTENDED = 96, 38
+"""Readings in one laser packet that the buffers of old clients hold."""
+REFLECTANCE = 33
+"""Of a reflector, as in MobileSim's own maps; everything else is 0."""
 GEO_REFERENCED = 1 << 1
 ODOMETRY_ERROR = 1 << 2
 """Flags of `SimulatorState`: which of its groups are there."""
+
+
+class SimulatedLaserMode(IntEnum):
+    """Argument of SIM_LRF_ENABLE. EXTENDED: with reflectance."""
+
+    OFF = 0
+    PLAIN = 1
+    EXTENDED = 2
+
+
+class SimulatorOperation(IntEnum):
+    """Operations of SIM_CTRL."""
+
+    LOAD_MAP = 1
+    MASTER_LOAD_MAP = 2
+
+
+class SimulatorControlData(NamedTuple):
+    """Data of SIM_CTRL. operation: see `SimulatorOperation`. text: a map's name, or what follows the operation."""
+
+    operation: int
+    text: str
+
+    @classmethod
+    def read(cls, data: bytes) -> "SimulatorControlData":
+        """Read what SIM_CTRL carries; a map's name is behind two bytes more."""
+        operation = int.from_bytes(data[:2], "little")
+        if operation in set(SimulatorOperation):
+            return cls(operation, data[4:].split(b"\0")[0].decode("latin-1"))
+        return cls(operation, data[2:].decode("latin-1").rstrip("\0"))
+
+
+_POSE = struct.Struct("<iii")
+
+
+def read_simulator_pose(data: bytes) -> tuple[float, float, float]:
+    """Return x, y (m) and heading (rad) of SIM_SET_POSE.
+
+    Raises:
+        DecodeError: The data is too short.
+    """
+    if len(data) < _POSE.size:
+        raise DecodeError("it needs x, y and heading, i32 each")
+    x, y, heading = _POSE.unpack_from(data)
+    return x / 1000, y / 1000, radians(heading)
 
 
 class SimulatedLaser(NamedTuple):
@@ -27,6 +80,15 @@ class SimulatedLaser(NamedTuple):
     total: int
     first: int
     ranges: tuple[float, ...]
+
+
+_LARGEST = limits("h")[1] * FIXED_SCALES[Quantity.LENGTH]
+
+
+def laser_pose(x: float, y: float, heading: float) -> tuple[float, float, float]:
+    """Return a pose (m, rad) within what `SimulatedLaser` carries: up to 32.767 m, and whole degrees."""
+    x, y = (max(-_LARGEST, min(_LARGEST, each)) for each in (x, y))
+    return x, y, radians(round(degrees(pi - (pi - heading) % (2 * pi))))
 
 
 SIMULATED_LASER = (

@@ -4,7 +4,8 @@ One table, `HEAD` + (`SONAR` for each reading) + `TAIL`, serves encoder, decoder
 Source: Pioneer 3 operations manual, standard SIP; what follows `fault_flags` as client libraries read it.
 """
 
-from enum import IntFlag
+from enum import IntEnum, IntFlag
+from math import degrees
 from operator import mul
 from struct import Struct, error
 from typing import Any, NamedTuple
@@ -71,7 +72,16 @@ class SipFlag(IntFlag):
     CHARGER_GOOD = 1 << 10
 
 
-SONAR_FLAGS = SipFlag.SONAR_ARRAY_1 | SipFlag.SONAR_ARRAY_2 | SipFlag.SONAR_ARRAY_3 | SipFlag.SONAR_ARRAY_4
+SONAR_FLAGS = int(SipFlag.SONAR_ARRAY_1 | SipFlag.SONAR_ARRAY_2 | SipFlag.SONAR_ARRAY_3 | SipFlag.SONAR_ARRAY_4)
+NO_ECHO = 5.0
+"""m; the range that a disc without echo reports."""
+OPEN_INPUTS = 0xFF
+"""Digital inputs that nothing pulls low; infrared sensors are active low."""
+TABLE_SENSOR_INPUTS = {0: 1, 1: 0, 2: 3, 3: 2}
+"""Table sensors of the older PeopleBots: infrared sensor (right and left table, left and right beam) to user input."""
+UNKNOWN_TEMPERATURE = -128.0
+HIGHEST_TEMPERATURE = 127.0
+"""°C of `StandardSip.temperature`."""
 GYRO_FAULT = 1 << 4
 """Bit of `StandardSip.fault_flags`."""
 LEFT_STALL = 1 << 0
@@ -79,6 +89,30 @@ RIGHT_STALL = 1 << 8
 REAR_BUMPERS_SHIFT = 1
 FRONT_BUMPERS_SHIFT = 9
 BUMPER_SEGMENTS = 0x7F
+
+
+class ChargeState(IntEnum):
+    """Values of `StandardSip.charge_state`."""
+
+    NOT_CHARGING = 0
+    BULK = 1
+    OVERCHARGE = 2
+    FLOAT = 3
+    BALANCE = 4
+    UNKNOWN = 255
+
+
+def sonar_flags(arrays: int) -> int:
+    """Return the bits of `StandardSip.flags` for enabled sonar arrays, bit i is array i + 1."""
+    return arrays << 1 & SONAR_FLAGS
+
+
+def compass_byte(heading: float) -> int:
+    """Return `StandardSip.compass` for a heading, rad clockwise from north.
+
+    North is 180: a well-known driver takes 0 for a missing compass.
+    """
+    return round(degrees(heading) / 2) % 180 or 180
 
 
 def stall_word(left_stalled: bool, right_stalled: bool, front_bumpers: int, rear_bumpers: int) -> int:
@@ -211,12 +245,14 @@ class _Layout:
         self.absent = _ABSENT[tail:]
 
 
+SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
+"""Bytes of a sonar reading."""
+
 _SONAR = len(HEAD)  # index of the readings in a StandardSip, and of their number among the counts of a packet
 _FIRST = _SONAR + 1  # index of the first reading among the counts, and of the tail in a StandardSip
 _ABSENT = StandardSip()[_FIRST:]  # what stands for the fields of the tail that a packet ends before
 _CEILINGS = tuple((index, field.bound.high) for index, field in enumerate(HEAD) if isinstance(field.bound, Ceiling))
 _COUNT_OFFSET = Struct("<" + "".join(field.code for field in HEAD)).size
-_SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
 _TAIL_ENDS = [Struct("<" + "".join(field.code for field in TAIL[:n])).size for n in range(len(TAIL) + 1)]
 _round = float.__round__  # half the cost of `round`, which has to look it up
 _new = tuple.__new__  # spares the argument list of a NamedTuple with 25 fields
@@ -295,7 +331,7 @@ class SipCodec:
         """The layout of a payload of a size not met before."""
         size = len(payload)
         readings = payload[_COUNT_OFFSET] if size > _COUNT_OFFSET else 0
-        tail_size = size - (_COUNT_OFFSET + 1 + readings * _SONAR_SIZE)
+        tail_size = size - (_COUNT_OFFSET + 1 + readings * SONAR_SIZE)
         if tail_size < 0:
             raise DecodeError(f"a SIP of {size} bytes ends before its {readings} sonar readings do")
         tail = max(n for n, end in enumerate(_TAIL_ENDS) if end <= tail_size)

@@ -299,6 +299,16 @@ def variant_data(variant: Variant) -> bytes:
     return struct.pack("<HH", *variant)
 
 
+def read_wanted_variant(data: bytes) -> Variant:
+    """Return the beams that `LmsRequestCode.VARIANT` asks for; missing bytes count as zero."""
+    return Variant(*struct.unpack_from("<HH", data.ljust(4, b"\0")))
+
+
+def configured_data(accepted: bool, configuration: LmsConfiguration) -> bytes:
+    """Return what follows the code of `LmsAnswerCode.CONFIGURED`."""
+    return bytes([accepted]) + configuration.pack()
+
+
 def read_variant(data: bytes) -> tuple[bool, Variant]:
     """Whether `LmsAnswerCode.VARIANT` accepts, and the beams that the laser has now.
 

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
-from p2os_emu.links.stage import LinkStage, Rates, split_frames
+from p2os.framing import split_frames
+from p2os_emu.links.stage import LinkStage, Rates
 
 _ROUNDING = 1e-9  # s; times are sums of steps
 
