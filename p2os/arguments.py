@@ -93,6 +93,16 @@ DISPLAY_SIZE = 20
 """Characters of LCDWRITE."""
 
 
+def display_data(text: str) -> bytes:
+    """Return the data of LCDWRITE for a text in ASCII."""
+    return text.encode("ascii") + b"\0"
+
+
+def read_display_data(data: bytes) -> str:
+    """Return the text that the display shows after LCDWRITE."""
+    return data.split(b"\0", 1)[0][:DISPLAY_SIZE].decode("latin-1")
+
+
 def signed_byte(byte: int) -> int:
     """Return a byte of VEL2, 0 to 255, as the signed number that it stands for."""
     return byte - 0x100 if byte & 0x80 else byte

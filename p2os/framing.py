@@ -20,6 +20,8 @@ MAX_PAYLOAD = 252 - CHECKSUM_SIZE
 MIN_COUNT = 1 + CHECKSUM_SIZE
 PARTIAL_TIMEOUT = 0.1
 """Seconds without a byte after which the rest of a begun frame is no longer expected."""
+BITS_PER_BYTE = 10
+"""On every serial line here: a start bit, eight data bits, a stop bit."""
 NOISE_BLOCK = 256
 """Bytes of noise gathered into one event; fewer are reported when a frame begins or the line falls silent."""
 

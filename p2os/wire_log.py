@@ -13,7 +13,7 @@ from p2os.commands import decode_command
 from p2os.errors import DecodeError
 from p2os.fields import Quantity
 from p2os.framing import Damaged, Frame, FrameDecoder
-from p2os.handshake import read_identity
+from p2os.handshake import CONNECTION_COMMANDS, read_identity
 from p2os.packets import TABLES, PacketType, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SIP_TYPES, SipCodec
@@ -147,7 +147,7 @@ class Talk:
             self._is_synced = False
             self._last_sync = None
             self._sips = 0
-        return ("PULSE", "OPEN", "CLOSE")[number]
+        return CONNECTION_COMMANDS[number]
 
     def _is_sync(self, number: int) -> bool:
         if number == Command.SYNC2:  # out of turn it is the CLOSE of a client that does not know what it finds

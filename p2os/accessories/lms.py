@@ -17,7 +17,6 @@ from p2os.errors import DecodeError
 PASSWORD = b"SICK_LMS"
 MIRROR_PERIOD = 1 / 75
 """Seconds of one turn of the mirror: one pass over the whole view, a beam each degree."""
-BITS_PER_BYTE = 10
 
 
 class LmsRequestCode(IntEnum):

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from p2os import Damage, Damaged, DecodeError, LaserMount
 from p2os.accessories.lms import (
     BAUD_MODES,
-    BITS_PER_BYTE,
     MIRROR_PERIOD,
     PASSWORD,
     REFLECTOR_MODE,
@@ -38,6 +37,7 @@ from p2os.accessories.lms import (
     variant_data,
 )
 from p2os.accessories.lms_framing import ACK, NAK, LmsTelegram, LmsTelegramDecoder, encode_answer
+from p2os.framing import BITS_PER_BYTE
 from p2os_emu.body import Body, Echoes, ScanBeams
 
 _ACK, _NAK = bytes((ACK,)), bytes((NAK,))

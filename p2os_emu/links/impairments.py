@@ -163,7 +163,7 @@ class Silence:
         return b""
 
 
-MOST_HELD = 1 << 16
+MOST_HELD = 2**16
 """Bytes that an adapter that hangs keeps: what buffers of drivers and adapters hold together (assumed)."""
 
 

@@ -3,9 +3,9 @@
 from collections import deque
 from random import Random
 
-from p2os.framing import first_payload_byte, split_frames
+from p2os.framing import BITS_PER_BYTE, first_payload_byte, split_frames
 from p2os.sip import SIP_TYPES
-from p2os_emu.links.stage import BITS_PER_BYTE, Rates
+from p2os_emu.links.stage import Rates
 
 # A step seldom ends exactly where a byte does; without this, rounding holds a complete byte back for a step.
 _ROUNDING = 1e-6

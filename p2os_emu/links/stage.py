@@ -2,8 +2,6 @@
 
 from typing import NamedTuple, Protocol
 
-BITS_PER_BYTE = 10  # a start bit, eight data bits, a stop bit
-
 
 class Rates(NamedTuple):
     """The rates of the two ends at one moment, bit/s; the client's is None where the port knows no rate."""

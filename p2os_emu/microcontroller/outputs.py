@@ -7,7 +7,7 @@ leave a laser without power that they switch on.
 
 from dataclasses import dataclass, field
 
-from p2os.arguments import DISPLAY_SIZE, LASER_POWER_PORT, POWER_PORTS, PULSE_UNIT, SERVO_PORTS
+from p2os.arguments import LASER_POWER_PORT, POWER_PORTS, PULSE_UNIT, SERVO_PORTS, read_display_data
 
 POWER_OUTPUTS = ("pc", "lrf", "5v", "12v", "aux_pc", "touchscreen", "ptz", "audio", "lrf2")
 """By name: each has a POWER command of its own."""
@@ -46,4 +46,4 @@ class Outputs:
 
     def show(self, text: bytes) -> None:
         """LCDWRITE."""
-        self.lcd = text.split(b"\0", 1)[0][:DISPLAY_SIZE].decode("latin-1")
+        self.lcd = read_display_data(text)
