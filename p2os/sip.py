@@ -1,6 +1,6 @@
 """The standard server information packet (SIP): the robot's state, sent every cycle.
 
-One table, `HEAD` + (`SONAR` for each reading) + `TAIL`, serves encoder, decoder and documentation.
+`HEAD` + `COUNT` + (`SONAR` for each reading) + `TAIL` serve encoder, decoder and documentation.
 Source: Pioneer 3 operations manual, standard SIP; what follows `fault_flags` as client libraries read it.
 """
 
@@ -8,10 +8,10 @@ from enum import IntEnum, IntFlag
 from math import degrees
 from operator import mul
 from struct import Struct, error
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from p2os.errors import DecodeError, EncodeError
-from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fits, misfit
+from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fields_of, fits, misfit
 from p2os.firmware import FIRMWARES
 from p2os.robot_model import RobotModel
 
@@ -22,38 +22,6 @@ SIP_TYPES = range(0x30, 0x35)
 
 _POSITION = Ring(0, POSITION_UNITS)
 _HEADING = Ring(1 - HEADING_UNITS // 2, HEADING_UNITS)
-
-HEAD = (
-    Field("moving", "B", meaning="0x32 motors stopped, 0x33 robot moving"),
-    Field("x", "H", Quantity.DISTANCE, _POSITION, "odometry, rolls over at 32768 counts"),
-    Field("y", "H", Quantity.DISTANCE, _POSITION, "likewise"),
-    Field("heading", "h", Quantity.HEADING, _HEADING, "4096 counts a turn, counter-clockwise"),
-    Field("left_velocity", "h", Quantity.VELOCITY),
-    Field("right_velocity", "h", Quantity.VELOCITY),
-    Field("battery", "B", Quantity.VOLTAGE, Ceiling(255), "ends at 25.5 V"),
-    Field("stall", "H", meaning="bit 0 left stall, 1-7 rear bumpers, 8 right stall, 9-15 front bumpers"),
-    Field("control", "h", Quantity.HEADING, _HEADING, "heading setpoint"),
-    Field("flags", "H", meaning="see SipFlag"),
-    Field("compass", "B", meaning="2 degrees a count"),
-)
-COUNT = Field("number of sonar readings", "B", meaning="number of new readings that follow")
-SONAR = (Field("number", "B"), Field("range", "H", Quantity.RANGE))
-TAIL = (
-    Field("gripper_state", "B"),
-    Field("analog_port", "B", meaning="selected by ADSEL"),
-    Field("analog", "B", Quantity.ANALOG_8),
-    Field("digital_in", "B", meaning="user inputs, pulled high"),
-    Field("digital_out", "B", meaning="user outputs; P2OS and AROS packets end here"),
-    Field("battery_fine", "H", Quantity.VOLTAGE, meaning="without the ceiling of 25.5 V"),
-    Field("charge_state", "B", meaning="255 unknown, 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance"),
-    Field("rotational_velocity", "h", Quantity.FINE_ROTATION),
-    Field("fault_flags", "H", meaning="bit 4 gyro failed; ARCOS packets end here"),
-    Field("lateral_velocity", "h", Quantity.SPEED, meaning="Seekur"),
-    Field("temperature", "b", Quantity.TEMPERATURE, meaning="-128 unknown"),
-    Field("state_of_charge", "b", Quantity.FRACTION),
-    Field("controller_time", "I", Quantity.TIME, meaning="MTX"),
-    Field("flags3", "I", meaning="MTX"),
-)
 
 
 class SipFlag(IntFlag):
@@ -136,32 +104,36 @@ class StandardSip(NamedTuple):
     temperature: °C, -128 unknown. state_of_charge: 0 to 1. controller_time: s.
     """
 
-    moving: bool = False
-    x: float = 0.0
-    y: float = 0.0
-    heading: float = 0.0
-    left_velocity: float = 0.0
-    right_velocity: float = 0.0
-    battery: float = 0.0
-    stall: int = 0
-    control: float = 0.0
-    flags: int = 0
-    compass: int = 0
+    moving: Annotated[bool, Field("B", meaning="0x32 motors stopped, 0x33 robot moving")] = False
+    x: Annotated[float, Field("H", Quantity.DISTANCE, _POSITION, "odometry, rolls over at 32768 counts")] = 0.0
+    y: Annotated[float, Field("H", Quantity.DISTANCE, _POSITION, "likewise")] = 0.0
+    heading: Annotated[float, Field("h", Quantity.HEADING, _HEADING, "4096 counts a turn, counter-clockwise")] = 0.0
+    left_velocity: Annotated[float, Field("h", Quantity.VELOCITY)] = 0.0
+    right_velocity: Annotated[float, Field("h", Quantity.VELOCITY)] = 0.0
+    battery: Annotated[float, Field("B", Quantity.VOLTAGE, Ceiling(255), "ends at 25.5 V")] = 0.0
+    stall: Annotated[
+        int, Field("H", meaning="bit 0 left stall, 1-7 rear bumpers, 8 right stall, 9-15 front bumpers")
+    ] = 0
+    control: Annotated[float, Field("h", Quantity.HEADING, _HEADING, "heading setpoint")] = 0.0
+    flags: Annotated[int, Field("H", meaning="see SipFlag")] = 0
+    compass: Annotated[int, Field("B", meaning="2 degrees a count")] = 0
     sonar: tuple[tuple[int, float], ...] = ()
-    gripper_state: int = 0
-    analog_port: int = 0
-    analog: float = 0.0
-    digital_in: int = 0
-    digital_out: int = 0
-    battery_fine: float | None = None
-    charge_state: int | None = None
-    rotational_velocity: float | None = None
-    fault_flags: int | None = None
-    lateral_velocity: float | None = None
-    temperature: float | None = None
-    state_of_charge: float | None = None
-    controller_time: float | None = None
-    flags3: int | None = None
+    gripper_state: Annotated[int, Field("B")] = 0
+    analog_port: Annotated[int, Field("B", meaning="selected by ADSEL")] = 0
+    analog: Annotated[float, Field("B", Quantity.ANALOG_8)] = 0.0
+    digital_in: Annotated[int, Field("B", meaning="user inputs, pulled high")] = 0
+    digital_out: Annotated[int, Field("B", meaning="user outputs; P2OS and AROS packets end here")] = 0
+    battery_fine: Annotated[float | None, Field("H", Quantity.VOLTAGE, meaning="without the ceiling of 25.5 V")] = None
+    charge_state: Annotated[
+        int | None, Field("B", meaning="255 unknown, 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance")
+    ] = None
+    rotational_velocity: Annotated[float | None, Field("h", Quantity.FINE_ROTATION)] = None
+    fault_flags: Annotated[int | None, Field("H", meaning="bit 4 gyro failed; ARCOS packets end here")] = None
+    lateral_velocity: Annotated[float | None, Field("h", Quantity.SPEED, meaning="Seekur")] = None
+    temperature: Annotated[float | None, Field("b", Quantity.TEMPERATURE, meaning="-128 unknown")] = None
+    state_of_charge: Annotated[float | None, Field("b", Quantity.FRACTION)] = None
+    controller_time: Annotated[float | None, Field("I", Quantity.TIME, meaning="MTX")] = None
+    flags3: Annotated[int | None, Field("I", meaning="MTX")] = None
 
     @property
     def left_stalled(self) -> bool:
@@ -219,6 +191,14 @@ class StandardSip(NamedTuple):
         return self.battery if self.battery_fine is None else self.battery_fine
 
 
+_FIELDS = fields_of(StandardSip)
+_SONAR = StandardSip._fields.index("sonar")  # also index of the number of readings among the counts of a packet
+_FIRST = _SONAR + 1  # index of the first reading among the counts, and of the tail in a StandardSip
+HEAD, TAIL = _FIELDS[:_SONAR], _FIELDS[_SONAR:]
+COUNT = Field("B", meaning="number of new readings that follow", name="number of sonar readings")
+SONAR = (Field("B", name="number"), Field("H", Quantity.RANGE, name="range"))
+
+
 class _Layout:
     """A SIP with so many sonar readings and tail fields, compiled.
 
@@ -248,8 +228,6 @@ class _Layout:
 SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
 """Bytes of a sonar reading."""
 
-_SONAR = len(HEAD)  # index of the readings in a StandardSip, and of their number among the counts of a packet
-_FIRST = _SONAR + 1  # index of the first reading among the counts, and of the tail in a StandardSip
 _ABSENT = StandardSip()[_FIRST:]  # what stands for the fields of the tail that a packet ends before
 _CEILINGS = tuple((index, field.bound.high) for index, field in enumerate(HEAD) if isinstance(field.bound, Ceiling))
 _COUNT_OFFSET = Struct("<" + "".join(field.code for field in HEAD)).size

@@ -143,13 +143,17 @@ def test_ints_come_back_within_one_count(command: Command, count: int) -> None:
 
 
 @given(
-    st.sampled_from([command for command in COMMANDS.values() if command.argument is Argument.STRING]), st.binary(max_size=196)
+    st.sampled_from([command for command in COMMANDS.values() if command.argument is Argument.STRING]),
+    st.binary(max_size=196),
 )
 def test_strings_come_back(command: Command, text: bytes) -> None:
     assert decode_command(encode_command(command, text)[3:-2]).value == text
 
 
-@given(st.sampled_from([command for command in COMMANDS.values() if command.argument is Argument.DATA]), st.binary(max_size=200))
+@given(
+    st.sampled_from([command for command in COMMANDS.values() if command.argument is Argument.DATA]),
+    st.binary(max_size=200),
+)
 def test_raw_data_comes_back(command: Command, data: bytes) -> None:
     assert decode_command(encode_command(command, data)[3:-2]).value == data
 
