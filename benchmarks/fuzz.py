@@ -21,7 +21,6 @@ from benchmarks import fuzz_bus
 from benchmarks.codec import example_sip
 from benchmarks.figures import Figure
 from p2os import (
-    COMMANDS,
     Argument,
     Command,
     Configuration,
@@ -152,7 +151,7 @@ def host_parser() -> Parser:
         Argument.TWO_BYTES: (1, 2),
         Argument.DATA: bytes(20),
     }
-    frames = [encode_command(Command(number), examples[spec.argument]) for number, spec in COMMANDS.items()]
+    frames = [encode_command(command, examples[command.argument]) for command in Command]
     return Parser("host to robot", [*(frame[3:-2] for frame in frames), bytes(250)], 1, seal_frames, take)
 
 

@@ -20,7 +20,7 @@ from p2os.accessory_packets import (
     PlaylistEntry,
     Reset,
 )
-from p2os.command_table import COMMANDS, Argument, Command, CommandSpec
+from p2os.command_table import COMMANDS, Argument, Command
 from p2os.commands import CommandValue, ReceivedCommand, decode_command, encode_command
 from p2os.configuration import Configuration
 from p2os.errors import DecodeError, EncodeError, LocalProtocolError, P2OSError
@@ -66,7 +66,6 @@ __all__ = [
     "AuxData",
     "BatteryReport",
     "Command",
-    "CommandSpec",
     "CommandValue",
     "CompassReport",
     "Configuration",

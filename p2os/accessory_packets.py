@@ -6,11 +6,20 @@ the rest as client libraries read it.
 """
 
 from enum import IntFlag
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from p2os.fields import Ceiling, Field, Quantity
 
 _TEN_BITS = Ceiling(1023)
+_Byte = Annotated[int, Field("B")]
+GYRO_REST, GYRO_TOP = 512, 1023
+"""Counts of an analog gyro at rest (nominal), and the largest count."""
+GYRO_TEMPERATURE_TOP = 255
+"""Largest count of a gyro's temperature."""
+GYRO_PERIOD = 0.025
+"""s between two samples of a GYROpac."""
+RELATIVE_CHARGE = 3
+"""Index in a battery of `BatteryReport`: charge in percent of the present capacity."""
 
 
 class GyroSample(NamedTuple):
@@ -19,28 +28,14 @@ class GyroSample(NamedTuple):
     rate: raw count, 0 to 1023; at rest about 512, more is clockwise. temperature: raw count.
     """
 
-    rate: int
-    temperature: int
+    rate: Annotated[int, Field("h", meaning="0 to 1023, at rest about 512, clockwise above")]
+    temperature: Annotated[int, Field("B", meaning="raw count")]
 
 
 class GyroReport(NamedTuple):
     """GYROpac: the readings since the last one, 25 ms apart."""
 
-    samples: tuple[GyroSample, ...]
-
-
-GYRO = (
-    Field(
-        "samples",
-        "*",
-        items=(
-            Field("rate", "h", meaning="0 to 1023, at rest about 512, clockwise above"),
-            Field("temperature", "B", meaning="raw count"),
-        ),
-        record=GyroSample,
-        meaning="one every 25 ms",
-    ),
-)
+    samples: Annotated[tuple[GyroSample, ...], Field("*", record=GyroSample, meaning="one every 25 ms")]
 
 
 class JoystickReport(NamedTuple):
@@ -49,20 +44,11 @@ class JoystickReport(NamedTuple):
     Ten bits around a centre of 512 make the far right and the far front read as 0.998.
     """
 
-    button1: bool
-    button2: bool
-    x: float
-    y: float
-    throttle: float
-
-
-JOYSTICK = (
-    Field("button1", "B", Quantity.FLAG),
-    Field("button2", "B", Quantity.FLAG),
-    Field("x", "H", Quantity.LEVER, _TEN_BITS, "0 left, 512 centre, 1023 right", zero=512),
-    Field("y", "H", Quantity.LEVER, _TEN_BITS, "0 back, 512 centre, 1023 forward", zero=512),
-    Field("throttle", "H", Quantity.LEVEL, _TEN_BITS, "0 to 1023"),
-)
+    button1: Annotated[bool, Field("B", Quantity.FLAG)]
+    button2: Annotated[bool, Field("B", Quantity.FLAG)]
+    x: Annotated[float, Field("H", Quantity.LEVER, _TEN_BITS, "0 left, 512 centre, 1023 right", zero=512)]
+    y: Annotated[float, Field("H", Quantity.LEVER, _TEN_BITS, "0 back, 512 centre, 1023 forward", zero=512)]
+    throttle: Annotated[float, Field("H", Quantity.LEVEL, _TEN_BITS, "0 to 1023")]
 
 
 class GripperReport(NamedTuple):
@@ -71,16 +57,9 @@ class GripperReport(NamedTuple):
     kind: 0 none, 1 Pioneer, 2 PeopleBot. state: as `StandardSip.gripper_state`. grasp_time: s.
     """
 
-    kind: int
-    state: int
-    grasp_time: float
-
-
-GRIPPER = (
-    Field("kind", "B", meaning="0 none, 1 Pioneer, 2 PeopleBot"),
-    Field("state", "B", meaning="as gripper_state in the SIP"),
-    Field("grasp_time", "B", Quantity.GRASP_TIME, meaning="20 ms a count"),
-)
+    kind: Annotated[int, Field("B", meaning="0 none, 1 Pioneer, 2 PeopleBot")]
+    state: Annotated[int, Field("B", meaning="as gripper_state in the SIP")]
+    grasp_time: Annotated[float, Field("B", Quantity.GRASP_TIME, meaning="20 ms a count")]
 
 
 class CompassReport(NamedTuple):
@@ -91,32 +70,17 @@ class CompassReport(NamedTuple):
     calibration went.
     """
 
-    heading: float
-    pitch: float
-    roll: float
-    field_x: float
-    field_y: float
-    field_z: float
-    temperature: float
-    errors: int
-    h_score: int
-    v_score: int
-    m_score: float
-
-
-COMPASS = (
-    Field("heading", "h", Quantity.FINE_ANGLE, meaning="clockwise from north"),
-    Field("pitch", "h", Quantity.FINE_ANGLE),
-    Field("roll", "h", Quantity.FINE_ANGLE),
-    Field("field_x", "h", Quantity.MAGNETIC_FIELD, meaning="0.01 microtesla a count"),
-    Field("field_y", "h", Quantity.MAGNETIC_FIELD),
-    Field("field_z", "h", Quantity.MAGNETIC_FIELD),
-    Field("temperature", "h", Quantity.FINE_TEMPERATURE),
-    Field("errors", "h", meaning="bits"),
-    Field("h_score", "B"),
-    Field("v_score", "B"),
-    Field("m_score", "h", Quantity.FRACTION),
-)
+    heading: Annotated[float, Field("h", Quantity.FINE_ANGLE, meaning="clockwise from north")]
+    pitch: Annotated[float, Field("h", Quantity.FINE_ANGLE)]
+    roll: Annotated[float, Field("h", Quantity.FINE_ANGLE)]
+    field_x: Annotated[float, Field("h", Quantity.MAGNETIC_FIELD, meaning="0.01 microtesla a count")]
+    field_y: Annotated[float, Field("h", Quantity.MAGNETIC_FIELD)]
+    field_z: Annotated[float, Field("h", Quantity.MAGNETIC_FIELD)]
+    temperature: Annotated[float, Field("h", Quantity.FINE_TEMPERATURE)]
+    errors: Annotated[int, Field("h", meaning="bits")]
+    h_score: Annotated[int, Field("B")]
+    v_score: Annotated[int, Field("B")]
+    m_score: Annotated[float, Field("h", Quantity.FRACTION)]
 
 
 class ArmStatus(IntFlag):
@@ -134,50 +98,34 @@ class ArmReport(NamedTuple):
     moving: bit i is set while joint i + 1 moves. status: see `ArmStatus`. positions: of each joint, raw counts.
     """
 
-    moving: int
-    status: int
-    positions: tuple[int, ...]
-
-
-ARM = (
-    Field("moving", "B", meaning="bit 0 to 5: joint 1 to 6"),
-    Field("status", "B", meaning="bit 0 good, 1 initialised, 2 powered, 3 homing"),
-    Field("positions", "6B"),
-)
+    moving: Annotated[int, Field("B", meaning="bit 0 to 5: joint 1 to 6")]
+    status: Annotated[int, Field("B", meaning="bit 0 good, 1 initialised, 2 powered, 3 homing")]
+    positions: Annotated[tuple[int, ...], Field("6B")]
 
 
 class ArmJoint(NamedTuple):
     """One joint of an ARMINFOpac, in raw counts of its servo; speed in ms a count."""
 
-    speed: int
-    home: int
-    minimum: int
-    centre: int
-    maximum: int
-    ticks_per_90: int
+    speed: _Byte
+    home: _Byte
+    minimum: _Byte
+    centre: _Byte
+    maximum: _Byte
+    ticks_per_90: _Byte
 
 
 class ArmInformation(NamedTuple):
     """ARMINFOpac. version: "No arm" where there is none."""
 
-    version: str
-    joints: tuple[ArmJoint, ...]
-
-
-ARM_INFORMATION = (
-    Field("version", "z", Quantity.TEXT),
-    Field("joints", "*", items=tuple(Field(name, "B") for name in ArmJoint._fields), record=ArmJoint),
-)
+    version: Annotated[str, Field("z", Quantity.TEXT)]
+    joints: Annotated[tuple[ArmJoint, ...], Field("*", record=ArmJoint)]
 
 
 class AuxData(NamedTuple):
     """SERAUXpac: bytes that came in at an AUX port, 1 to 3."""
 
     port: int
-    data: bytes
-
-
-AUX = (Field("data", "+s", meaning="as they came in at the port"),)
+    data: Annotated[bytes, Field("+s", meaning="as they came in at the port")]
 
 
 class PlaylistEntry(NamedTuple):
@@ -187,48 +135,32 @@ class PlaylistEntry(NamedTuple):
     group. offset, length: in the sound memory, bytes.
     """
 
-    number: int
-    on: bool
-    name: str
-    offset: int
-    length: int
-
-
-PLAYLIST = (
-    Field("number", "B", meaning="how many there are, in the first packet of a list"),
-    Field("on", "B", Quantity.FLAG),
-    Field("name", "16s", Quantity.TEXT, meaning="~ in front marks a group"),
-    Field("offset", "I"),
-    Field("length", "I"),
-)
+    number: Annotated[int, Field("B", meaning="how many there are, in the first packet of a list")]
+    on: Annotated[bool, Field("B", Quantity.FLAG)]
+    name: Annotated[str, Field("16s", Quantity.TEXT, meaning="~ in front marks a group")]
+    offset: Annotated[int, Field("I")]
+    length: Annotated[int, Field("I")]
 
 
 class BatteryReport(NamedTuple):
     """Battery packet: for each battery three bytes of flags, relative and absolute charge in percent."""
 
-    batteries: tuple[tuple[int, ...], ...]
-
-
-BATTERY = (Field("batteries", "**B", meaning="flags 1 to 3, relative and absolute charge in percent"),)
+    batteries: Annotated[
+        tuple[tuple[int, ...], ...], Field("**B", meaning="flags 1 to 3, relative and absolute charge in percent")
+    ]
 
 
 class InfraredScan(NamedTuple):
     """Ranges of the infrared range finder, m, from -81° to 81° in steps of 1.8°. port: where it is plugged in."""
 
-    port: int
-    ranges: tuple[float, ...]
-
-
-INFRARED = (Field("port", "H"), Field("ranges", "+H", Quantity.TRIANGULATED_RANGE))
+    port: Annotated[int, Field("H")]
+    ranges: Annotated[tuple[float, ...], Field("+H", Quantity.TRIANGULATED_RANGE)]
 
 
 class Reset(NamedTuple):
     """The controller has been reset. data: why, where it says so."""
 
-    data: bytes = b""
-
-
-RESET = (Field("data", "+s", meaning="why; type 0xFF has none"),)
+    data: Annotated[bytes, Field("+s", meaning="why; type 0xFF has none")] = b""
 
 
 class MtxPacket(NamedTuple):

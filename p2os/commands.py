@@ -7,7 +7,7 @@ Source: Pioneer 3 operations manual, client command argument types; deviations a
 import math
 from typing import NamedTuple
 
-from p2os.command_table import COMMANDS, Argument, Command, CommandSpec
+from p2os.command_table import COMMANDS, Argument, Command
 from p2os.errors import EncodeError
 from p2os.fields import FIXED_SCALES, Quantity
 from p2os.framing import MAX_PAYLOAD, encode_frame
@@ -49,57 +49,57 @@ def encode_command(command: Command, value: CommandValue | None = None) -> bytes
     Raises:
         EncodeError: There is no such command, or the value does not fit its argument.
     """
-    spec = COMMANDS.get(command)
-    if spec is None:
+    row = COMMANDS.get(command)
+    if row is None:
         meant = (
             f"Command.{command}" if str(command) in Command.__members__ else "a member of Command, such as Command.VEL"
         )
         raise EncodeError(f"{command!r} is not a command; give {meant}")
-    if spec.argument is Argument.NONE:
+    if row.argument is Argument.NONE:
         if value is not None:
-            raise EncodeError(f"{spec.name} takes no argument, not {value!r}")
-        return encode_frame(bytes([command]))
-    return encode_frame(bytes([command]) + _encode_argument(spec, value))
+            raise EncodeError(f"{row.name} takes no argument, not {value!r}")
+        return encode_frame(bytes([row]))
+    return encode_frame(bytes([row]) + _encode_argument(row, value))
 
 
-def _encode_argument(spec: CommandSpec, value: CommandValue | None) -> bytes:
-    match spec.argument, value:
+def _encode_argument(command: Command, value: CommandValue | None) -> bytes:
+    match command.argument, value:
         case ((Argument.INT | Argument.UINT), int() | float()):
-            return _encode_int(spec, value)
+            return _encode_int(command, value)
         case Argument.TWO_BYTES, (int(high), int(low)):
-            return _encode_two_bytes(spec, high, low)
+            return _encode_two_bytes(command, high, low)
         case Argument.STRING, bytes():
-            _check_size(spec, "string", value, MAX_STRING)
+            _check_size(command, "string", value, MAX_STRING)
             return bytes([TEXT, len(value)]) + value
         case Argument.DATA, bytes():
-            _check_size(spec, "raw data", value, MAX_DATA)
+            _check_size(command, "raw data", value, MAX_DATA)
             return bytes([TEXT]) + value
-    raise EncodeError(f"{spec.name} takes {spec.argument.value}, not {value!r}")
+    raise EncodeError(f"{command.name} takes {command.argument.value}, not {value!r}")
 
 
-def _check_size(spec: CommandSpec, what: str, value: bytes, most: int) -> None:
+def _check_size(command: Command, what: str, value: bytes, most: int) -> None:
     if len(value) > most:
-        raise EncodeError(f"{what} of {len(value)} bytes does not fit {spec.name}, which carries at most {most}")
+        raise EncodeError(f"{what} of {len(value)} bytes does not fit {command.name}, which carries at most {most}")
 
 
-def _encode_int(spec: CommandSpec, value: float) -> bytes:
-    scale = FIXED_SCALES[spec.quantity]
+def _encode_int(command: Command, value: float) -> bytes:
+    scale = FIXED_SCALES[command.quantity]
     count = round(value / scale) if math.isfinite(value) else None
-    lowest, highest = (-MAX_INT, MAX_INT) if spec.argument is Argument.INT else (0, MAX_UNSIGNED)
+    lowest, highest = (-MAX_INT, MAX_INT) if command.argument is Argument.INT else (0, MAX_UNSIGNED)
     if count is None or not lowest <= count <= highest:
-        what, unit = spec.quantity.label, spec.quantity.unit
+        what, unit = command.quantity.label, command.quantity.unit
         sign = "" if count is None or count > 0 or lowest else ", none below zero"
         most = f"{highest * scale:.8g} {unit}".rstrip()
         raise EncodeError(
-            f"{what} {value} {unit}".rstrip() + f" does not fit {spec.name}, which carries at most {most}{sign}"
+            f"{what} {value} {unit}".rstrip() + f" does not fit {command.name}, which carries at most {most}{sign}"
         )
     return bytes([NEGATIVE if count < 0 else POSITIVE]) + abs(count).to_bytes(2, "little")
 
 
-def _encode_two_bytes(spec: CommandSpec, high: int, low: int) -> bytes:
+def _encode_two_bytes(command: Command, high: int, low: int) -> bytes:
     """Raw bytes under the positive type, as one well-known driver sends them; signed bytes in two's complement."""
     if not (-128 <= high <= 255 and -128 <= low <= 255):
-        raise EncodeError(f"bytes {high}, {low} do not fit {spec.name}, which carries -128 to 255 in each")
+        raise EncodeError(f"bytes {high}, {low} do not fit {command.name}, which carries -128 to 255 in each")
     return bytes([POSITIVE, low & 0xFF, high & 0xFF])
 
 
@@ -108,14 +108,14 @@ def decode_command(payload: bytes) -> ReceivedCommand:
     if not payload:
         return ReceivedCommand(0, None)
     number = payload[0]
-    spec = COMMANDS.get(number)
-    if spec is None:
+    command = COMMANDS.get(number)
+    if command is None:
         return ReceivedCommand(number, None)
-    return ReceivedCommand(number, Command(number), _decode_argument(spec, payload[1:]))
+    return ReceivedCommand(number, command, _decode_argument(command, payload[1:]))
 
 
-def _decode_argument(spec: CommandSpec, argument: bytes) -> CommandValue | None:
-    match spec.argument:
+def _decode_argument(command: Command, argument: bytes) -> CommandValue | None:
+    match command.argument:
         case Argument.NONE:
             return None
         case Argument.STRING:
@@ -126,8 +126,8 @@ def _decode_argument(spec: CommandSpec, argument: bytes) -> CommandValue | None:
             # A high byte of 0x80 and more may come as a negative int: two's complement brings the two bytes back.
             high, low = divmod(_decode_int(argument, signed=False) & 0xFFFF, 256)
             return high, low
-    count = _decode_int(argument, signed=spec.argument is Argument.INT)
-    return count if spec.quantity is Quantity.COUNT else count * FIXED_SCALES[spec.quantity]
+    count = _decode_int(argument, signed=command.argument is Argument.INT)
+    return count if command.quantity is Quantity.COUNT else count * FIXED_SCALES[command.quantity]
 
 
 def _decode_int(argument: bytes, *, signed: bool) -> int:

@@ -138,18 +138,18 @@ def _packets(emulated: Emulated) -> str:
 def _commands(emulated: Emulated) -> str:
     rows = [
         (
-            f"{spec.number} {spec.name}",
-            spec.argument.value,
-            spec.quantity.unit or "-",
-            spec.meaning,
-            str(spec.since),
+            f"{command.value} {command.name}",
+            command.argument.value,
+            command.quantity.unit or "-",
+            command.meaning,
+            str(command.since),
             "yes",
             "yes",
-            _emulated(spec.number, emulated.commands, emulated.simulator_commands),
-            spec.source,
+            _emulated(command.value, emulated.commands, emulated.simulator_commands),
+            command.source,
             COMMAND_TEST,
         )
-        for spec in COMMANDS.values()
+        for command in COMMANDS.values()
     ]
     columns = ("command", "argument", "unit", "meaning", "since", "decoded", "encoded", "emulated", "source", "test")
     return _table(columns, rows)

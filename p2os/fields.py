@@ -6,9 +6,10 @@ A packet is a tuple of `Field`; `pack` and `unpack` of the module `packing` read
 import math
 import struct
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any, NamedTuple, get_type_hints
 
 from p2os.errors import EncodeError
 
@@ -146,26 +147,40 @@ class Ceiling(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One row of a packet table.
+    """One field of a packet, as an annotation of the packet's class.
 
-    name: used everywhere above the wire.
     code: struct code, little-endian; `z` is a NUL-terminated string, `16s` one in so many bytes, `6B` so many counts.
         What begins with `*` has a byte in front that says how many follow, what begins with `+` goes to the end of the
-        packet: `*B` counts, `*s` bytes, `*` alone records of `items`, `**B` rows of so many counts.
+        packet: `*B` counts, `*s` bytes, `*` alone records, `**B` rows of so many counts.
     bound: what happens to a count that does not fit; without one it is an error.
     meaning: for the documentation.
     zero: the count that stands for zero.
-    items: the fields of one record. record: what makes one of them, from their values.
+    record: class of the records in a field that holds several.
+    name: used everywhere above the wire; `fields_of` takes it from the packet's class.
     """
 
-    name: str
     code: str
     quantity: Quantity = Quantity.COUNT
     bound: Ring | Ceiling | None = None
     meaning: str = ""
     zero: int = 0
-    items: tuple["Field", ...] = ()
     record: Callable[..., tuple[Any, ...]] | None = None
+    name: str = ""
+
+    @property
+    def items(self) -> "tuple[Field, ...]":
+        """The fields of one record."""
+        return fields_of(self.record) if self.record else ()
+
+
+@cache
+def fields_of(packet: Callable[..., tuple[Any, ...]]) -> tuple[Field, ...]:
+    """Return the fields of a packet's class in its order: annotations such as `Annotated[float, Field("H")]`."""
+    return tuple(
+        replace(field, name=name)
+        for name, hint in get_type_hints(packet, include_extras=True).items()
+        for field in getattr(hint, "__metadata__", ())
+    )
 
 
 def to_count(field: Field, value: float, scales: Scales) -> int:

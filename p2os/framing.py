@@ -7,6 +7,7 @@ A frame, the same in both directions (source: Pioneer 3 operations manual, packe
 The first payload byte is the command number (host to robot) or the packet type (robot to host).
 """
 
+from collections.abc import Iterator
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -19,9 +20,12 @@ MAX_PAYLOAD = 252 - CHECKSUM_SIZE
 MIN_COUNT = 1 + CHECKSUM_SIZE
 PARTIAL_TIMEOUT = 0.1
 """Seconds without a byte after which the rest of a begun frame is no longer expected."""
+BITS_PER_BYTE = 10
+"""On every serial line here: a start bit, eight data bits, a stop bit."""
 NOISE_BLOCK = 256
 """Bytes of noise gathered into one event; fewer are reported when a frame begins or the line falls silent."""
 
+_LENGTH_OFFSET = len(SYNC)
 _HEADER_SIZE = len(SYNC) + 1
 _EVEN_WORDS = int.from_bytes(b"\0\0\xff\xff" * 64, "big")
 
@@ -51,6 +55,22 @@ def encode_frame(payload: bytes) -> bytes:
     if not 1 <= size <= MAX_PAYLOAD:
         raise EncodeError(f"payload of {size} bytes does not fit a frame, which carries 1 to {MAX_PAYLOAD}")
     return b"%b%c%b%b" % (SYNC, size + CHECKSUM_SIZE, payload, checksum(payload).to_bytes(2, "big"))
+
+
+def split_frames(data: bytes) -> Iterator[bytes]:
+    """Cut a run of whole frames into frames; what does not begin as a frame stays in one piece."""
+    start = 0
+    while start < len(data):
+        end = len(data)
+        if data.startswith(SYNC, start) and start + _HEADER_SIZE <= end:
+            end = min(end, start + _HEADER_SIZE + data[start + _LENGTH_OFFSET])
+        yield data[start:end]
+        start = end
+
+
+def first_payload_byte(frame: bytes) -> int | None:
+    """Return the packet type or command number of a frame; None where the bytes do not begin as one."""
+    return frame[_HEADER_SIZE] if frame.startswith(SYNC) and len(frame) > _HEADER_SIZE else None
 
 
 class Damage(StrEnum):

@@ -4,7 +4,7 @@ Source: Pioneer 3 operations manual, client-server communications; the rules for
 """
 
 from collections.abc import Mapping
-from enum import Enum
+from enum import Enum, StrEnum
 from typing import NamedTuple
 
 from p2os.command_table import Command
@@ -22,6 +22,17 @@ class Identity(NamedTuple):
     name: str
     robot_type: str
     subtype: str
+
+
+class ConnectionCommand(StrEnum):
+    """Meaning of commands 0, 1 and 2 on a synchronised connection, in this order."""
+
+    PULSE = "PULSE"
+    OPEN = "OPEN"
+    CLOSE = "CLOSE"
+
+
+CONNECTION_COMMANDS = tuple(ConnectionCommand)
 
 
 class ConnectionState(Enum):
@@ -86,12 +97,12 @@ class RobotHandshake:
         self.state = ConnectionState.WAIT
 
     def _open_or_close(self, payload: bytes) -> None:
-        match self.state, payload[:1]:
-            case ConnectionState.SYNCED, b"\x01":
+        match self.state, payload[0] if payload else None:
+            case ConnectionState.SYNCED, Command.OPEN:
                 self.state = ConnectionState.OPEN
-            case ConnectionState.OPEN, b"\x02":
+            case ConnectionState.OPEN, Command.CLOSE:
                 self.state = ConnectionState.WAIT
-            case _, b"\x02" if len(payload) > 1:
+            case _, Command.CLOSE if len(payload) > 1:
                 # A lone 02 out of turn may be a SYNC2 too many; with an argument it is a CLOSE in every state.
                 self.state = ConnectionState.WAIT
 

@@ -1,4 +1,4 @@
-"""Packets from the robot: their types, and one table of how each of them is laid out.
+"""Packets from the robot: their types, and how each of them is laid out.
 
 Source: Pioneer 3 operations manual (ENCODERpac, IOpac); the other packets say theirs where their classes are.
 """
@@ -6,20 +6,9 @@ Source: Pioneer 3 operations manual (ENCODERpac, IOpac); the other packets say t
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from p2os.accessory_packets import (
-    ARM,
-    ARM_INFORMATION,
-    AUX,
-    BATTERY,
-    COMPASS,
-    GRIPPER,
-    GYRO,
-    INFRARED,
-    JOYSTICK,
-    PLAYLIST,
-    RESET,
     ArmInformation,
     ArmReport,
     AuxData,
@@ -33,17 +22,13 @@ from p2os.accessory_packets import (
     PlaylistEntry,
     Reset,
 )
-from p2os.configuration import CONFIGURATION, Configuration
+from p2os.configuration import Configuration
 from p2os.errors import DecodeError
-from p2os.fields import Field, Quantity
+from p2os.fields import Field, Quantity, Ring, fields_of
 from p2os.firmware import FIRMWARES
 from p2os.packing import pack, unpack
 from p2os.robot_model import RobotModel
 from p2os.simulator_packets import (
-    EXTENDED_LASER,
-    MAP_CHANGED,
-    SIMULATED_LASER,
-    SIMULATOR_DEVICE,
     SIMULATOR_STATE,
     ExtendedLaser,
     MapChanged,
@@ -97,14 +82,15 @@ class PacketType(IntEnum):
     RESET = 0xFF
 
 
+TICK_RING = Ring(-(1 << 31), 1 << 32)
+"""Ticks after which the counters of an ENCODERpac roll over."""
+
+
 class Encoders(NamedTuple):
     """ENCODERpac: accumulated encoder ticks, 32 bits with sign, rolling over."""
 
-    left: int
-    right: int
-
-
-ENCODERS = (Field("left", "i", meaning="ticks"), Field("right", "i", meaning="ticks"))
+    left: Annotated[int, Field("i", bound=TICK_RING, meaning="ticks")]
+    right: Annotated[int, Field("i", bound=TICK_RING, meaning="ticks")]
 
 
 class IoReport(NamedTuple):
@@ -113,16 +99,9 @@ class IoReport(NamedTuple):
     On ARCOS the input bytes are user inputs, front bumpers, rear bumpers and infrared sensors (active low).
     """
 
-    digital_in: bytes
-    digital_out: bytes
-    analog: tuple[float, ...]
-
-
-INPUTS_OUTPUTS = (
-    Field("digital_in", "*s"),
-    Field("digital_out", "*s"),
-    Field("analog", "*H", Quantity.ANALOG_10),
-)
+    digital_in: Annotated[bytes, Field("*s")]
+    digital_out: Annotated[bytes, Field("*s")]
+    analog: Annotated[tuple[float, ...], Field("*H", Quantity.ANALOG_10)]
 
 
 class UnknownPacket(NamedTuple):
@@ -162,35 +141,39 @@ Packet = (
 class PacketLayout:
     """How one packet is laid out.
 
-    packet: its class, whose fields are those of the table. name: for people. grows: firmware has lengthened it, so one
+    packet: its class, whose annotations are the fields. name: for people. grows: firmware has lengthened it, so one
     that ends early is read all the same.
     """
 
     packet: Any
     name: str
-    fields: tuple[Field, ...]
     grows: bool = False
+
+    @property
+    def fields(self) -> tuple[Field, ...]:
+        """Its fields in order."""
+        return fields_of(self.packet)
 
 
 LAYOUTS: Mapping[int, PacketLayout] = {
-    PacketType.INFRARED: PacketLayout(InfraredScan, "IRRF packet", INFRARED),
-    PacketType.CONFIGURATION: PacketLayout(Configuration, "CONFIGpac", CONFIGURATION, grows=True),
-    PacketType.LASER: PacketLayout(SimulatedLaser, "simulated laser packet", SIMULATED_LASER),
-    PacketType.LASER_EXTENDED: PacketLayout(ExtendedLaser, "extended laser packet", EXTENDED_LASER),
-    PacketType.SIMULATOR_DEVICE: PacketLayout(SimulatorDevice, "simulator device packet", SIMULATOR_DEVICE),
-    PacketType.MAP_CHANGED: PacketLayout(MapChanged, "map packet", MAP_CHANGED),
-    PacketType.ENCODERS: PacketLayout(Encoders, "ENCODERpac", ENCODERS),
-    PacketType.GYRO: PacketLayout(GyroReport, "GYROpac", GYRO),
-    PacketType.ARM: PacketLayout(ArmReport, "ARMpac", ARM),
-    PacketType.ARM_INFO: PacketLayout(ArmInformation, "ARMINFOpac", ARM_INFORMATION),
-    PacketType.COMPASS: PacketLayout(CompassReport, "TCM2pac", COMPASS),
-    PacketType.PLAYLIST: PacketLayout(PlaylistEntry, "PLAYLISTpac", PLAYLIST),
-    PacketType.GRIPPER: PacketLayout(GripperReport, "GRIPPERpac", GRIPPER),
-    PacketType.INPUTS_OUTPUTS: PacketLayout(IoReport, "IOpac", INPUTS_OUTPUTS, grows=True),
-    PacketType.JOYSTICK: PacketLayout(JoystickReport, "JOYSTICKpac", JOYSTICK),
-    PacketType.BATTERY: PacketLayout(BatteryReport, "battery packet", BATTERY),
+    PacketType.INFRARED: PacketLayout(InfraredScan, "IRRF packet"),
+    PacketType.CONFIGURATION: PacketLayout(Configuration, "CONFIGpac", grows=True),
+    PacketType.LASER: PacketLayout(SimulatedLaser, "simulated laser packet"),
+    PacketType.LASER_EXTENDED: PacketLayout(ExtendedLaser, "extended laser packet"),
+    PacketType.SIMULATOR_DEVICE: PacketLayout(SimulatorDevice, "simulator device packet"),
+    PacketType.MAP_CHANGED: PacketLayout(MapChanged, "map packet"),
+    PacketType.ENCODERS: PacketLayout(Encoders, "ENCODERpac"),
+    PacketType.GYRO: PacketLayout(GyroReport, "GYROpac"),
+    PacketType.ARM: PacketLayout(ArmReport, "ARMpac"),
+    PacketType.ARM_INFO: PacketLayout(ArmInformation, "ARMINFOpac"),
+    PacketType.COMPASS: PacketLayout(CompassReport, "TCM2pac"),
+    PacketType.PLAYLIST: PacketLayout(PlaylistEntry, "PLAYLISTpac"),
+    PacketType.GRIPPER: PacketLayout(GripperReport, "GRIPPERpac"),
+    PacketType.INPUTS_OUTPUTS: PacketLayout(IoReport, "IOpac", grows=True),
+    PacketType.JOYSTICK: PacketLayout(JoystickReport, "JOYSTICKpac"),
+    PacketType.BATTERY: PacketLayout(BatteryReport, "battery packet"),
 }
-"""The packets that are no more than their table, by type."""
+"""The packets that are no more than their fields, by type."""
 
 AUX_PORTS: Mapping[int, int] = {PacketType.AUX1: 1, PacketType.AUX2: 2, PacketType.AUX3: 3}
 """SERAUXpacs by type: the port that the bytes came in at."""
@@ -217,9 +200,9 @@ TABLES: Mapping[int, tuple[Field, ...]] = {
     PacketType.SIP_STOPPED: (*HEAD, COUNT, *SONAR, *TAIL),
     PacketType.SIP_MOVING: (*HEAD, COUNT, *SONAR, *TAIL),
     PacketType.SIMULATOR_STATE: simulator_state_fields(~0),
-    **dict.fromkeys(AUX_PORTS, AUX),
-    PacketType.RESET_WITH_DATA: RESET,
-    PacketType.RESET: RESET,
+    **dict.fromkeys(AUX_PORTS, fields_of(AuxData)),
+    PacketType.RESET_WITH_DATA: fields_of(Reset),
+    PacketType.RESET: fields_of(Reset),
 }
 """The packets that this package reads and writes, by type; in a SIP the two rows of a sonar reading repeat."""
 
@@ -234,7 +217,7 @@ def encode_configuration(configuration: Configuration, model: RobotModel, last_f
         EncodeError: A value does not fit its field.
     """
     size = Configuration._fields.index(last_field) + 1
-    return bytes([PacketType.CONFIGURATION]) + pack(CONFIGURATION[:size], configuration[:size], model.scales)
+    return bytes([PacketType.CONFIGURATION]) + pack(fields_of(Configuration)[:size], configuration[:size], model.scales)
 
 
 def encode_packet(packet: Packet, model: RobotModel) -> bytes:

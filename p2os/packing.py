@@ -84,7 +84,7 @@ def _pack_items(item: Field, values: Sequence[float], scales: Scales) -> bytes:
 
 def _item(field: Field) -> Field:
     """One count of a field that holds several."""
-    return Field(field.name, field.code[-1], field.quantity, field.bound, zero=field.zero)
+    return Field(field.code[-1], field.quantity, field.bound, zero=field.zero, name=field.name)
 
 
 def _text(value: str) -> bytes:

@@ -9,6 +9,11 @@ from typing import Any, NamedTuple
 from p2os.fields import Scales
 from p2os.firmware import FIRMWARES, Family, FlashDefaults
 
+SONAR_ARRAYS, SONAR_ARRAY_SIZE = 4, 8
+"""Sonar arrays of a controller, and the numbers in each."""
+ACTIVE_LOW = 1
+"""Kind of an infrared sensor whose bit is 0 while it sees something; with others it is 1."""
+
 
 class SonarDisc(NamedTuple):
     """One sonar disc: number as in the SIP, position (m) and heading (rad) in `base_link`."""
@@ -21,7 +26,7 @@ class SonarDisc(NamedTuple):
     @property
     def array(self) -> int:
         """The firing group, 1 to 4: eight numbers each."""
-        return self.number // 8 + 1
+        return self.number // SONAR_ARRAY_SIZE + 1
 
 
 class InfraredSensor(NamedTuple):

@@ -1,16 +1,17 @@
 """The standard server information packet (SIP): the robot's state, sent every cycle.
 
-One table, `HEAD` + (`SONAR` for each reading) + `TAIL`, serves encoder, decoder and documentation.
+`HEAD` + `COUNT` + (`SONAR` for each reading) + `TAIL` serve encoder, decoder and documentation.
 Source: Pioneer 3 operations manual, standard SIP; what follows `fault_flags` as client libraries read it.
 """
 
-from enum import IntFlag
+from enum import IntEnum, IntFlag
+from math import degrees
 from operator import mul
 from struct import Struct, error
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from p2os.errors import DecodeError, EncodeError
-from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fits, misfit
+from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fields_of, fits, misfit
 from p2os.firmware import FIRMWARES
 from p2os.robot_model import RobotModel
 
@@ -21,38 +22,6 @@ SIP_TYPES = range(0x30, 0x35)
 
 _POSITION = Ring(0, POSITION_UNITS)
 _HEADING = Ring(1 - HEADING_UNITS // 2, HEADING_UNITS)
-
-HEAD = (
-    Field("moving", "B", meaning="0x32 motors stopped, 0x33 robot moving"),
-    Field("x", "H", Quantity.DISTANCE, _POSITION, "odometry, rolls over at 32768 counts"),
-    Field("y", "H", Quantity.DISTANCE, _POSITION, "likewise"),
-    Field("heading", "h", Quantity.HEADING, _HEADING, "4096 counts a turn, counter-clockwise"),
-    Field("left_velocity", "h", Quantity.VELOCITY),
-    Field("right_velocity", "h", Quantity.VELOCITY),
-    Field("battery", "B", Quantity.VOLTAGE, Ceiling(255), "ends at 25.5 V"),
-    Field("stall", "H", meaning="bit 0 left stall, 1-7 rear bumpers, 8 right stall, 9-15 front bumpers"),
-    Field("control", "h", Quantity.HEADING, _HEADING, "heading setpoint"),
-    Field("flags", "H", meaning="see SipFlag"),
-    Field("compass", "B", meaning="2 degrees a count"),
-)
-COUNT = Field("number of sonar readings", "B", meaning="number of new readings that follow")
-SONAR = (Field("number", "B"), Field("range", "H", Quantity.RANGE))
-TAIL = (
-    Field("gripper_state", "B"),
-    Field("analog_port", "B", meaning="selected by ADSEL"),
-    Field("analog", "B", Quantity.ANALOG_8),
-    Field("digital_in", "B", meaning="user inputs, pulled high"),
-    Field("digital_out", "B", meaning="user outputs; P2OS and AROS packets end here"),
-    Field("battery_fine", "H", Quantity.VOLTAGE, meaning="without the ceiling of 25.5 V"),
-    Field("charge_state", "B", meaning="255 unknown, 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance"),
-    Field("rotational_velocity", "h", Quantity.FINE_ROTATION),
-    Field("fault_flags", "H", meaning="bit 4 gyro failed; ARCOS packets end here"),
-    Field("lateral_velocity", "h", Quantity.SPEED, meaning="Seekur"),
-    Field("temperature", "b", Quantity.TEMPERATURE, meaning="-128 unknown"),
-    Field("state_of_charge", "b", Quantity.FRACTION),
-    Field("controller_time", "I", Quantity.TIME, meaning="MTX"),
-    Field("flags3", "I", meaning="MTX"),
-)
 
 
 class SipFlag(IntFlag):
@@ -71,7 +40,16 @@ class SipFlag(IntFlag):
     CHARGER_GOOD = 1 << 10
 
 
-SONAR_FLAGS = SipFlag.SONAR_ARRAY_1 | SipFlag.SONAR_ARRAY_2 | SipFlag.SONAR_ARRAY_3 | SipFlag.SONAR_ARRAY_4
+SONAR_FLAGS = int(SipFlag.SONAR_ARRAY_1 | SipFlag.SONAR_ARRAY_2 | SipFlag.SONAR_ARRAY_3 | SipFlag.SONAR_ARRAY_4)
+NO_ECHO = 5.0
+"""m; the range that a disc without echo reports."""
+OPEN_INPUTS = 0xFF
+"""Digital inputs that nothing pulls low; infrared sensors are active low."""
+TABLE_SENSOR_INPUTS = {0: 1, 1: 0, 2: 3, 3: 2}
+"""Table sensors of the older PeopleBots: infrared sensor (right and left table, left and right beam) to user input."""
+UNKNOWN_TEMPERATURE = -128.0
+HIGHEST_TEMPERATURE = 127.0
+"""°C of `StandardSip.temperature`."""
 GYRO_FAULT = 1 << 4
 """Bit of `StandardSip.fault_flags`."""
 LEFT_STALL = 1 << 0
@@ -79,6 +57,30 @@ RIGHT_STALL = 1 << 8
 REAR_BUMPERS_SHIFT = 1
 FRONT_BUMPERS_SHIFT = 9
 BUMPER_SEGMENTS = 0x7F
+
+
+class ChargeState(IntEnum):
+    """Values of `StandardSip.charge_state`."""
+
+    NOT_CHARGING = 0
+    BULK = 1
+    OVERCHARGE = 2
+    FLOAT = 3
+    BALANCE = 4
+    UNKNOWN = 255
+
+
+def sonar_flags(arrays: int) -> int:
+    """Return the bits of `StandardSip.flags` for enabled sonar arrays, bit i is array i + 1."""
+    return arrays << 1 & SONAR_FLAGS
+
+
+def compass_byte(heading: float) -> int:
+    """Return `StandardSip.compass` for a heading, rad clockwise from north.
+
+    North is 180: a well-known driver takes 0 for a missing compass.
+    """
+    return round(degrees(heading) / 2) % 180 or 180
 
 
 def stall_word(left_stalled: bool, right_stalled: bool, front_bumpers: int, rear_bumpers: int) -> int:
@@ -102,32 +104,36 @@ class StandardSip(NamedTuple):
     temperature: °C, -128 unknown. state_of_charge: 0 to 1. controller_time: s.
     """
 
-    moving: bool = False
-    x: float = 0.0
-    y: float = 0.0
-    heading: float = 0.0
-    left_velocity: float = 0.0
-    right_velocity: float = 0.0
-    battery: float = 0.0
-    stall: int = 0
-    control: float = 0.0
-    flags: int = 0
-    compass: int = 0
+    moving: Annotated[bool, Field("B", meaning="0x32 motors stopped, 0x33 robot moving")] = False
+    x: Annotated[float, Field("H", Quantity.DISTANCE, _POSITION, "odometry, rolls over at 32768 counts")] = 0.0
+    y: Annotated[float, Field("H", Quantity.DISTANCE, _POSITION, "likewise")] = 0.0
+    heading: Annotated[float, Field("h", Quantity.HEADING, _HEADING, "4096 counts a turn, counter-clockwise")] = 0.0
+    left_velocity: Annotated[float, Field("h", Quantity.VELOCITY)] = 0.0
+    right_velocity: Annotated[float, Field("h", Quantity.VELOCITY)] = 0.0
+    battery: Annotated[float, Field("B", Quantity.VOLTAGE, Ceiling(255), "ends at 25.5 V")] = 0.0
+    stall: Annotated[
+        int, Field("H", meaning="bit 0 left stall, 1-7 rear bumpers, 8 right stall, 9-15 front bumpers")
+    ] = 0
+    control: Annotated[float, Field("h", Quantity.HEADING, _HEADING, "heading setpoint")] = 0.0
+    flags: Annotated[int, Field("H", meaning="see SipFlag")] = 0
+    compass: Annotated[int, Field("B", meaning="2 degrees a count")] = 0
     sonar: tuple[tuple[int, float], ...] = ()
-    gripper_state: int = 0
-    analog_port: int = 0
-    analog: float = 0.0
-    digital_in: int = 0
-    digital_out: int = 0
-    battery_fine: float | None = None
-    charge_state: int | None = None
-    rotational_velocity: float | None = None
-    fault_flags: int | None = None
-    lateral_velocity: float | None = None
-    temperature: float | None = None
-    state_of_charge: float | None = None
-    controller_time: float | None = None
-    flags3: int | None = None
+    gripper_state: Annotated[int, Field("B")] = 0
+    analog_port: Annotated[int, Field("B", meaning="selected by ADSEL")] = 0
+    analog: Annotated[float, Field("B", Quantity.ANALOG_8)] = 0.0
+    digital_in: Annotated[int, Field("B", meaning="user inputs, pulled high")] = 0
+    digital_out: Annotated[int, Field("B", meaning="user outputs; P2OS and AROS packets end here")] = 0
+    battery_fine: Annotated[float | None, Field("H", Quantity.VOLTAGE, meaning="without the ceiling of 25.5 V")] = None
+    charge_state: Annotated[
+        int | None, Field("B", meaning="255 unknown, 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance")
+    ] = None
+    rotational_velocity: Annotated[float | None, Field("h", Quantity.FINE_ROTATION)] = None
+    fault_flags: Annotated[int | None, Field("H", meaning="bit 4 gyro failed; ARCOS packets end here")] = None
+    lateral_velocity: Annotated[float | None, Field("h", Quantity.SPEED, meaning="Seekur")] = None
+    temperature: Annotated[float | None, Field("b", Quantity.TEMPERATURE, meaning="-128 unknown")] = None
+    state_of_charge: Annotated[float | None, Field("b", Quantity.FRACTION)] = None
+    controller_time: Annotated[float | None, Field("I", Quantity.TIME, meaning="MTX")] = None
+    flags3: Annotated[int | None, Field("I", meaning="MTX")] = None
 
     @property
     def left_stalled(self) -> bool:
@@ -185,6 +191,14 @@ class StandardSip(NamedTuple):
         return self.battery if self.battery_fine is None else self.battery_fine
 
 
+_FIELDS = fields_of(StandardSip)
+_SONAR = StandardSip._fields.index("sonar")  # also index of the number of readings among the counts of a packet
+_FIRST = _SONAR + 1  # index of the first reading among the counts, and of the tail in a StandardSip
+HEAD, TAIL = _FIELDS[:_SONAR], _FIELDS[_SONAR:]
+COUNT = Field("B", meaning="number of new readings that follow", name="number of sonar readings")
+SONAR = (Field("B", name="number"), Field("H", Quantity.RANGE, name="range"))
+
+
 class _Layout:
     """A SIP with so many sonar readings and tail fields, compiled.
 
@@ -211,12 +225,12 @@ class _Layout:
         self.absent = _ABSENT[tail:]
 
 
-_SONAR = len(HEAD)  # index of the readings in a StandardSip, and of their number among the counts of a packet
-_FIRST = _SONAR + 1  # index of the first reading among the counts, and of the tail in a StandardSip
+SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
+"""Bytes of a sonar reading."""
+
 _ABSENT = StandardSip()[_FIRST:]  # what stands for the fields of the tail that a packet ends before
 _CEILINGS = tuple((index, field.bound.high) for index, field in enumerate(HEAD) if isinstance(field.bound, Ceiling))
 _COUNT_OFFSET = Struct("<" + "".join(field.code for field in HEAD)).size
-_SONAR_SIZE = Struct("<" + "".join(field.code for field in SONAR)).size
 _TAIL_ENDS = [Struct("<" + "".join(field.code for field in TAIL[:n])).size for n in range(len(TAIL) + 1)]
 _round = float.__round__  # half the cost of `round`, which has to look it up
 _new = tuple.__new__  # spares the argument list of a NamedTuple with 25 fields
@@ -295,7 +309,7 @@ class SipCodec:
         """The layout of a payload of a size not met before."""
         size = len(payload)
         readings = payload[_COUNT_OFFSET] if size > _COUNT_OFFSET else 0
-        tail_size = size - (_COUNT_OFFSET + 1 + readings * _SONAR_SIZE)
+        tail_size = size - (_COUNT_OFFSET + 1 + readings * SONAR_SIZE)
         if tail_size < 0:
             raise DecodeError(f"a SIP of {size} bytes ends before its {readings} sonar readings do")
         tail = max(n for n, end in enumerate(_TAIL_ENDS) if end <= tail_size)

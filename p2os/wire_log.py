@@ -8,12 +8,12 @@ from collections.abc import Callable, Mapping
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from p2os.command_table import COMMANDS, Argument, Command
+from p2os.command_table import Argument, Command
 from p2os.commands import decode_command
 from p2os.errors import DecodeError
 from p2os.fields import Quantity
 from p2os.framing import Damaged, Frame, FrameDecoder
-from p2os.handshake import read_identity
+from p2os.handshake import CONNECTION_COMMANDS, read_identity
 from p2os.packets import TABLES, PacketType, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SIP_TYPES, SipCodec
@@ -89,15 +89,15 @@ class WireLog:
 
     def _command(self, payload: bytes, now: float) -> WireLogEntry:
         received = decode_command(payload)
-        if received.command is None:
+        command = received.command
+        if command is None:
             return WireLogEntry(now, FrameSource.HOST, f"command {received.number}", {}, {}, "unknown command", payload)
-        spec = COMMANDS[received.number]
-        if spec.argument is Argument.TWO_BYTES:
+        if command.argument is Argument.TWO_BYTES:
             high, low = received.value  # type: ignore[misc] # the table says that there are two
-            return WireLogEntry(now, FrameSource.HOST, spec.name, {"high": high, "low": low}, {}, "", payload)
-        name = self._talk.name(payload) or spec.name
+            return WireLogEntry(now, FrameSource.HOST, command.name, {"high": high, "low": low}, {}, "", payload)
+        name = self._talk.name(payload) or command.name
         fields: dict[str, Any] = {} if received.value is None else {"value": received.value}
-        return WireLogEntry(now, FrameSource.HOST, name, fields, _units(value=spec.quantity), "", payload)
+        return WireLogEntry(now, FrameSource.HOST, name, fields, _units(value=command.quantity), "", payload)
 
     def _packet(self, payload: bytes, now: float) -> WireLogEntry:
         packet_type = payload[0]
@@ -147,7 +147,7 @@ class Talk:
             self._is_synced = False
             self._last_sync = None
             self._sips = 0
-        return ("PULSE", "OPEN", "CLOSE")[number]
+        return CONNECTION_COMMANDS[number]
 
     def _is_sync(self, number: int) -> bool:
         if number == Command.SYNC2:  # out of turn it is the CLOSE of a client that does not know what it finds

@@ -11,6 +11,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from p2os.sip import OPEN_INPUTS
+
 
 class BodyState(NamedTuple):
     """One robot's machine at the end of a physics step.
@@ -39,7 +41,7 @@ class BodyState(NamedTuple):
     heading: float = 0.0
     magnetic: tuple[float, float] = (0.0, 0.0)
     turn_rate: float = 0.0
-    infrared: int = 0xFF
+    infrared: int = OPEN_INPUTS
     far_ledge: bool = False
     near_ledge: bool = False
 

@@ -24,7 +24,7 @@ from p2os import (
     decode_command,
     encode_frame,
 )
-from p2os.handshake import read_identity
+from p2os.handshake import CONNECTION_COMMANDS, ConnectionCommand, read_identity
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import FrameSource, Talk
 
@@ -176,7 +176,7 @@ def exchanges(cassette: Cassette) -> list[RecordedExchange]:
             payload = event.payload
             if source is FrameSource.HOST:
                 current = RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
-                session = current if current.name == "OPEN" else session
+                session = current if current.name == ConnectionCommand.OPEN else session
                 found.append(current)
                 continue
             talk.hear(payload)
@@ -233,7 +233,7 @@ class Player:
 
     def _hear(self, payload: bytes) -> None:
         name = self._name(payload)
-        if name in ("OPEN", "CLOSE"):
+        if name in (ConnectionCommand.OPEN, ConnectionCommand.CLOSE):
             self._stream.clear()
         recorded = self._same.get((name, payload)) or self._similar.get(name)
         if payload[0] == Command.HOSTBAUD:
@@ -250,7 +250,7 @@ class Player:
         if number > Command.CLOSE:
             return f"command {number}"
         is_open = self._connection.state is ConnectionState.OPEN
-        return ("PULSE", "OPEN", "CLOSE")[number] if is_open or was_open else ""
+        return CONNECTION_COMMANDS[number] if is_open or was_open else ""
 
     def _begin(self, exchange: RecordedExchange) -> None:
         self._answers += [(self._now + delay, answer) for delay, answer in exchange.answers]

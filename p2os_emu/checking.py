@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from p2os import RobotModel
 from p2os.fields import POSITION_UNITS
+from p2os.sip import SONAR_SIZE
 from p2os.wire_log import FrameSource, WireLog, WireLogEntry, plain
 from p2os_emu.cassette import Cassette, RecordedBytes
 from p2os_emu.emulator import Emulator
@@ -46,8 +47,6 @@ OF_THE_ROOM = frozenset(
     | {"controller_time", "readings", "ranges"}
 )
 """Fields that the surroundings or the hour decide."""
-READING_BYTES = 3
-"""Of one sonar reading in a SIP; how many a SIP carries is a matter of the moment."""
 SIPS_OF_ALL_DISCS = 10
 """In so many SIPs every sonar disc has its turn."""
 ODOMETRY = ("x", "y", "heading")
@@ -243,7 +242,7 @@ def _agree(a: Any, b: Any, tolerance: float, span: float) -> bool:
 
 
 def _size(entry: WireLogEntry) -> int:
-    return len(entry.raw) - READING_BYTES * len(entry.fields.get("sonar", ()))
+    return len(entry.raw) - SONAR_SIZE * len(entry.fields.get("sonar", ()))
 
 
 def _discs(sips: Sequence[WireLogEntry]) -> tuple[int, ...]:

@@ -20,7 +20,7 @@ Answer = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 _READ_SIZE = 65536
 _LONGEST_LINE = 65536
-_UNREAD_LIMIT = 1 << 20  # bytes of answers that a client may leave unread
+_UNREAD_LIMIT = 2**20  # bytes of answers that a client may leave unread
 _REQUESTS_PER_STEP = 16  # so that a flood of requests leaves time for the robots
 _PATH_LIMIT = 107  # bytes; what the address of a Unix socket holds
 

@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from geometry import Pose2D
-from p2os import Command, RobotModel, encode_command
+from p2os import SIMULATOR_SERIAL, Command, RobotModel, encode_command
 from p2os_emu.device import Cable
 from p2os_emu.faulty_body import FaultyBody
 from p2os_emu.fit import BARE, Fit
@@ -15,7 +15,7 @@ from p2os_emu.fitting import FittingContext, cabled, plug_in
 from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
-from p2os_emu.microcontroller.simulator import SERIAL, Simulator
+from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.surroundings import EmulatedSurroundings, TouchCounter, TrueMotion
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
@@ -207,7 +207,7 @@ class Emulator:
             ValueError: A parameter is unknown, or has a value that it cannot have.
         """
         flash = Flash.of(model, name, self._seed).changed(changes or {})
-        return replace(flash, serial=SERIAL) if self._as_simulator else flash
+        return replace(flash, serial=SIMULATOR_SERIAL) if self._as_simulator else flash
 
     def _fit_out(self, robot: EmulatedRobot, cables: Mapping[str, Link], profile: LinkProfile) -> None:
         for part in robot.fit.parts:

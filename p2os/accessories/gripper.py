@@ -36,6 +36,14 @@ class GripperFlags(IntFlag):
     LIFT_ERROR = 1 << 7
 
 
+_LIFT_SHIFT = 4
+
+
+def gripper_state(paddles: int, lift: int) -> int:
+    """Return the state byte for the bits of paddles and lift, both counted as those of the paddles."""
+    return paddles | lift << _LIFT_SHIFT
+
+
 class GripperInput(IntFlag):
     """Bits of the digital inputs with a gripper on them; contacts are 0 when something presses.
 

@@ -17,7 +17,6 @@ from p2os.errors import DecodeError
 PASSWORD = b"SICK_LMS"
 MIRROR_PERIOD = 1 / 75
 """Seconds of one turn of the mirror: one pass over the whole view, a beam each degree."""
-BITS_PER_BYTE = 10
 
 
 class LmsRequestCode(IntEnum):
@@ -297,6 +296,16 @@ def read_status(data: bytes) -> Variant:
 def variant_data(variant: Variant) -> bytes:
     """What follows the code of `LmsRequestCode.VARIANT`."""
     return struct.pack("<HH", *variant)
+
+
+def read_wanted_variant(data: bytes) -> Variant:
+    """Return the beams that `LmsRequestCode.VARIANT` asks for; missing bytes count as zero."""
+    return Variant(*struct.unpack_from("<HH", data.ljust(4, b"\0")))
+
+
+def configured_data(accepted: bool, configuration: LmsConfiguration) -> bytes:
+    """Return what follows the code of `LmsAnswerCode.CONFIGURED`."""
+    return bytes([accepted]) + configuration.pack()
 
 
 def read_variant(data: bytes) -> tuple[bool, Variant]:

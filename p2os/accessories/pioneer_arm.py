@@ -1,8 +1,13 @@
 """What the commands of the Pioneer arm and its ARMpac carry. Source: fact sheet of accessories, section 5."""
 
 JOINTS = 6
+GRIPPER_JOINT = 6
 EVERY_JOINT = 255
-"""Argument of HOME and STOP that means all of them, by the manual."""
+"""Argument of HOME and STOP that means all joints, by the manual."""
+ALL_JOINTS = frozenset({0, 7, EVERY_JOINT})
+"""Arguments of HOME and STOP that mean all joints; a well-known driver sends 7."""
+NO_ARM = "No arm"
+"""Version in the ARMINFOpac of a robot without arm."""
 MS = 0.001
 """s; servos take so many ms a count."""
 LONGEST_MS = 127

@@ -6,6 +6,7 @@ Numbers are hexadecimal digits in ASCII. No state but that of the stream decoder
 Source: fact sheet of accessories, section 3.
 """
 
+from collections.abc import Mapping
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -22,6 +23,18 @@ DIRECTION_LENGTH = 14
 ZOOM_LENGTH = 10
 """Bytes of an answer without data, with pan and tilt, with a zoom position."""
 FILLER = 0x30
+OFF, ON = b"0", b"1"
+"""Parameters of POWER."""
+HOST_CONTROL, REMOTE_CONTROL = b"0", b"1"
+"""Parameters of CONTROL_MODE."""
+START = b"0"
+"""Parameter of INITIALISE."""
+NARROW_END = b"3"
+"""Parameter of a zoom request that asks for the count of the narrow end."""
+PRODUCT = b"VC-C4"
+"""Answer to `Code.PRODUCT`."""
+_SET_RANGE = b"1"
+_SPEED_DIGITS, _ZOOM_DIGITS = 3, 4
 
 
 class Code(IntEnum):
@@ -46,6 +59,16 @@ class Code(IntEnum):
     ZOOM_REQUEST = 0xB4
     INFRARED_FILTER = 0xB5
     DIGITAL_ZOOM = 0xB7
+
+
+SETTINGS: Mapping[int, frozenset[bytes]] = {
+    Code.LED: frozenset((b"0", b"1", b"2")),
+    Code.INFRARED_LIGHT: frozenset((b"0", b"6")),
+    Code.INFRARED_FILTER: frozenset((b"0", b"1")),
+    Code.AUTOFOCUS: frozenset((b"0", b"1", b"2")),
+    Code.DIGITAL_ZOOM: frozenset((b"01", b"02", b"04", b"08")),
+}
+"""Parameters of commands that only store a setting."""
 
 
 class Status(IntEnum):
@@ -101,32 +124,32 @@ def number(data: bytes) -> int | None:
 
 def power(on: bool) -> bytes:
     """Switch the camera on or off."""
-    return encode_command(Code.POWER, b"1" if on else b"0")
+    return encode_command(Code.POWER, ON if on else OFF)
 
 
 def host_control() -> bytes:
     """Let the camera obey this line."""
-    return encode_command(Code.CONTROL_MODE, b"0")
+    return encode_command(Code.CONTROL_MODE, HOST_CONTROL)
 
 
 def initialise() -> bytes:
     """Let pan and tilt find their zero."""
-    return encode_command(Code.INITIALISE, b"0")
+    return encode_command(Code.INITIALISE, START)
 
 
 def pan_slew(speed: int) -> bytes:
     """Set how fast the next pan goes, counts of speed."""
-    return encode_command(Code.PAN_SLEW, digits(speed, 3))
+    return encode_command(Code.PAN_SLEW, digits(speed, _SPEED_DIGITS))
 
 
 def tilt_slew(speed: int) -> bytes:
     """Set how fast the next tilt goes, counts of speed."""
-    return encode_command(Code.TILT_SLEW, digits(speed, 3))
+    return encode_command(Code.TILT_SLEW, digits(speed, _SPEED_DIGITS))
 
 
 def tilt_range(lowest: int, highest: int) -> bytes:
     """Set the ends of tilt, counts."""
-    return encode_command(Code.TILT_RANGE, b"1" + digits(MIDDLE + lowest, 4) + digits(MIDDLE + highest, 4))
+    return encode_command(Code.TILT_RANGE, _SET_RANGE + digits(MIDDLE + lowest, 4) + digits(MIDDLE + highest, 4))
 
 
 def move(pan: int, tilt: int) -> bytes:
@@ -141,12 +164,32 @@ def stop() -> bytes:
 
 def zoom(position: int) -> bytes:
     """Zoom to a position, counts."""
-    return encode_command(Code.ZOOM, digits(position, 4))
+    return encode_command(Code.ZOOM, digits(position, _ZOOM_DIGITS))
 
 
 def stop_zoom() -> bytes:
     """Stop the zoom."""
     return encode_command(Code.STOP_ZOOM, b"0")
+
+
+def zoom_data(position: int) -> bytes:
+    """Return a zoom position, counts, as an answer carries it."""
+    return digits(position, _ZOOM_DIGITS)
+
+
+def read_speed(parameters: bytes) -> int | None:
+    """Return the speed, counts, of PAN_SLEW and TILT_SLEW; None where it is none."""
+    return number(parameters) if len(parameters) == _SPEED_DIGITS else None
+
+
+def read_zoom(parameters: bytes) -> int | None:
+    """Return the position, counts, of ZOOM; None where it is none."""
+    return number(parameters) if len(parameters) == _ZOOM_DIGITS else None
+
+
+def read_tilt_range(parameters: bytes) -> tuple[int, int] | None:
+    """Return the lowest and highest count of TILT_RANGE; None where they are none."""
+    return read_pair(parameters[1:]) if parameters[:1] == _SET_RANGE else None
 
 
 def request_direction() -> bytes:

@@ -34,7 +34,7 @@ CANCEL = 0x20
 """A command's only byte, with the socket added; assumed."""
 POWER = bytes.fromhex("01 04 00")
 BACKLIGHT = bytes.fromhex("01 04 33")
-ZOOM_DRIVE = bytes.fromhex("01 04 07")  # 00 stop, 02 narrower, 03 wider; assumed
+ZOOM_DRIVE = bytes.fromhex("01 04 07")  # assumed
 ZOOM_TO = bytes.fromhex("01 04 47")
 DRIVE = bytes.fromhex("01 06 01")
 MOVE = bytes.fromhex("01 06 02")
@@ -45,7 +45,10 @@ ASK_POWER = bytes.fromhex("09 04 00")
 ASK_ZOOM = bytes.fromhex("09 04 47")
 ASK_DIRECTION = bytes.fromhex("09 06 12")
 
+KIND_SIZE = 3
+"""Bytes at the beginning of a command's payload that name the command."""
 ON, OFF = 0x02, 0x03
+ZOOM_STOP, NARROWER, WIDER = 0x00, 0x02, 0x03
 LEFT, RIGHT, UP, DOWN, STAY = 0x01, 0x02, 0x01, 0x02, 0x03
 D30_VERSION = bytes.fromhex("00 20 04 02 00 00 02")
 """Vendor, model 0x0402, ROM version, sockets; only the model is from the source."""
@@ -68,9 +71,18 @@ class ViscaMessage(NamedTuple):
     payload: bytes
 
 
-def encode(payload: bytes, header: int = 0x80 | CAMERA) -> bytes:
+TO_CAMERA = 0x80 | CAMERA
+"""Header of a message to the first camera."""
+
+
+def encode(payload: bytes, header: int = TO_CAMERA) -> bytes:
     """Build a message; to the first camera unless the header says otherwise."""
     return bytes([header, *payload, END])
+
+
+def kind_and_socket(first: int) -> tuple[int, int]:
+    """Split the first byte of a reply, or of a CANCEL, into its kind and the socket."""
+    return first & 0xF0, first & 0x0F
 
 
 def reply_header(address: int) -> int:
@@ -109,6 +121,13 @@ def set_address() -> bytes:
     return encode(ADDRESS_SET + bytes([CAMERA]), BROADCAST)
 
 
+def address_reply(payload: bytes) -> bytes | None:
+    """Return a camera's answer to `set_address`: the next address; None where the payload is none."""
+    if payload[:1] != ADDRESS_SET or len(payload) != 2:
+        return None
+    return ADDRESS_SET + bytes([payload[1] + 1 & 0x0F])
+
+
 def power(on: bool) -> bytes:
     """Switch the camera on or off."""
     return encode(POWER + bytes([ON if on else OFF]))
@@ -124,6 +143,20 @@ def stop(pan_speed: int, tilt_speed: int) -> bytes:
     return encode(DRIVE + bytes([pan_speed, tilt_speed, STAY, STAY]))
 
 
+def read_drive(parameters: bytes) -> tuple[int, int, int, int] | None:
+    """Return pan speed, tilt speed, pan direction and tilt direction of a DRIVE; None where they are none."""
+    if len(parameters) != 4:
+        return None
+    pan_speed, tilt_speed, pan, tilt = parameters
+    return pan_speed, tilt_speed, pan, tilt
+
+
+def read_move(parameters: bytes) -> tuple[int, int, int, int] | None:
+    """Return pan speed, tilt speed, pan and tilt, counts, of a MOVE; None where they are none."""
+    pan, tilt = number(parameters[2:6]), number(parameters[6:])
+    return None if pan is None or tilt is None else (parameters[0], parameters[1], pan, tilt)
+
+
 def zoom(position: int) -> bytes:
     """Zoom to a position, counts."""
     return encode(ZOOM_TO + nibbles(position))
@@ -131,7 +164,7 @@ def zoom(position: int) -> bytes:
 
 def stop_zoom() -> bytes:
     """Stop the zoom."""
-    return encode(ZOOM_DRIVE + b"\0")
+    return encode(ZOOM_DRIVE + bytes([ZOOM_STOP]))
 
 
 def request_power() -> bytes:

@@ -4,10 +4,7 @@ from dataclasses import dataclass
 from math import degrees, exp
 from random import Random
 
-from p2os.accessory_packets import GyroSample
-
-TOP_COUNT = 1023
-TOP_TEMPERATURE = 255
+from p2os.accessory_packets import GYRO_TEMPERATURE_TOP, GYRO_TOP, GyroSample
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +48,7 @@ class AnalogGyro:
         count = rest - degrees(turn_rate) * self._counts_per_deg_s + self._rng.gauss(0.0, spec.noise_counts)
         celsius = spec.ambient_deg_c + warmth
         heat = spec.temperature_count_at_0_deg_c + celsius * spec.temperature_counts_per_k
-        return GyroSample(_within(count, TOP_COUNT), _within(heat, TOP_TEMPERATURE))
+        return GyroSample(_within(count, GYRO_TOP), _within(heat, GYRO_TEMPERATURE_TOP))
 
 
 def _within(count: float, top: int) -> int:

@@ -17,12 +17,10 @@ from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage, encode, ni
 from p2os_emu.accessories.head import Head
 
 HEADER = visca.reply_header(visca.CAMERA)
-TO_CAMERA = 0x80 | visca.CAMERA
 DIRECTIONS: Mapping[int, int] = {visca.LEFT: 1, visca.RIGHT: -1, visca.STAY: 0}
 """Of a pan drive, as REP 103 has it."""
 ELEVATIONS: Mapping[int, int] = {visca.UP: 1, visca.DOWN: -1, visca.STAY: 0}
-NARROWER, WIDER = 0x02, 0x03
-_ZOOMS: Mapping[int, int] = {0: 0, NARROWER: 1, WIDER: -1}
+_ZOOMS: Mapping[int, int] = {visca.ZOOM_STOP: 0, visca.NARROWER: 1, visca.WIDER: -1}
 
 
 class Busy(Enum):
@@ -107,9 +105,10 @@ class EviD30:
         header, payload = message
         if header == visca.BROADCAST:
             self._take_broadcast(payload)
-        elif header == TO_CAMERA:
-            if payload[0] & 0xF0 == visca.CANCEL and len(payload) == 1:
-                self._cancel(payload[0] & 0x0F)
+        elif header == visca.TO_CAMERA:
+            kind, socket = visca.kind_and_socket(payload[0])
+            if kind == visca.CANCEL and len(payload) == 1:
+                self._cancel(socket)
             elif payload in self._inquiries:
                 self._inquire(payload)
             else:
@@ -119,8 +118,10 @@ class EviD30:
         if payload == visca.CLEAR:
             self._sockets.clear()
             self._out += encode(payload, visca.BROADCAST)
-        elif payload[:1] == visca.ADDRESS_SET and len(payload) == 2:
-            self._out += encode(visca.ADDRESS_SET + bytes([payload[1] + 1 & 0x0F]), visca.BROADCAST)
+        else:
+            reply = visca.address_reply(payload)
+            if reply is not None:
+                self._out += encode(reply, visca.BROADCAST)
 
     def _inquire(self, payload: bytes) -> None:
         if self.is_on or payload == visca.ASK_POWER:
@@ -129,7 +130,7 @@ class EviD30:
             self._refuse(Error.NOT_EXECUTABLE)
 
     def _command(self, payload: bytes) -> None:
-        kind, given = payload[:3], payload[3:]
+        kind, given = payload[: visca.KIND_SIZE], payload[visca.KIND_SIZE :]
         if kind not in self._commands:
             self._refuse(Error.SYNTAX)
         elif not self.is_on and kind != visca.POWER:
@@ -178,29 +179,32 @@ class EviD30:
 
     # Each takes what follows the command's three bytes, and raises ValueError where it makes no sense.
 
-    def _set_speeds(self, given: bytes) -> None:
+    def _set_speeds(self, pan_speed: int, tilt_speed: int) -> None:
         pan, tilt = self._model.pan, self._model.tilt
-        if not (pan.slowest <= given[0] <= pan.fastest and tilt.slowest <= given[1] <= tilt.fastest):
-            raise ValueError(f"speeds {given[:2].hex(' ')} are out of range")
-        self.head.pan.speed, self.head.tilt.speed = pan.speed(given[0]), tilt.speed(given[1])
+        if not (pan.slowest <= pan_speed <= pan.fastest and tilt.slowest <= tilt_speed <= tilt.fastest):
+            raise ValueError(f"speed {pan_speed} or {tilt_speed} is out of range")
+        self.head.pan.speed, self.head.tilt.speed = pan.speed(pan_speed), tilt.speed(tilt_speed)
 
     def _move(self, given: bytes) -> None:
-        pan, tilt = number(given[2:6]), number(given[6:])
-        axes = self._model.pan, self._model.tilt
-        if pan is None or tilt is None:
+        move = visca.read_move(given)
+        if move is None:
             raise ValueError("pan and tilt are four nibbles each")
+        *speeds, pan, tilt = move
+        axes = self._model.pan, self._model.tilt
         if not all(axis.lowest <= count <= axis.highest for axis, count in zip(axes, (pan, tilt), strict=True)):
             raise ValueError(f"pan {pan} or tilt {tilt} is out of range")
-        self._set_speeds(given)
+        self._set_speeds(*speeds)
         self.head.pan.go(axes[0].angle(pan))
         self.head.tilt.go(axes[1].angle(tilt))
 
     def _drive(self, given: bytes) -> None:
-        if len(given) != 4 or given[2] not in DIRECTIONS or given[3] not in ELEVATIONS:
+        drive = visca.read_drive(given)
+        if drive is None or drive[2] not in DIRECTIONS or drive[3] not in ELEVATIONS:
             raise ValueError("a drive has two speeds and two directions")
-        self._set_speeds(given)
-        self.head.pan.drive(DIRECTIONS[given[2]])
-        self.head.tilt.drive(ELEVATIONS[given[3]])
+        *speeds, pan, tilt = drive
+        self._set_speeds(*speeds)
+        self.head.pan.drive(DIRECTIONS[pan])
+        self.head.tilt.drive(ELEVATIONS[tilt])
 
     def _home(self, given: bytes) -> None:
         self.head.home()

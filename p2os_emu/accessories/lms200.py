@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from p2os import Damage, Damaged, DecodeError, LaserMount
 from p2os.accessories.lms import (
     BAUD_MODES,
-    BITS_PER_BYTE,
     MIRROR_PERIOD,
     PASSWORD,
     REFLECTOR_MODE,
@@ -28,14 +27,17 @@ from p2os.accessories.lms import (
     LmsRequestCode,
     ModeResult,
     Variant,
+    configured_data,
     pack_values,
     partial_data,
     read_segment,
+    read_wanted_variant,
     scan_data,
     status_data,
     variant_data,
 )
 from p2os.accessories.lms_framing import ACK, NAK, LmsTelegram, LmsTelegramDecoder, encode_answer
+from p2os.framing import BITS_PER_BYTE
 from p2os_emu.body import Body, Echoes, ScanBeams
 
 _ACK, _NAK = bytes((ACK,)), bytes((NAK,))
@@ -231,11 +233,11 @@ class Lms200:
 
     def _wanted_variant(self, inside: bytes) -> Variant:
         """One widespread client sends a resolution of zero and means the one that there is, or one degree."""
-        angle, resolution = (int.from_bytes(inside[at : at + 2], "little") for at in (0, 2))
-        if resolution:
-            return Variant(angle, resolution)
-        kept = Variant(angle, self.variant.resolution_cdeg)
-        return kept if kept in VARIANTS else Variant(angle)
+        wanted = read_wanted_variant(inside)
+        if wanted.resolution_cdeg:
+            return wanted
+        kept = Variant(wanted.angle_deg, self.variant.resolution_cdeg)
+        return kept if kept in VARIANTS else Variant(wanted.angle_deg)
 
     def _tell_configuration(self, inside: bytes) -> None:
         self._say(LmsAnswerCode.CONFIGURATION, self.configuration.pack())
@@ -247,9 +249,9 @@ class Lms200:
         try:
             self.configuration = LmsConfiguration.unpack(inside, self.configuration)
         except DecodeError:
-            self._say(LmsAnswerCode.CONFIGURED, b"\0" + self.configuration.pack())
+            self._say(LmsAnswerCode.CONFIGURED, configured_data(False, self.configuration))
             return
-        self._say(LmsAnswerCode.CONFIGURED, b"\1" + self.configuration.pack())
+        self._say(LmsAnswerCode.CONFIGURED, configured_data(True, self.configuration))
 
     def _refuse(self, inside: bytes) -> None:
         self._say(LmsAnswerCode.NOT_UNDERSTOOD, b"")

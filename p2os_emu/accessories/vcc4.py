@@ -13,29 +13,27 @@ from collections.abc import Callable, Mapping
 
 from p2os.accessories.head_model import HeadAxis, HeadModel
 from p2os.accessories.vcc4 import (
+    HOST_CONTROL,
+    NARROW_END,
+    OFF,
+    ON,
+    PRODUCT,
+    REMOTE_CONTROL,
+    SETTINGS,
+    START,
     Code,
     CommandDecoder,
     HeadCommand,
     Status,
-    digits,
     direction_data,
     encode_answer,
-    number,
     read_pair,
+    read_speed,
+    read_tilt_range,
+    read_zoom,
+    zoom_data,
 )
 from p2os_emu.accessories.head import Head, HeadServo
-
-PRODUCT = b"VC-C4"
-MAXIMUM = b"3"
-"""Parameter of a zoom request that asks for the narrow end."""
-SWITCHES: Mapping[int, frozenset[bytes]] = {
-    Code.LED: frozenset((b"0", b"1", b"2")),
-    Code.INFRARED_LIGHT: frozenset((b"0", b"6")),
-    Code.INFRARED_FILTER: frozenset((b"0", b"1")),
-    Code.AUTOFOCUS: frozenset((b"0", b"1", b"2")),
-    Code.DIGITAL_ZOOM: frozenset((b"01", b"02", b"04", b"08")),
-}
-"""What can be set that changes no picture here, and to what."""
 
 _Answer = tuple[Status, bytes]
 _DONE: _Answer = Status.OK, b""
@@ -108,30 +106,30 @@ class Vcc4:
             self._switch(given)
         elif not self.is_on or not (self.is_host_controlled or code == Code.CONTROL_MODE):
             self._answer((Status.NOT_HOST_CONTROLLED, b""))
-        elif code in SWITCHES:
-            self._answer(_DONE if given in SWITCHES[code] else _BAD)
+        elif code in SETTINGS:
+            self._answer(_DONE if given in SETTINGS[code] else _BAD)
         else:
             self._answer(self._obey[code](given) if code in self._obey else _BAD)
 
     def _switch(self, given: bytes) -> None:
-        if given == b"1" and not self.is_on:
+        if given == ON and not self.is_on:
             self.is_on = True
             self._powering = self._model.power_on_s
-        if given == b"0":
+        if given == OFF:
             self.is_on = self.is_host_controlled = False
             self._initialising = 0.0
             self.head.stop()
             self.head.lens.drive(0)
-        self._answer(_DONE if given in (b"0", b"1") else _BAD)
+        self._answer(_DONE if given in (ON, OFF) else _BAD)
 
     def _set_control(self, given: bytes) -> _Answer:
-        if given not in (b"0", b"1"):
+        if given not in (HOST_CONTROL, REMOTE_CONTROL):
             return _BAD
-        self.is_host_controlled = given == b"0"
+        self.is_host_controlled = given == HOST_CONTROL
         return _DONE
 
     def _initialise(self, given: bytes) -> _Answer:
-        if given != b"0":
+        if given != START:
             return _BAD
         if self.is_initialising:
             return _DONE  # one well-known client asks twice, and never gets over a camera that is busy for long
@@ -140,8 +138,8 @@ class Vcc4:
         return _DONE
 
     def _set_slew(self, given: bytes, servo: HeadServo, axis: HeadAxis) -> _Answer:
-        speed = number(given)
-        if len(given) != 3 or speed is None or not axis.slowest <= speed <= axis.fastest:
+        speed = read_speed(given)
+        if speed is None or not axis.slowest <= speed <= axis.fastest:
             return _BAD
         if not self.is_initialising:
             servo.speed = axis.speed(speed)
@@ -168,8 +166,8 @@ class Vcc4:
         return _DONE
 
     def _set_tilt_range(self, given: bytes) -> _Answer:
-        counts = read_pair(given[1:])
-        if given[:1] != b"1" or counts is None:
+        counts = read_tilt_range(given)
+        if counts is None:
             return _BAD
         lowest, highest = counts
         if not self._model.tilt.lowest <= lowest <= highest <= self._model.tilt.highest:
@@ -183,8 +181,8 @@ class Vcc4:
         return Status.OK, direction_data(pan, tilt)
 
     def _zoom(self, given: bytes) -> _Answer:
-        position = number(given)
-        if len(given) != 4 or position is None or position > self._model.lens.counts:
+        position = read_zoom(given)
+        if position is None or position > self._model.lens.counts:
             return _BAD
         self.head.lens.go(position)
         return _DONE
@@ -195,4 +193,4 @@ class Vcc4:
 
     def _tell_zoom(self, given: bytes) -> _Answer:
         lens = self._model.lens
-        return Status.OK, digits(lens.counts if given == MAXIMUM else round(self.head.lens.position), 4)
+        return Status.OK, zoom_data(lens.counts if given == NARROW_END else round(self.head.lens.position))

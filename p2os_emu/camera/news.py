@@ -14,7 +14,7 @@ from typing import NamedTuple
 from p2os_emu.world.sight import SceneChanges
 from p2os_emu.world.view import View
 
-LARGEST = 1 << 20
+LARGEST = 2**20
 """Bytes of a packet, at most."""
 WATCHED, UNWATCHED = b"\1", b"\0"
 """What a camera's process reports: somebody looks, or nobody does."""

@@ -10,7 +10,7 @@ from p2os_emu.camera.feed import Feed
 BOUNDARY = "picture"
 PATIENCE = 10.0
 """Seconds that a viewer may take to read a picture, and that one may take to come."""
-SEND_BUFFER = 1 << 16
+SEND_BUFFER = 2**16
 """Bytes that may wait on the way to a viewer: few, so that a slow one sees new pictures, not old ones."""
 
 PAGE = """<!doctype html>

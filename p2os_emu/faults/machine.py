@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from p2os.sip import NO_ECHO
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
 from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Need
 from p2os_emu.faulty_body import HEALTHY_SONAR, SonarFaults
 
-_LONGEST = 5.0  # m; what a disc can report
 _DISC = FaultParameter("numbers from 0 as SIPs count them, such as 3, 0-7, 3+5 or all", parameters.discs, "all")
 _SONAR = Need("sonar", lambda robot: robot.model.sonar)
 _BUMPERS = Need("bumpers", lambda robot: robot.model.front_bumpers or robot.model.rear_bumpers)
@@ -65,7 +65,7 @@ KINDS = (
         "sonar discs report one range, whatever stands there",
         "they measure again",
         _stick_sonar,
-        {"disc": _DISC, "range": FaultParameter("what they report, m", parameters.number(_LONGEST, "metres"), "0.5")},
+        {"disc": _DISC, "range": FaultParameter("what they report, m", parameters.number(NO_ECHO, "metres"), "0.5")},
         _SONAR,
     ),
     FaultKind(

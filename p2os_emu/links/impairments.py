@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
-from p2os_emu.links.stage import LinkStage, Rates, split_frames
+from p2os.framing import split_frames
+from p2os_emu.links.stage import LinkStage, Rates
 
 _ROUNDING = 1e-9  # s; times are sums of steps
 
@@ -162,7 +163,7 @@ class Silence:
         return b""
 
 
-MOST_HELD = 1 << 16
+MOST_HELD = 2**16
 """Bytes that an adapter that hangs keeps: what buffers of drivers and adapters hold together (assumed)."""
 
 

@@ -8,13 +8,14 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import Literal
 
+from p2os.framing import split_frames
 from p2os_emu.links.adapter import Blocks
 from p2os_emu.links.impairments import BitErrors, Freeze, Noise, Silence
 from p2os_emu.links.link import Link
 from p2os_emu.links.modem import Dialling, Slot
 from p2os_emu.links.pacing import BaudCheck, HostQueue, RobotQueue
 from p2os_emu.links.profile import LinkProfile
-from p2os_emu.links.stage import LinkStage, Rates, split_frames
+from p2os_emu.links.stage import LinkStage, Rates
 
 __all__ = ["LINE_FAULTS", "EmulatedLine", "LinkProfile", "Source", "Toward", "split_frames"]
 

@@ -3,13 +3,12 @@
 from collections import deque
 from random import Random
 
-from p2os_emu.links.stage import BITS_PER_BYTE, Rates, split_frames
+from p2os.framing import BITS_PER_BYTE, first_payload_byte, split_frames
+from p2os.sip import SIP_TYPES
+from p2os_emu.links.stage import Rates
 
 # A step seldom ends exactly where a byte does; without this, rounding holds a complete byte back for a step.
 _ROUNDING = 1e-6
-_SIP_TYPES = range(0x30, 0x35)
-_TYPE_OFFSET = 3
-_SYNC = b"\xfa\xfb"
 
 
 class Clock:
@@ -141,4 +140,4 @@ class BaudCheck:
 
 
 def _is_sip(frame: bytes) -> bool:
-    return frame.startswith(_SYNC) and len(frame) > _TYPE_OFFSET and frame[_TYPE_OFFSET] in _SIP_TYPES
+    return first_payload_byte(frame) in SIP_TYPES

@@ -5,12 +5,12 @@ Source: fact sheet section 4 and those of the accessories.
 
 from collections.abc import Mapping
 
+from p2os.arguments import GyroMode, PacketRequest
 from p2os.command_table import Command
 from p2os.firmware import BAUD_CODES
 from p2os.packets import PacketType
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.handler import Handler, requests
-from p2os_emu.microcontroller.requests import STANDING
 
 
 def _writes(port: int) -> Handler:
@@ -34,7 +34,7 @@ def _gyro(board: Board, mode: int) -> None:
         return
     board.gyro.set_mode(mode)
     if not board.gyro.inside:
-        board.requests.ask(PacketType.GYRO, STANDING if mode > 0 else 0)
+        board.requests.ask(PacketType.GYRO, PacketRequest.CONTINUOUS if mode > GyroMode.OFF else PacketRequest.STOP)
 
 
 def _gyrocalcw(board: Board, value: int) -> None:
@@ -92,7 +92,7 @@ ACCESSORY_HANDLERS: Mapping[int, Handler] = {
     Command.GRIPPERVAL: lambda board, value: board.gripper.value(value),
     Command.GRIPREQUEST: requests(PacketType.GRIPPER),
     # the arm
-    Command.ARM_INFO: lambda board, _: board.requests.ask(PacketType.ARM_INFO, 1),
+    Command.ARM_INFO: lambda board, _: board.requests.ask(PacketType.ARM_INFO, PacketRequest.ONE),
     Command.ARM_STATUS: requests(PacketType.ARM),
     Command.ARM_INIT: lambda board, _: board.arm.initialise(),
     Command.ARM_CHECK: lambda board, _: board.arm.check(),

@@ -16,15 +16,20 @@ from enum import Enum, auto
 from functools import partial
 
 from p2os.accessories.arm_model import ArmModel
-from p2os.accessories.pioneer_arm import EVERY_JOINT, JOINTS, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
+from p2os.accessories.pioneer_arm import (
+    ALL_JOINTS,
+    GRIPPER_JOINT,
+    JOINTS,
+    LONGEST_MS,
+    MANUAL_CONNECTED,
+    MANUAL_POWERED,
+    MS,
+    NO_ARM,
+)
 from p2os.accessory_packets import ArmInformation, ArmJoint, ArmReport, ArmStatus
 from p2os_emu.body import ArmMechanism
 
 VERSION = "1.0"
-NO_ARM = "No arm"
-GRIPPER = 6
-ALL_JOINTS = frozenset({0, 7, EVERY_JOINT})
-"""Arguments of HOME and STOP that are taken to mean all of them; 7 is what one well-known driver sends."""
 INIT_TIME = 0.7
 """s that INIT takes."""
 SETTLING_TIME = 2.0
@@ -263,7 +268,7 @@ class ArmServer:
         if self.power not in (Power.SETTLING, Power.ON):
             return ()
         chosen = self._servos if joint in ALL_JOINTS else self._servos[joint - 1 : joint] if joint > 0 else ()
-        if any(servo is self._servos[GRIPPER - 1] for servo in chosen):
+        if any(servo is self._servos[GRIPPER_JOINT - 1] for servo in chosen):
             self._gripper_idle = 0.0
         return chosen
 
@@ -273,7 +278,7 @@ class ArmServer:
         if self._idle >= self._autopark > 0.0:
             self.park()
         elif self._gripper_idle >= self._gripper_park > 0.0 and self.power is Power.ON:
-            gripper = self._servos[GRIPPER - 1]
+            gripper = self._servos[GRIPPER_JOINT - 1]
             gripper.aim(gripper.figures.home, homes=True)
 
     def _hold(self, arm: ArmMechanism) -> None:

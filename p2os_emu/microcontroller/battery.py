@@ -1,7 +1,8 @@
 """A lead-acid battery that drains with time and motor load, and fills from a charger."""
 
-from enum import IntEnum
 from random import Random
+
+from p2os.sip import ChargeState
 
 # Assumed: a day's work on one charge, as the makers advertised; no discharge curve has been read.
 IDLE_ENDURANCE = 8 * 3600.0
@@ -20,17 +21,6 @@ LIFT = 0.07
 """Gained while the charger drives current in."""
 BULK_ENDS = 0.85
 """Charge at which bulk charging gives way to overcharge."""
-
-
-class ChargeState(IntEnum):
-    """CHARGESTATE of the standard SIP."""
-
-    NOT_CHARGING = 0
-    BULK = 1
-    OVERCHARGE = 2
-    FLOAT = 3
-    BALANCE = 4
-    UNKNOWN = 255
 
 
 class BatteryModel:

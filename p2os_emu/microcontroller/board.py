@@ -3,7 +3,9 @@
 from collections.abc import Callable
 from random import Random
 
+from p2os.arguments import DockMode
 from p2os.command_table import known_commands
+from p2os.configuration import AutoBaud
 from p2os.firmware import BAUD_CODES, FIRMWARES
 from p2os.packets import Packet
 from p2os.robot_model import RobotModel
@@ -29,11 +31,6 @@ from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.sonar import SonarScheduler
 from p2os_emu.microcontroller.watchdog import ClientWatchdog
 
-STOPS_WHEN_DOCKED = 2
-"""Argument of DOCK."""
-RATE_ENDS_WITH_CLIENT = 2
-"""AUTOBAUD in FLASH: the rate that HOSTBAUD set ends with the connection. A client library calls the byte so, starts
-at the old rate every time, and says CLOSE at every rate to a robot that keeps silent."""
 GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
 
 
@@ -122,12 +119,12 @@ class Board:
         """The client has gone: motors and sonar off, working parameters as in FLASH."""
         flash = self.flash
         self.has_client = False
-        if flash.auto_baud == RATE_ENDS_WITH_CLIENT:
+        if flash.auto_baud == AutoBaud.PER_CLIENT:
             self._next_baud = flash.host_baud
         self.answers.clear()
         self.joystick.restore()
         self.charger.release()
-        self.charger.docking = 0
+        self.charger.docking = DockMode.OFF
         self.buzzer.on = True
         self.shutdown_wanted = False
         self.gyro_cw = self.gyro_ccw = 0
@@ -237,7 +234,8 @@ class Board:
     def consume(self, state: BodyState, dt: float) -> None:
         """Once a cycle of `dt`, s: draw from the battery or charge it, and read the compass."""
         charger = self.charger
-        if charger.advance(dt, self.panel.charger_plugged, self.panel.docked) and charger.docking == STOPS_WHEN_DOCKED:
+        power_came = charger.advance(dt, self.panel.charger_plugged, self.panel.docked)
+        if power_came and charger.docking == DockMode.STOP_AT_POWER:
             self.motion.stop()
         self.battery.advance(dt, (state.left_load + state.right_load) / 2, charger.power_good)
         if self.compass is not None:

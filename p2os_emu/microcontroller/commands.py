@@ -7,26 +7,30 @@ for two bytes. Source: fact sheet sections 4, 8 and 9.
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from p2os.arguments import PacketRequest, ShutdownStage, SonarSwitch, StallBumpers, signed_byte
 from p2os.command_table import Command
 from p2os.commands import decode_command
+from p2os.configuration import Configuration
+from p2os.fields import FIXED_SCALES, Quantity, fields_of, limits
 from p2os.firmware import Family
 from p2os.packets import PacketType
+from p2os.robot_model import SONAR_ARRAYS
+from p2os.sip import HIGHEST_TEMPERATURE
 from p2os_emu.microcontroller import simulator
 from p2os_emu.microcontroller.accessory_commands import ACCESSORY_HANDLERS
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.handler import Handler, requests
 from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.panel import ANALOG_PORTS
-from p2os_emu.microcontroller.sonar import ARRAYS
 from p2os_emu.microcontroller.telemetry import EXTRAS
 
 _FAKES_BATTERY = frozenset({Family.ARCOS, Family.UARCS})
-_DECIVOLT = 0.1
-_CALL_OFF, _LOW_POWER, _SHUT_DOWN = range(3)  # arguments of SHUTDOWN
+_VOLTAGE_UNIT = FIXED_SCALES[Quantity.VOLTAGE]
+_LOWEST_DRIFT, _HIGHEST_DRIFT = next(
+    limits(field.code) for field in fields_of(Configuration) if field.name == "drift_factor"
+)
 WARM = 80.0
 """°C that DIGTEMPTEST pretends (assumed)."""
-HOTTEST = 127
-"""°C that the SIP can show; SPOOFANALOGTEMP with more ends the pretence (assumed)."""
 
 
 def execute(board: Board, payload: bytes) -> None:
@@ -59,7 +63,7 @@ def _sets_gain(name: str) -> Handler:
 
 def _vel2(board: Board, wheels: tuple[int, int]) -> None:
     if board.motors.enabled:
-        left, right = (byte - 256 if byte > 127 else byte for byte in wheels)
+        left, right = map(signed_byte, wheels)
         board.motion.wheels(left * board.model.vel2_unit, right * board.model.vel2_unit)
 
 
@@ -77,20 +81,20 @@ def _estall(board: Board, on: int) -> None:
 
 
 def _bumpstall(board: Board, bumpers: int) -> None:
-    if 0 <= bumpers <= 3:
+    if StallBumpers.NONE <= bumpers <= StallBumpers.BOTH:
         board.motors.stall.bumpers = bumpers
 
 
 def _sonar(board: Board, argument: int) -> None:
-    """Bit 0 switches; bits 1 to 3 name an array from 1 on, or all with 0. P2OS knows only 0 and 1."""
-    array = argument >> 1 & 7
+    """Switch one array or all of them; P2OS knows only 0 and 1."""
+    on, array = SonarSwitch.read(argument)
     if board.model.firmware is Family.P2OS:
         if argument in (0, 1):
-            board.sonar.enable(argument == 1)
+            board.sonar.enable(on)
     elif array == 0:
-        board.sonar.enable(bool(argument & 1))
-    elif array <= ARRAYS:
-        board.sonar.enable(bool(argument & 1), array - 1)
+        board.sonar.enable(on)
+    elif array <= SONAR_ARRAYS:
+        board.sonar.enable(on, array - 1)
 
 
 def _sonarcycle(board: Board, period: float) -> None:
@@ -120,7 +124,7 @@ def _revcount(board: Board, ticks: int) -> None:
 
 
 def _driftfactor(board: Board, drift: int) -> None:
-    if -0x8000 <= drift < 0x8000:
+    if _LOWEST_DRIFT <= drift <= _HIGHEST_DRIFT:
         board.drift_factor = drift
         board.calibrate()
 
@@ -130,16 +134,16 @@ def _battest(board: Board, voltage: float) -> None:
     if board.model.firmware in _FAKES_BATTERY:
         board.fake_battery = voltage if voltage > 0 else None
     else:
-        _shutdown(board, round(voltage / _DECIVOLT))
+        _shutdown(board, round(voltage / _VOLTAGE_UNIT))
 
 
 def _shutdown(board: Board, stage: int) -> None:
     """0 calls it off, 1 pretends a low battery, 2 tells the robot's computer to shut down."""
-    if stage == _CALL_OFF:
+    if stage == ShutdownStage.CANCEL:
         board.fake_battery = None
-    elif stage == _LOW_POWER:
-        board.fake_battery = board.flash.low_battery * board.model.battery_nominal - _DECIVOLT
-    board.shutdown_wanted = stage == _SHUT_DOWN
+    elif stage == ShutdownStage.LOW_POWER:
+        board.fake_battery = board.flash.low_battery * board.model.battery_nominal - _VOLTAGE_UNIT
+    board.shutdown_wanted = stage == ShutdownStage.SHUT_DOWN
 
 
 def _digtemptest(board: Board, on: int) -> None:
@@ -147,7 +151,8 @@ def _digtemptest(board: Board, on: int) -> None:
 
 
 def _spoofanalogtemp(board: Board, celsius: int) -> None:
-    board.temperature = float(celsius) if abs(celsius) <= HOTTEST else None
+    """More than the SIP can show ends the pretence (assumed)."""
+    board.temperature = float(celsius) if abs(celsius) <= HIGHEST_TEMPERATURE else None
 
 
 def _maintenance(board: Board, _: None) -> None:
@@ -201,7 +206,7 @@ HANDLERS: Mapping[int, Handler] = {
     # inputs, outputs, packets
     Command.DIGOUT: _digout,
     Command.ADSEL: _adsel,
-    Command.CONFIG: lambda board, _: board.requests.ask(PacketType.CONFIGURATION, 1),
+    Command.CONFIG: lambda board, _: board.requests.ask(PacketType.CONFIGURATION, PacketRequest.ONE),
     Command.ENCODER: requests(PacketType.ENCODERS),
     Command.IOREQUEST: requests(PacketType.INPUTS_OUTPUTS),
     **ACCESSORY_HANDLERS,

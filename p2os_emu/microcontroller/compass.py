@@ -4,26 +4,12 @@ Source: fact sheet section 7 of the accessories. Assumed: with a module fitted t
 CALCOMP 1 and 0 begin and end a calibration as modes 4 and 6 do.
 """
 
-from enum import IntEnum
-from math import degrees
-
 from p2os.accessory_packets import CompassReport
+from p2os.arguments import CompassMode, PacketRequest
+from p2os.sip import compass_byte
 from p2os_emu.accessories.tcm2 import Tcm2
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.cadence import Cadence
-
-
-class CompassMode(IntEnum):
-    """Arguments of TCM2."""
-
-    OFF = 0
-    BYTE = 1
-    ONE_PACKET = 2
-    CONTINUOUS = 3
-    USER_CALIBRATION = 4
-    AUTO_CALIBRATION = 5
-    END_CALIBRATION = 6
-    SOFT_RESET = 7
 
 
 class CompassServer:
@@ -47,25 +33,25 @@ class CompassServer:
         """The client has gone."""
         self._module.end_calibration()
         self._reads = True
-        self._packets = 0
+        self._packets = PacketRequest.STOP
 
     def command(self, mode: int) -> None:
         """TCM2; other numbers are ignored."""
         match mode:
             case CompassMode.OFF | CompassMode.BYTE:
-                self._packets = 0
+                self._packets = PacketRequest.STOP
             case CompassMode.ONE_PACKET:
-                self._packets = 1
+                self._packets = PacketRequest.ONE
             case CompassMode.CONTINUOUS:
-                self._packets = 2
+                self._packets = PacketRequest.CONTINUOUS
             case CompassMode.USER_CALIBRATION | CompassMode.AUTO_CALIBRATION:
                 self._module.begin_calibration()
             case CompassMode.END_CALIBRATION:
                 self._module.end_calibration()
-                self._packets = 1
+                self._packets = PacketRequest.ONE
             case CompassMode.SOFT_RESET:
                 self._module.reset()
-                self._packets = 0
+                self._packets = PacketRequest.STOP
             case _:
                 return
         self._reads = mode != CompassMode.OFF
@@ -84,9 +70,9 @@ class CompassServer:
         if not self._cadence.advance(dt) or not self._reads:
             return None
         report = self._module.measure(state.heading, state.magnetic)
-        self.byte = round(degrees(report.heading) / 2) % 180 or 180
+        self.byte = compass_byte(report.heading)
         if not self._packets:
             return None
-        if self._packets == 1:
-            self._packets = 0
+        if self._packets == PacketRequest.ONE:
+            self._packets = PacketRequest.STOP
         return report

@@ -7,14 +7,13 @@ from hashlib import sha256
 from math import radians
 from typing import Any
 
+from p2os.arguments import StallBumpers
 from p2os.firmware import BAUD_CODES, FlashDefaults
 from p2os.robot_model import RobotModel
 
 Entry = float | str
 
 BUMP_STALL = "bump_stall"
-BOTH_BUMPERS = 3
-"""The BUMPSTALL command counts 0 none, 1 front, 2 rear, 3 both; FLASH counts 0 both, 1 rear, 2 front, 3 none."""
 
 
 CHARGERS = {"powerbot": 2, "peoplebot": 1, "patrolbot": 1}
@@ -88,8 +87,8 @@ class Flash(FlashDefaults):
         )
 
     def to_table(self) -> dict[str, Entry]:
-        """Every parameter by name, for a file; BumpStall as FLASH counts it."""
-        return {**asdict(self), BUMP_STALL: self.bump_stall ^ BOTH_BUMPERS}
+        """Every parameter by name, for a file; BumpStall as FLASH counts it: 0 both, 1 rear, 2 front, 3 none."""
+        return {**asdict(self), BUMP_STALL: int(self.bump_stall ^ StallBumpers.BOTH)}
 
     def changed(self, table: Mapping[str, Entry]) -> "Flash":
         """This FLASH with some parameters replaced, as `to_table` names and counts them.
@@ -105,7 +104,7 @@ class Flash(FlashDefaults):
             if type(value) is not kind and not (kind is float and type(value) is int):
                 raise ValueError(f"FLASH parameter {name} must be {kind.__name__}, not {value!r}")
             present[name] = kind(value)
-        bump_stall = int(present.pop(BUMP_STALL)) ^ BOTH_BUMPERS
+        bump_stall = int(int(present.pop(BUMP_STALL)) ^ StallBumpers.BOTH)
         values: dict[str, Any] = present
         return Flash(**values, bump_stall=bump_stall)
 

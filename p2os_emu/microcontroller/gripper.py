@@ -14,6 +14,7 @@ from p2os.accessories.gripper import (
     GripperInput,
     GripperKind,
     GripperOrder,
+    gripper_state,
 )
 from p2os.accessory_packets import GripperReport
 from p2os_emu.body import GripperMechanism, GripperMechanismState
@@ -108,7 +109,7 @@ class GripperServer:
     @property
     def state(self) -> int:
         """The state byte of the SIP; 0 without a gripper."""
-        return self._paddles.nibble | self._lift.nibble << 4 if self.kind else 0
+        return gripper_state(self._paddles.nibble, self._lift.nibble) if self.kind else 0
 
     @property
     def inputs(self) -> int:

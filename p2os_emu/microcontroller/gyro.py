@@ -8,11 +8,10 @@ learns the gyro's rest count while the robot stands. A failed gyro reads zero.
 from math import radians
 
 from p2os.accessory_packets import GyroReport, GyroSample
+from p2os.arguments import GyroMode
 from p2os_emu.accessories.analog_gyro import AnalogGyro
 from p2os_emu.microcontroller.cadence import Cadence
 
-OFF, ON, ONLY = range(3)
-"""Arguments of GYRO; ONLY means something where the controller corrects inside."""
 LEARNING = 0.02
 """Least weight of a new sample in the rest count, which is a mean of all samples at first."""
 KEPT = 16
@@ -45,11 +44,11 @@ class GyroServer:
 
     def restore(self) -> None:
         """The client has gone."""
-        self.set_mode(ON if self.inside else OFF)
+        self.set_mode(GyroMode.ON if self.inside else GyroMode.OFF)
 
     def set_mode(self, mode: int) -> None:
         """GYRO."""
-        self.mode = min(max(mode, OFF), ONLY)
+        self.mode = min(max(mode, GyroMode.OFF), GyroMode.ONLY)
         self._samples.clear()
 
     def advance(self, turn_rate: float, standing: bool, failed: bool, dt: float) -> None:
@@ -62,7 +61,7 @@ class GyroServer:
             dt: s.
         """
         self._age += dt
-        if not self._cadence.advance(dt) or self.mode == OFF:
+        if not self._cadence.advance(dt) or self.mode == GyroMode.OFF:
             return
         sample = DEAD if failed else self._gyro.sample(turn_rate, self._age)
         if self.inside:
@@ -73,7 +72,7 @@ class GyroServer:
 
     def turned(self, standing: bool, failed: bool, dt: float) -> float | None:
         """Rad counter-clockwise that the heading turns in a step by the gyro; None where the wheels decide."""
-        if not self.inside or failed or self.mode == OFF or (standing and self.mode == ON):
+        if not self.inside or failed or self.mode == GyroMode.OFF or (standing and self.mode == GyroMode.ON):
             return None
         return self.rate * dt
 

@@ -8,14 +8,13 @@ from p2os.framing import Frame, FrameDecoder, encode_frame
 from p2os.handshake import ConnectionState, Identity, RobotHandshake
 from p2os.packets import Packet, PacketType, encode_packet
 from p2os.robot_model import RobotModel
-from p2os.sip import SipCodec
+from p2os.sip import ChargeState, SipCodec
 from p2os_emu.accessories.analog_gyro import AnalogGyro
 from p2os_emu.accessories.tcm2 import Tcm2
 from p2os_emu.body import Body, BodyState
 from p2os_emu.device import Device
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import GripperModel
-from p2os_emu.microcontroller.battery import ChargeState
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.buzzer import PlayedNote
 from p2os_emu.microcontroller.cadence import Cadence

@@ -7,19 +7,15 @@ leave a laser without power that they switch on.
 
 from dataclasses import dataclass, field
 
+from p2os.arguments import LASER_POWER_PORT, POWER_PORTS, PULSE_UNIT, SERVO_PORTS, read_display_data
+
 POWER_OUTPUTS = ("pc", "lrf", "5v", "12v", "aux_pc", "touchscreen", "ptz", "audio", "lrf2")
 """By name: each has a POWER command of its own."""
-POWER_PORTS = {number: f"port{number}" for number in range(16)} | {11: "lrf"}
-"""What SETPBIOPORT switches, by number."""
-SERVO_PORTS = range(1, 5)
-PULSE_UNIT = 1e-5
-"""s of a servo pulse that one count of PTUPOS stands for, since P2OS."""
-LCD_SIZE = 20
-"""Characters that the display takes at once."""
+_OUTPUT_OF_PORT = {number: f"port{number}" for number in POWER_PORTS} | {LASER_POWER_PORT: "lrf"}
 
 
 def _all_on() -> dict[str, bool]:
-    return dict.fromkeys((*POWER_OUTPUTS, *POWER_PORTS.values()), True)
+    return dict.fromkeys((*POWER_OUTPUTS, *_OUTPUT_OF_PORT.values()), True)
 
 
 @dataclass(slots=True)
@@ -37,8 +33,8 @@ class Outputs:
 
     def set_power_port(self, number: int, state: int) -> None:
         """SETPBIOPORT; a number that is no output's is ignored."""
-        if number in POWER_PORTS:
-            self.power[POWER_PORTS[number]] = state != 0
+        if number in _OUTPUT_OF_PORT:
+            self.power[_OUTPUT_OF_PORT[number]] = state != 0
 
     def set_servo(self, port: int, count: int) -> None:
         """PTUPOS; a pulse of no width ends the pulses."""
@@ -50,4 +46,4 @@ class Outputs:
 
     def show(self, text: bytes) -> None:
         """LCDWRITE."""
-        self.lcd = text.split(b"\0", 1)[0][:LCD_SIZE].decode("latin-1")
+        self.lcd = read_display_data(text)

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from p2os.sip import OPEN_INPUTS
+
 ANALOG_PORTS = 8
-OPEN_PINS = 0xFF
-"""Digital inputs are pulled high; infrared sensors are active low."""
 
 
 class Stick(NamedTuple):
@@ -37,8 +37,8 @@ class Panel:
 
     stop_button: bool = False
     charger_plugged: bool = False
-    digital_in: int = OPEN_PINS
-    infrared: int = OPEN_PINS
+    digital_in: int = OPEN_INPUTS
+    infrared: int = OPEN_INPUTS
     analog: list[float] = field(default_factory=lambda: [0.0] * ANALOG_PORTS)
     battery: float | None = None
     docked: bool = False

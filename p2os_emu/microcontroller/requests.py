@@ -1,9 +1,7 @@
 """Packets that a client has asked for beside the standard SIP."""
 
+from p2os.arguments import PacketRequest
 from p2os.packets import PacketType
-
-ONE = 1
-STANDING = 2
 
 
 class Requests:
@@ -23,12 +21,12 @@ class Requests:
         if count <= 0:
             self._wanted.pop(packet, None)
         else:
-            self._wanted[packet] = min(count, STANDING)
+            self._wanted[packet] = min(count, PacketRequest.CONTINUOUS)
 
     def take(self) -> list[PacketType]:
         """The packets for this SIP, lowest type first."""
         if not self._wanted:
             return []
         due = sorted(self._wanted)
-        self._wanted = {packet: count for packet, count in self._wanted.items() if count == STANDING}
+        self._wanted = {packet: count for packet, count in self._wanted.items() if count == PacketRequest.CONTINUOUS}
         return due

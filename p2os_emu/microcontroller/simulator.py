@@ -4,40 +4,39 @@ A robot has a `Simulator` only with `--as-simulator`; without it these are unkno
 numbers (35 to 38) mean something else on a real robot, and are a laser's here. Source: fact sheet section 7.
 """
 
-import struct
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from math import degrees, pi, radians
+from math import pi, radians
 from typing import Any, Protocol
 
 from geometry import Pose2D
+from p2os.arguments import PacketRequest
 from p2os.command_table import Command
 from p2os.commands import ReceivedCommand
+from p2os.errors import DecodeError
 from p2os.packets import Packet, PacketType
 from p2os.robot_model import RobotModel
 from p2os.simulator_packets import (
+    READINGS_EXTENDED,
+    READINGS_PLAIN,
+    REFLECTANCE,
     ExtendedLaser,
     MapChanged,
     SimulatedLaser,
+    SimulatedLaserMode,
     SimulatedLaserReading,
+    SimulatorControlData,
+    SimulatorOperation,
     SimulatorState,
+    laser_pose,
+    read_simulator_pose,
 )
 from p2os_emu.body import Body, ScanBeams
-from p2os_emu.microcontroller.requests import STANDING
 
-OFF, PLAIN, EXTENDED = range(3)
-"""Values of SIM_LRF_ENABLE."""
-READINGS_PLAIN, READINGS_EXTENDED = 96, 38
-"""Readings in a packet that old clients' buffers hold."""
 LASER_HEIGHT = 0.2  # m, assumed
 LASER_REACH = 32.0  # m; what MobileSim's laser saw
 LASER_NOISE = 0.005  # m
 FINEST = radians(0.25)  # between two beams, assumed
-REFLECTANCE = 33  # of a reflector, as MobileSim's own maps had it; anything else is 0
-LOAD_MAP, MASTER_LOAD_MAP = 1, 2
-"""Operations of SIM_CTRL that other robots would have to live with: refused."""
-SERIAL = "SIM"
-"""Serial number by which a client recognises a simulator."""
 COMMANDS = frozenset(
     {
         Command.SIM_SET_POSE,
@@ -53,7 +52,6 @@ COMMANDS = frozenset(
 """What has an effect; the others are refused with a message."""
 PACKETS = frozenset({PacketType.LASER, PacketType.LASER_EXTENDED, PacketType.SIMULATOR_STATE, PacketType.MAP_CHANGED})
 MESSAGES_KEPT = 50
-LARGEST = 32.767  # m; what the pose in a laser packet carries, which clients do not read
 OLD_NUMBERS: Mapping[int, Command] = {
     Command.ADSEL: Command.SIM_LRF_ENABLE,
     Command.GRIPPERVAL: Command.SIM_LRF_SET_FOV_START,
@@ -117,7 +115,7 @@ class Simulator:
 
     def restore(self) -> None:
         """The client has gone: send nothing, look to the front."""
-        self._laser = OFF
+        self._laser = SimulatedLaserMode.OFF
         self._first, self._last, self._step = -pi / 2, pi / 2, radians(1.0)
         self._states = 0
         self._answers.clear()
@@ -143,13 +141,13 @@ class Simulator:
         yield from self._answers
         self._answers.clear()
         if self._states:
-            self._states = self._states if self._states == STANDING else 0
+            self._states = self._states if self._states == PacketRequest.CONTINUOUS else 0
             yield self._state(cycle)
         if self._laser:
             yield from self._sweep(pose)
 
     def _switch_laser(self, mode: int) -> None:
-        self._laser = mode if mode in (PLAIN, EXTENDED) else OFF
+        self._laser = SimulatedLaserMode(mode) if mode in set(SimulatedLaserMode) else SimulatedLaserMode.OFF
 
     def _set_first(self, bearing: float) -> None:
         self._first = max(-pi, min(pi, bearing))
@@ -161,26 +159,26 @@ class Simulator:
         self._step = max(FINEST, step)
 
     def _ask_for_state(self, count: int) -> None:
-        self._states = min(max(0, count), STANDING)
+        self._states = min(max(0, count), PacketRequest.CONTINUOUS)
 
     def _place(self, data: bytes) -> None:
-        """Three i32: mm, mm, degrees."""
-        if len(data) < 12:
-            self.messages.append(f"SIM_SET_POSE of {len(data)} bytes was refused: it needs x, y and heading, i32 each")
+        try:
+            pose = Pose2D(*read_simulator_pose(data))
+        except DecodeError as error:
+            self.messages.append(f"SIM_SET_POSE of {len(data)} bytes was refused: {error}")
             return
-        x, y, heading = struct.unpack("<iii", data[:12])
-        why_not = self._stage.place(Pose2D(x / 1000, y / 1000, radians(heading)))
+        why_not = self._stage.place(pose)
         if why_not:
             self.messages.append(f"SIM_SET_POSE was refused: {why_not}")
 
     def _control(self, data: bytes) -> None:
-        operation = int.from_bytes(data[:2], "little")
-        if operation in (LOAD_MAP, MASTER_LOAD_MAP):
-            name = data[4:].split(b"\0")[0].decode("latin-1")
+        operation, name = SimulatorControlData.read(data)
+        if operation in set(SimulatorOperation):
+            # Other robots would have to live with the map.
             self.messages.append(f"map {name!r} was not loaded: start the emulator with --world")
             self._answers.append(MapChanged(by_user=False, loaded=False, name=name))
         else:
-            self.messages.append(f"SIM_CTRL {operation}: {data[2:].decode('latin-1').rstrip(chr(0))}")
+            self.messages.append(f"SIM_CTRL {operation}: {name}")
 
     def _state(self, cycle: float) -> SimulatorState:
         pose = self._stage.pose
@@ -196,9 +194,8 @@ class Simulator:
         beams = ScanBeams(self._x, self._y, LASER_HEIGHT, self._first, step, count, LASER_REACH, LASER_NOISE)
         echoes = self._body.scan(beams)
         ranges = [min(LASER_REACH, float(distance)) for distance in echoes.ranges]
-        if self._laser == PLAIN:
-            x, y = (max(-LARGEST, min(LARGEST, each)) for each in (pose.x, pose.y))
-            heading = _wrapped(pose.heading)
+        if self._laser == SimulatedLaserMode.PLAIN:
+            x, y, heading = laser_pose(pose.x, pose.y, pose.heading)
             for first in range(0, count, READINGS_PLAIN):
                 yield SimulatedLaser(x, y, heading, count, first, tuple(ranges[first : first + READINGS_PLAIN]))
             return
@@ -215,8 +212,3 @@ def _in_new_units(number: int, value: Any) -> Any:
     if number == Command.ADSEL:
         return value
     return radians(value / 100 if number == Command.GYROCALCW else value)
-
-
-def _wrapped(angle: float) -> float:
-    """Whole degrees that an i16 carries, as an angle."""
-    return radians(round(degrees(pi - (pi - angle) % (2 * pi))))

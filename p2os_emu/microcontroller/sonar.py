@@ -6,20 +6,15 @@ in an order that POLLING changes. Source: fact sheet section 8.
 
 from collections.abc import Iterable
 
-from p2os.robot_model import RobotModel
+from p2os.arguments import LONGEST_SONAR_CYCLE, SHORTEST_SONAR_CYCLE
+from p2os.robot_model import SONAR_ARRAY_SIZE, SONAR_ARRAYS, RobotModel
+from p2os.sip import NO_ECHO
 from p2os_emu.body import Body
 from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.flash import Flash
 
-ARRAYS = 4
-ARRAY_SIZE = 8
 MAX_SEQUENCE = 16
 """Firings that one array's sequence holds."""
-MAX_RANGE = 5.0
-"""m; reported where no echo came back, which clients read as no reading."""
-FASTEST = 0.002
-SLOWEST = 0.120
-"""s; what SONARCYCLE accepts."""
 
 
 class SonarScheduler:
@@ -42,7 +37,7 @@ class SonarScheduler:
 
     def __init__(self, model: RobotModel, flash: Flash) -> None:
         self._numbers = frozenset(disc.number for disc in model.sonar)
-        self._fitted = _bits(number // ARRAY_SIZE for number in self._numbers)
+        self._fitted = _bits(number // SONAR_ARRAY_SIZE for number in self._numbers)
         self._cadence = Cadence(flash.sonar_cycle)
         self._readings: dict[int, float] = {}
         self._active: list[int] = []
@@ -55,15 +50,15 @@ class SonarScheduler:
 
     @cycle.setter
     def cycle(self, period: float) -> None:
-        self._cadence.period = max(FASTEST, min(SLOWEST, period))
+        self._cadence.period = max(SHORTEST_SONAR_CYCLE, min(LONGEST_SONAR_CYCLE, period))
 
     def restore(self, flash: Flash) -> None:
         """Switch everything off and take the working parameters from FLASH: every array in rising order."""
         self.cycle = flash.sonar_cycle
-        self._sequences: list[list[int]] = [[] for _ in range(ARRAYS)]
+        self._sequences: list[list[int]] = [[] for _ in range(SONAR_ARRAYS)]
         for number in sorted(self._numbers):
-            self._sequences[number // ARRAY_SIZE].append(number)
-        self._next = [0] * ARRAYS
+            self._sequences[number // SONAR_ARRAY_SIZE].append(number)
+        self._next = [0] * SONAR_ARRAYS
         self._silenced = 0
         self._readings.clear()
         self.enabled = 0
@@ -71,7 +66,7 @@ class SonarScheduler:
 
     def enable(self, on: bool, array: int | None = None) -> None:
         """Switch one array (0 to 3) or all of them."""
-        affected = self._fitted & (_bits(range(ARRAYS)) if array is None else 1 << array)
+        affected = self._fitted & (_bits(range(SONAR_ARRAYS)) if array is None else 1 << array)
         self.enabled = self.enabled | affected if on else self.enabled & ~affected
         if on:
             self._silenced &= ~affected
@@ -87,8 +82,8 @@ class SonarScheduler:
         if not sequence:
             self._silenced = self._fitted
         numbers = [byte - 1 for byte in sequence if byte - 1 in self._numbers]
-        for array in {number // ARRAY_SIZE for number in numbers}:
-            self._sequences[array] = [n for n in numbers if n // ARRAY_SIZE == array][:MAX_SEQUENCE]
+        for array in {number // SONAR_ARRAY_SIZE for number in numbers}:
+            self._sequences[array] = [n for n in numbers if n // SONAR_ARRAY_SIZE == array][:MAX_SEQUENCE]
             self._next[array] = 0
             self._silenced &= ~(1 << array)
         self._activate()
@@ -123,11 +118,11 @@ class SonarScheduler:
         fired = list(discs)
         for disc, distance in zip(fired, body.ping(fired), strict=True):
             self._readings.pop(disc, None)
-            self._readings[disc] = min(distance, MAX_RANGE)
+            self._readings[disc] = min(distance, NO_ECHO)
 
     def _activate(self) -> None:
         """Work out which arrays fire; the first firing comes a full cycle after the silence ends."""
-        active = [array for array in range(ARRAYS) if self.firing >> array & 1 and self._sequences[array]]
+        active = [array for array in range(SONAR_ARRAYS) if self.firing >> array & 1 and self._sequences[array]]
         if not self._active:
             self._cadence.restart()
         self._active = active

@@ -1,11 +1,8 @@
 """Stalls: wheels that push without turning, and bumpers that touch on the way."""
 
+from p2os.arguments import StallBumpers
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.flash import Flash
-
-FRONT_BUMPER = 1
-REAR_BUMPER = 2
-"""Bits of the BUMPSTALL command's argument."""
 
 
 class StallDetector:
@@ -58,5 +55,5 @@ class StallDetector:
 
     def _runs_into(self, state: BodyState, forward: float) -> bool:
         if forward > 0.0:
-            return bool(state.front_bumpers and self.bumpers & FRONT_BUMPER)
-        return bool(forward < 0.0 and state.rear_bumpers and self.bumpers & REAR_BUMPER)
+            return bool(state.front_bumpers and self.bumpers & StallBumpers.FRONT)
+        return bool(forward < 0.0 and state.rear_bumpers and self.bumpers & StallBumpers.REAR)

@@ -5,29 +5,33 @@ from collections.abc import Callable, Mapping
 from geometry import Pose2D
 from p2os.accessories.gripper import USER_INPUTS, GripperKind
 from p2os.accessory_packets import BatteryReport, GyroReport, JoystickReport
-from p2os.configuration import Configuration
+from p2os.configuration import Configuration, GyroKind
 from p2os.firmware import BAUD_CODES, FIRMWARES, Family
 from p2os.packets import Encoders, IoReport, Packet, PacketType
-from p2os.sip import GYRO_FAULT, SipFlag, StandardSip, stall_word
+from p2os.sip import (
+    GYRO_FAULT,
+    OPEN_INPUTS,
+    TABLE_SENSOR_INPUTS,
+    UNKNOWN_TEMPERATURE,
+    SipFlag,
+    StandardSip,
+    sonar_flags,
+    stall_word,
+)
 from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.panel import CENTRED
 
 SHOWS = 0.0005
 """m/s of a wheel rim from which the SIP shows it turning: what rounds to 1 mm/s."""
-UNKNOWN_TEMPERATURE = -128.0
-"""As the SIP says it, °C."""
 ANALOG_TOP = 5.0
 """V; the converters measure no more."""
 BATTERY_DIVIDER = 4
 """Of a 12 V battery's divider to its A/D port; in proportion for others (assumed)."""
 PIONEER_BATTERY = 12.0
-OLD_TABLE_PINS = {0: 1, 1: 0, 2: 3, 3: 2}
-"""Table sensors of the older PeopleBots: infrared sensor (right and left table, left and right beam) to input pin."""
 
 _BAUD_CODE = {baud: code for code, baud in BAUD_CODES.items()}
 _INFRARED_INPUTS = frozenset({Family.ARCOS, Family.UARCS})
-_WRAP = 1 << 32
 
 
 def standard_sip(board: Board, state: BodyState) -> StandardSip:
@@ -121,9 +125,9 @@ def configuration(board: Board, state: BodyState) -> Configuration:
 
 
 def encoders(board: Board, state: BodyState) -> Encoders:
-    """ENCODERpac: ticks since power-on, as 32 bits carry them."""
+    """ENCODERpac: ticks since power-on."""
     odometry = board.odometry
-    return Encoders(_wrapped(odometry.left_ticks), _wrapped(odometry.right_ticks))
+    return Encoders(odometry.left_ticks, odometry.right_ticks)
 
 
 def inputs_outputs(board: Board, state: BodyState) -> IoReport:
@@ -131,7 +135,7 @@ def inputs_outputs(board: Board, state: BodyState) -> IoReport:
     panel = board.panel
     digital_in = [_user_inputs(board, state), *_bumpers(board, state)]
     if board.model.firmware in _INFRARED_INPUTS or board.model.irs:
-        digital_in.append(panel.infrared & state.infrared & 0xFF)
+        digital_in.append(panel.infrared & state.infrared & OPEN_INPUTS)
     divided = board.battery_voltage * PIONEER_BATTERY / board.model.battery_nominal / BATTERY_DIVIDER
     analog = (*map(_clip, panel.analog), _clip(divided))
     return IoReport(bytes(digital_in), bytes([board.digital_out]), analog)
@@ -190,18 +194,17 @@ well-known driver waits for another packet after a GYROpac, an ARMpac or an ARMI
 """
 
 
-def _has_gyro(board: Board) -> int:
-    """As CONFIGpac counts: 0 none, 1 by packets, 2 inside the controller."""
+def _has_gyro(board: Board) -> GyroKind:
     if board.gyro is None:
-        return 0
-    return 2 if board.gyro.inside else 1
+        return GyroKind.NONE
+    return GyroKind.INSIDE if board.gyro.inside else GyroKind.PACKETS
 
 
 def _flags(board: Board, state: BodyState) -> int:
     panel = board.panel
     return (
         (board.motors.enabled and SipFlag.MOTORS_ENABLED.value)
-        | board.sonar.firing << 1
+        | sonar_flags(board.sonar.firing)
         | (panel.stop_button and SipFlag.STOP_BUTTON.value)
         | (board.e_stalled and SipFlag.E_STALL.value)
         | (state.far_ledge and SipFlag.FAR_LEDGE.value)
@@ -213,7 +216,7 @@ def _flags(board: Board, state: BodyState) -> int:
 
 def _user_inputs(board: Board, state: BodyState) -> int:
     """DIGIN: the user's pins, but for those that table sensors or a gripper on the user I/O take."""
-    panel = board.panel.digital_in & 0xFF
+    panel = board.panel.digital_in & OPEN_INPUTS
     if board.model.table_sensing_ir and not board.model.new_table_sensing_ir:
         panel &= _old_table_pins(state.infrared & board.panel.infrared)
     taken = USER_INPUTS if board.gripper.kind == GripperKind.PIONEER else 0
@@ -222,8 +225,8 @@ def _user_inputs(board: Board, state: BodyState) -> int:
 
 def _old_table_pins(infrared: int) -> int:
     """Levels of the input pins: low where a table sensor sees something, high elsewhere."""
-    seen = sum(1 << pin for sensor, pin in OLD_TABLE_PINS.items() if not infrared >> sensor & 1)
-    return 0xFF & ~seen
+    seen = sum(1 << pin for sensor, pin in TABLE_SENSOR_INPUTS.items() if not infrared >> sensor & 1)
+    return OPEN_INPUTS & ~seen
 
 
 def _bumpers(board: Board, state: BodyState) -> tuple[int, int]:
@@ -243,7 +246,3 @@ def _sonar_arrays(board: Board) -> tuple[int, int]:
 
 def _clip(voltage: float) -> float:
     return max(0.0, min(ANALOG_TOP, voltage))
-
-
-def _wrapped(ticks: int) -> int:
-    return (ticks + _WRAP // 2) % _WRAP - _WRAP // 2

@@ -9,7 +9,7 @@ from p2os.commands import CommandValue, encode_command
 from p2os.framing import Frame, FrameDecoder
 from p2os.packets import Packet, decode_packet
 from p2os.robot_model import RobotModel
-from p2os.sip import SipCodec, StandardSip
+from p2os.sip import OPEN_INPUTS, SipCodec, StandardSip
 from p2os_emu.body import ArmMechanism, BodyState, Echoes, GripperMechanismState, ScanBeams
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.microcontroller.flash import Flash
@@ -132,7 +132,7 @@ class PlainBody:
         self.rear_bumpers = 0
         self.ranges: Callable[[int], float] = lambda disc: 1.0 + disc / 10
         self.powered = True  # until the controller first says otherwise
-        self.infrared = 0xFF
+        self.infrared = OPEN_INPUTS
         self.far_ledge = self.near_ledge = False
         self.heading = self.turn_rate = 0.0
         self.pings: list[tuple[int, ...]] = []

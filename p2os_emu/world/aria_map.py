@@ -16,7 +16,7 @@ from p2os_emu.world.spec import WALL_HEIGHT, Block, WallEntry, WorldSpec
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_SHIFT = 1 << 31  # rows apart in the number of a cell; farther out nothing is built
+_SHIFT = 2**31  # rows apart in the number of a cell; farther out nothing is built
 
 LINE_THICKNESS = 0.02  # a line of a map is the face of a wall, whichever side one sees it from
 POINT_CELL = 0.05  # m; points closer together than this are one obstacle

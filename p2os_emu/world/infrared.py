@@ -7,7 +7,8 @@ of it. Where sensors sit above the floor is assumed.
 from collections.abc import Sequence
 
 from geometry import Pose2D
-from p2os.robot_model import InfraredSensor, RobotModel
+from p2os.robot_model import ACTIVE_LOW, InfraredSensor, RobotModel
+from p2os.sip import OPEN_INPUTS
 from p2os_emu.world.chassis import HULL_TOP, Chassis
 from p2os_emu.world.collision import SEEN_BY_RAYS
 from p2os_emu.world.engine import STEP, PhysicsClient
@@ -19,8 +20,6 @@ LOW = 0.1
 """m above the floor, of rays that run level."""
 TABLE_TOP = 1.1
 """m above the floor, where rays end that look for table tops."""
-NOTHING_SEEN = 0xFF
-ACTIVE_LOW = 1
 FIRST_GENERATION = (
     InfraredSensor(0, ACTIVE_LOW, 1, 0.333, -0.233),
     InfraredSensor(1, ACTIVE_LOW, 1, 0.333, 0.233),
@@ -44,7 +43,7 @@ class InfraredRays:
         self._body = body
         self._sensors = sensors_of(model)
         self._rays = [_ray(sensor, chassis, model.table_sensing_ir) for sensor in self._sensors]
-        self._levels = NOTHING_SEEN
+        self._levels = OPEN_INPUTS
         self._wait = 0
 
     def levels(self, pose: Pose2D) -> int:
@@ -61,7 +60,7 @@ class InfraredRays:
             starts.append((*pose.transform(x, y), z))
             ends.append((*pose.transform(end_x, end_y), end_z))
         hits = self._client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
-        levels = NOTHING_SEEN
+        levels = OPEN_INPUTS
         for sensor, (body, *_) in zip(self._sensors, hits, strict=True):
             triggered = body >= 0 and body != self._body
             if triggered == (sensor.kind == ACTIVE_LOW):

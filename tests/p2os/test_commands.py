@@ -5,7 +5,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from p2os import COMMANDS, Argument, Command, CommandValue, EncodeError, ReceivedCommand, decode_command, encode_command
-from p2os.command_table import CommandSpec
 from p2os.fields import FIXED_SCALES, Quantity
 
 # Source: transcripts of existing clients; wire bytes, command, value in SI.
@@ -119,7 +118,7 @@ def test_a_value_that_does_not_fit_is_refused_in_a_sentence(
 
 def test_every_command_has_a_row_and_every_row_a_command() -> None:
     assert set(COMMANDS) == {command.value for command in Command}
-    assert all(COMMANDS[number].number == number for number in COMMANDS)
+    assert all(command.value == number for number, command in COMMANDS.items())
 
 
 def test_the_table_names_all_numbers_of_the_command_list() -> None:
@@ -129,30 +128,34 @@ def test_the_table_names_all_numbers_of_the_command_list() -> None:
     assert set(COMMANDS) == listed
 
 
-INTS = [spec for spec in COMMANDS.values() if spec.argument in (Argument.INT, Argument.UINT)]
+INTS = [command for command in COMMANDS.values() if command.argument in (Argument.INT, Argument.UINT)]
 
 
 @given(st.sampled_from(INTS), st.integers(-32767, 32767))
-def test_ints_come_back_within_one_count(spec: CommandSpec, count: int) -> None:
-    if spec.argument is Argument.UINT:
+def test_ints_come_back_within_one_count(command: Command, count: int) -> None:
+    if command.argument is Argument.UINT:
         count = 2 * abs(count)
-    scale = FIXED_SCALES[spec.quantity]
-    value = count if spec.quantity is Quantity.COUNT else count * scale
-    received = decode_command(encode_command(Command(spec.number), value)[3:-2])
+    scale = FIXED_SCALES[command.quantity]
+    value = count if command.quantity is Quantity.COUNT else count * scale
+    received = decode_command(encode_command(command, value)[3:-2])
     assert isinstance(received.value, int | float)
     assert received.value == pytest.approx(value, abs=scale / 2)
 
 
 @given(
-    st.sampled_from([spec for spec in COMMANDS.values() if spec.argument is Argument.STRING]), st.binary(max_size=196)
+    st.sampled_from([command for command in COMMANDS.values() if command.argument is Argument.STRING]),
+    st.binary(max_size=196),
 )
-def test_strings_come_back(spec: CommandSpec, text: bytes) -> None:
-    assert decode_command(encode_command(Command(spec.number), text)[3:-2]).value == text
+def test_strings_come_back(command: Command, text: bytes) -> None:
+    assert decode_command(encode_command(command, text)[3:-2]).value == text
 
 
-@given(st.sampled_from([spec for spec in COMMANDS.values() if spec.argument is Argument.DATA]), st.binary(max_size=200))
-def test_raw_data_comes_back(spec: CommandSpec, data: bytes) -> None:
-    assert decode_command(encode_command(Command(spec.number), data)[3:-2]).value == data
+@given(
+    st.sampled_from([command for command in COMMANDS.values() if command.argument is Argument.DATA]),
+    st.binary(max_size=200),
+)
+def test_raw_data_comes_back(command: Command, data: bytes) -> None:
+    assert decode_command(encode_command(command, data)[3:-2]).value == data
 
 
 @given(st.integers(0, 255), st.integers(0, 255))

@@ -18,8 +18,8 @@ from p2os import (
     encode_frame,
     encode_packet,
 )
-from p2os.configuration import CONFIGURATION, CONFIGURATION_VARIANTS
-from p2os.fields import FIXED_SCALES, Field, Quantity
+from p2os.configuration import CONFIGURATION_VARIANTS
+from p2os.fields import FIXED_SCALES, Field, Quantity, fields_of
 from p2os.packets import TABLES, encode_configuration
 
 # Source: transcript, left 123456, right -5.
@@ -101,8 +101,10 @@ def test_a_configuration_of_each_firmware_is_written_byte_for_byte(p3dx: RobotMo
 
 
 def test_a_configuration_may_end_after_any_field(p3dx: RobotModel) -> None:
-    for end, field in enumerate(CONFIGURATION, 1):
-        packet = Configuration._make("x" if each.code == "z" else FIXED_SCALES[each.quantity] for each in CONFIGURATION)
+    for end, field in enumerate(fields_of(Configuration), 1):
+        packet = Configuration._make(
+            "x" if each.code == "z" else FIXED_SCALES[each.quantity] for each in fields_of(Configuration)
+        )
         back = decode_packet(encode_configuration(packet, p3dx, field.name), p3dx)
         assert isinstance(back, Configuration)
         assert list(back[:end]) == [pytest.approx(v) if isinstance(v, float) else v for v in packet[:end]]
@@ -110,7 +112,7 @@ def test_a_configuration_may_end_after_any_field(p3dx: RobotModel) -> None:
 
 
 def test_the_configuration_table_names_the_fields_in_order() -> None:
-    assert tuple(field.name for field in CONFIGURATION) == Configuration._fields
+    assert tuple(field.name for field in fields_of(Configuration)) == Configuration._fields
 
 
 @pytest.mark.parametrize(("robot", "last"), [("p2dx", "trans_ki"), ("p3dx", "has_gyro"), ("amigo", "has_gyro")])
@@ -197,7 +199,7 @@ def test_a_configuration_comes_back_within_a_count(p3dx: RobotModel, data: st.Da
         bits = {"B": 8, "H": 16, "I": 32, "b": 7, "h": 15}[field.code]
         return st.integers(0, 2**bits - 1).map(lambda count: count * FIXED_SCALES[field.quantity])
 
-    packet = Configuration._make(data.draw(st.tuples(*map(values, CONFIGURATION))))
+    packet = Configuration._make(data.draw(st.tuples(*map(values, fields_of(Configuration)))))
     back = decode_packet(encode_packet(packet, p3dx), p3dx)
     assert isinstance(back, Configuration)
     assert list(back) == [pytest.approx(value) if isinstance(value, float) else value for value in packet]

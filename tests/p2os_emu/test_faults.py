@@ -6,6 +6,7 @@ import pytest
 
 import configs
 from p2os import Command, RobotModel, encode_command
+from p2os.sip import ChargeState
 from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.emulator import STEP, Emulator
@@ -17,7 +18,6 @@ from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.lists import listing
-from p2os_emu.microcontroller.battery import ChargeState
 
 POWERBOT = configs.load(RobotModel, "robots", "powerbot")
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]

@@ -18,7 +18,6 @@ from gateway.events import ElementFound, ElementLost, ElementSilent, Event, Lase
 from gateway.settings import LaserSettings, LaserUnit
 from p2os import Damaged, DecodeError
 from p2os.accessories.lms import (
-    BITS_PER_BYTE,
     MIRROR_PERIOD,
     MODE_OF_BAUD,
     PASSWORD,
@@ -37,6 +36,7 @@ from p2os.accessories.lms import (
     variant_data,
 )
 from p2os.accessories.lms_framing import LONGEST_TELEGRAM, LmsTelegram, LmsTelegramDecoder, encode
+from p2os.framing import BITS_PER_BYTE
 
 NAME = "laser"
 RATES = (9600, 38400, 500000, 19200)

@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import configs
-from p2os_emu.links.line import EmulatedLine, LinkProfile, split_frames
+from p2os.framing import split_frames
+from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 
 STEP = 1 / 120

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from p2os import encode_frame
-from p2os_emu.links.line import split_frames
+from p2os.framing import split_frames
 from p2os_emu.links.pacing import HostQueue, RobotQueue
 from p2os_emu.links.stage import Rates
 

@@ -3,7 +3,8 @@ from collections.abc import Callable
 import pytest
 
 from p2os.command_table import Command
-from p2os_emu.microcontroller.battery import BatteryModel, ChargeState
+from p2os.sip import ChargeState
+from p2os_emu.microcontroller.battery import BatteryModel
 from p2os_emu.microcontroller.testing import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]

@@ -9,9 +9,9 @@ import pytest
 
 import configs
 from p2os.accessory_packets import CompassReport
+from p2os.arguments import CompassMode
 from p2os.command_table import Command
 from p2os_emu.accessories.tcm2 import FULL_SCORE, Tcm2, Tcm2Spec
-from p2os_emu.microcontroller.compass import CompassMode
 from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]

@@ -8,9 +8,8 @@ from p2os.accessory_packets import BatteryReport, Reset
 from p2os.command_table import Command
 from p2os.configuration import Configuration
 from p2os.packets import IoReport
-from p2os.sip import SipFlag
+from p2os.sip import ChargeState, SipFlag
 from p2os_emu.microcontroller import Flash
-from p2os_emu.microcontroller.battery import ChargeState
 from p2os_emu.microcontroller.charger import LOWERING, PATIENCE
 from p2os_emu.microcontroller.outputs import POWER_OUTPUTS
 from p2os_emu.microcontroller.testing import MicrocontrollerBench
