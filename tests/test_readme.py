@@ -16,8 +16,8 @@ from acromovi.__main__ import main
 from acromovi.children import EmulatedRobots, emulator, gateway
 from agents.platform import Agent, AgentName, request
 from bus import ZenohBus, keys
-from gateway.commands import COMMANDS
-from gateway.elements.all_adapters import ADAPTERS
+from gateway.elements.adapter import adapter_types
+from gateway.elements.all_elements import ELEMENTS
 from gateway.streams import STREAMS
 from tests.acromovi.agents_alive import living
 from tests.live_team import own_bus
@@ -192,15 +192,11 @@ def test_agents_do_what_the_page_about_commands_asks_them(
 
 
 def test_page_of_the_gateway_lists_every_stream_and_command_of_the_gateway() -> None:
+    adapters = [adapter for row in ELEMENTS for adapter in adapter_types(row)]
     served = [
         *STREAMS,
-        *(row.topic for row in COMMANDS),
-        *(row.topic for adapter in ADAPTERS for row in adapter.commands),
-        *(topic for adapter in ADAPTERS for topic in adapter.streams),
-        keys.SCAN,
-        keys.CAMERA,
-        keys.CMD_VEL,
-        keys.CMD_VEL_STAMPED,
+        *(row.topic for adapter in adapters for row in adapter.commands),
+        *(topic for adapter in adapters for topic in (*adapter.streams, *adapter.subscriptions)),
         keys.LEASE,
         keys.DESCRIPTION,
     ]
