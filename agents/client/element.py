@@ -10,8 +10,8 @@ from agents.client.errors import NotThere, RequestTimedOut, error_of
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import OtherReading, Reading
 from agents.platform import AgentName
-from agents.platform.conversations.talk import hand_over
 from bus import MessageError, Sample, Subscription
+from bus.aio import hand_over
 from bus.messages import decode_json
 
 PATIENCE = 10.0  # s for an answer, and for the next result of a stream

@@ -17,9 +17,9 @@ from math import isfinite
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, OneShot, Restart, agree, attended, request
-from agents.platform.conversations.talk import hand_over
 from agents.platform.stream import Stream
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
+from bus.aio import hand_over
 from bus.keys import Topic
 from bus.messages import NS_PER_S, decode, stamp_ns
 

@@ -6,8 +6,8 @@ from contextlib import suppress
 from typing import TypeVar
 
 from agents.platform import AgentName, agree, asker
-from agents.platform.conversations.talk import hand_over
 from bus import Bus, Refused
+from bus.aio import hand_over
 
 T = TypeVar("T")
 

@@ -7,13 +7,12 @@ failure, or with the inform that had been said before.
 
 import asyncio
 from collections.abc import Generator
-from contextlib import aclosing
 from typing import Any
 
 from agents.platform.acl import Performative
 from agents.platform.conversations.handler import Handler as Handler
 from agents.platform.conversations.handler import NotUnderstood as NotUnderstood
-from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
+from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Ending, Outcome
 from agents.platform.conversations.parsed_request import ParsedRequest
 from agents.platform.conversations.responder_conversation import ResponderConversation
@@ -22,32 +21,13 @@ PROTOCOL = "fipa-request"
 CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended
 
 
-async def ask_to(initiated: InitiatorConversation) -> Outcome:
-    """Ask another agent to do something, and wait for the end.
-
-    Raises:
-        AclError: The arguments have no JSON form, or are too many.
-        BusUnavailable: The bus is closed.
-    """
-    try:
-        async with aclosing(initiated.replies()) as heard:
-            async for reply in heard:
-                if reply.performative is Performative.INFORM:
-                    return initiated.done(reply.content)
-                if reply.performative is not Performative.AGREE:
-                    raise initiated.misplaced(reply)
-    except ConversationEnded as over:
-        return over.outcome
-    raise AssertionError("a dialogue ends with a reply or with ConversationEnded")
-
-
 class Request:
     """A request under way. Awaiting it gives its outcome."""
 
     def __init__(self, initiated: InitiatorConversation) -> None:
         """Begin it, in a running event loop."""
         self._initiated = initiated
-        self._asking = asyncio.ensure_future(ask_to(initiated))
+        self._asking = asyncio.ensure_future(initiated.outcome())
         self._unconfirmed: Outcome | None = None
 
     def __await__(self) -> Generator[Any, None, Outcome]:

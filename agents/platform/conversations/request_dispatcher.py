@@ -16,12 +16,12 @@ from agents.platform.conversations.handler import Handler, NotUnderstood
 from agents.platform.conversations.parsed_request import ParsedRequest
 from agents.platform.conversations.protocols import REQUESTS, Protocol, read
 from agents.platform.conversations.responder_conversation import ResponderConversation
-from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import AclError
-from agents.platform.life import AgentState
+from agents.platform.life import AgentState, Life
 from agents.platform.names import AgentName
 from agents.platform.schedule import LETTING_GO
 from bus import Conversation
+from bus.aio import hand_over
 from bus.validation import sentence
 
 # How many conversations of one protocol an agent answers at a time. It refuses more, so that a flood costs no memory.
@@ -37,18 +37,18 @@ class RequestDispatcher:
     malformed: what came and began no conversation.
     """
 
-    def __init__(self, me: AgentName, state: Callable[[], AgentState], rouse: Callable[[], None]) -> None:
+    def __init__(self, me: AgentName, life: Life, rouse: Callable[[], None]) -> None:
         """Make one that is not open yet.
 
         Args:
             me: Whose it is.
-            state: Where the agent is in its life.
+            life: The state of the agent.
             rouse: Called on the bus's thread when a conversation begins.
         """
         self.malformed = 0
         self.handlers: dict[str, dict[str, Handler]] = {}  # by protocol and name
         self._me = me
-        self._state = state
+        self._life = life
         self._rouse = rouse
         self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -107,8 +107,8 @@ class RequestDispatcher:
         message = None
         try:
             message = AclMessage.from_dict(arguments)
-            if self._state() not in AT_WORK:
-                self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._state()}", conversation)
+            if self._life.state not in AT_WORK:
+                self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._life.state}", conversation)
                 return
             protocol, opening = read(message, self.handlers)
             key = self._key(message)
@@ -179,8 +179,8 @@ class RequestDispatcher:
     def _serve(
         self, key: tuple[str, AgentName], responder: ResponderConversation, protocol: Protocol, opening: ParsedRequest
     ) -> None:
-        if self._state() not in (*AT_WORK, AgentState.TRANSIT):  # one that moves finishes what was asked before
-            responder.turn_away(f"{self._me} is {self._state()}")
+        if self._life.state not in (*AT_WORK, AgentState.TRANSIT):  # one that moves finishes what was asked before
+            responder.turn_away(f"{self._me} is {self._life.state}")
             self._ended(key, responder, protocol)
             return
         release = self._home_there.attend(responder.message.sender, responder.asker_gone)
