@@ -78,7 +78,7 @@ class Agent:
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, AgentEnd.FAILED))
-        self.initiator = Initiator(self.name)
+        self.initiator = Initiator(lambda: self.name)
         self.migration = Migration(self.name, self._life, self._gate, self.mailbox, self._dispatcher, self._schedule)
         self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None

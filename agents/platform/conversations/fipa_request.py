@@ -1,23 +1,26 @@
 """FIPA's request protocol (SC00026H), both ends: request, then refuse, or agree and then inform or failure.
 
-Its content is `{"action": name, "arguments": {...}}`; that of an inform is what the action returned, that of every no
-is `{"why": sentence}`. A request under way is cancelled by `cancel` in the same conversation; it then ends with a
-failure, or with the inform that had been said before.
+The content of a request is `{"action": name, "arguments": {...}}`, that of an inform is what the action returned, and
+that of a refusal or failure is `{"why": sentence}`. A request under way is cancelled by `cancel` in the same
+conversation; it then ends with a failure, or with the inform that had been sent before.
+
+FIPA's query protocol (SC00027H) runs alike: query-ref asks for the value of something, query-if whether something is
+so. A query changes nothing.
 """
 
 import asyncio
-from collections.abc import Generator
+from collections.abc import Awaitable, Generator
 from typing import Any
 
-from agents.platform.acl import Performative
 from agents.platform.conversations.handler import Handler as Handler
 from agents.platform.conversations.handler import NotUnderstood as NotUnderstood
+from agents.platform.conversations.handler import ParsedRequest
 from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Ending, Outcome
-from agents.platform.conversations.parsed_request import ParsedRequest
 from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-request"
+QUERY_PROTOCOL = "fipa-query"
 CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended
 
 
@@ -50,8 +53,18 @@ class Request:
         return await self.outcome()
 
 
-async def do(conversation: ResponderConversation, opening: ParsedRequest) -> None:
-    """Do what was asked, and tell the result."""
+def do(conversation: ResponderConversation, opening: ParsedRequest) -> Awaitable[Any]:
+    """Do what was requested; the result is that of the handler."""
+    return opening.handler.call(opening.arguments)
+
+
+async def answer_whether(conversation: ResponderConversation, opening: ParsedRequest) -> bool:
+    """Answer query-if with true or false.
+
+    Raises:
+        TypeError: The handler has returned something else.
+    """
     result = await opening.handler.call(opening.arguments)
-    conversation.agree()
-    conversation.say(Performative.INFORM, result)
+    if not isinstance(result, bool):
+        raise TypeError(f"{opening.handler.name} is not something that is so or not; ask what it is, with query-ref")
+    return result

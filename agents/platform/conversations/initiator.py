@@ -1,6 +1,6 @@
 """The side of an agent that begins conversations with others."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
@@ -15,8 +15,12 @@ from agents.platform.names import AgentName
 class Initiator:
     """Sends the messages of one agent, and makes the conversations that it begins."""
 
-    def __init__(self, me: AgentName) -> None:
-        """Make one that is not open yet."""
+    def __init__(self, me: Callable[[], AgentName]) -> None:
+        """Make one that is not open yet.
+
+        Args:
+            me: Returns the name under which the agent sends.
+        """
         self._me = me
         self._home: ContainerContext | None = None
 
@@ -53,11 +57,11 @@ class Initiator:
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
         protocol = PROTOCOLS[performative].name
         return InitiatorConversation(
-            self._home_there, self._me, peer, performative, protocol, action, arguments, within, answer_within
+            self._home_there, self._me(), peer, performative, protocol, action, arguments, within, answer_within
         )
 
     @property
     def _home_there(self) -> ContainerContext:
         if self._home is None:
-            raise AgentError(f"{self._me} lives in no container yet")
+            raise AgentError(f"{self._me()} lives in no container yet")
         return self._home

@@ -10,7 +10,7 @@ from collections.abc import AsyncGenerator, Mapping
 from contextlib import aclosing
 from typing import Any
 
-from agents.platform.acl import AclMessage, Performative
+from agents.platform.acl import ONTOLOGY, AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import new_label
 from agents.platform.conversations.outcome import Ending, Outcome, why_of
@@ -19,7 +19,6 @@ from agents.platform.names import AgentName
 from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
 from bus.aio import ReplyQueue
 
-ONTOLOGY = "acromovi"
 LANGUAGE = "json"
 MOVING = (Performative.REQUEST, Performative.CFP)
 """Performatives that may start a motion: the initiator's heartbeat is published until the conversation ends."""
