@@ -18,6 +18,8 @@ from bus.exchange import (
     Replies,
     Talker,
     answered,
+    check_handler,
+    check_timeout,
     encode_any,
     encode_as,
     encoding_of,
@@ -66,6 +68,7 @@ class MemoryBus(Bus):
 
     def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key; no query waits here."""
+        check_handler(answer)
 
         def call(payload: bytes, conversation: MemoryConversation) -> None:
             conversation.send(answered(key, answer, payload))
@@ -77,6 +80,7 @@ class MemoryBus(Bus):
         self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
     ) -> list[Answer]:
         """Ask everyone who serves a matching key; the answers are there at once."""
+        check_timeout(timeout)
         self._check_open()
         key = key_expression(key_expr)
         payload = encode_json(arguments or {})
@@ -92,6 +96,7 @@ class MemoryBus(Bus):
 
     def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key with any number of replies."""
+        check_handler(handler)
         call = partial(self._join, key, partial(talked, key, handler))
         return self._enter(self.network.queryables, plain_key(key), call)
 
@@ -106,6 +111,7 @@ class MemoryBus(Bus):
         urgent: bool = False,
     ) -> Subscription:
         """Ask everyone who serves a matching key, and hear every reply in its turn."""
+        check_timeout(timeout)
         self._check_open()
         key = key_expression(key_expr)
         payload = encode_json(arguments or {})

@@ -10,7 +10,7 @@ The first payload byte is the command number (host to robot) or the packet type 
 from enum import StrEnum
 from typing import NamedTuple
 
-from p2os.errors import EncodeError
+from p2os.errors import EncodeError, check_bytes
 
 SYNC = b"\xfa\xfb"
 CHECKSUM_SIZE = 2
@@ -31,6 +31,7 @@ def checksum(payload: bytes) -> int:
 
     Source: Pioneer 3 operations manual, packet checksum; the odd byte as client libraries count it.
     """
+    check_bytes("payload", payload)
     words = int.from_bytes(payload, "big")
     odd = 0
     if len(payload) & 1:
@@ -46,7 +47,9 @@ def encode_frame(payload: bytes) -> bytes:
 
     Raises:
         EncodeError: The payload is empty or longer than a frame may carry.
+        TypeError: The payload is not bytes.
     """
+    check_bytes("payload", payload)
     size = len(payload)
     if not 1 <= size <= MAX_PAYLOAD:
         raise EncodeError(f"payload of {size} bytes does not fit a frame, which carries 1 to {MAX_PAYLOAD}")
@@ -98,7 +101,10 @@ class FrameDecoder:
             now: Steady time, s.
         Returns:
             What was found, in the order of the line.
+        Raises:
+            TypeError: `data` is not bytes.
         """
+        check_bytes("data", data)
         events: list[Frame | Damaged] = []
         buffer = self._buffer
         if buffer and now - self._last_byte_at >= PARTIAL_TIMEOUT:

@@ -91,8 +91,11 @@ class RobotForTests:
 
         Raises:
             ChildFailed: The emulator refuses, and says what this robot can suffer.
+            TypeError: `spec` is not a text.
         """
         __tracebackhide__ = True
+        if not isinstance(spec, str):
+            raise TypeError(f"a fault is a text such as 'line-cut@1+5', not {spec!r}")
         name, colon, rest = spec.partition(":")
         if not colon:
             name, at, rest = spec.partition("@")
@@ -161,7 +164,7 @@ def start(
     world: str | Path = "empty",
     link: str = "ideal",
     faults: Iterable[str] = (),
-    flash: Path | Mapping[str, object] | None = None,
+    flash: str | Path | Mapping[str, object] | None = None,
     seed: int = 0,
     perfect: bool = False,
     tcp: bool = False,
@@ -182,20 +185,21 @@ def start(
         options: Further options of `p2os-emu`.
     Raises:
         ChildFailed: The emulator could not start; the message is its own sentence.
+        TypeError: A model, accessory, fault or option is not a text.
     """
     with ExitStack() as stack:
         arguments = ["--world", str(world), "--link", link, "--seed", str(seed), "--quiet"]
         for option, values in ("--robot", models), ("--fit", _listed(fit)), ("--fault", _listed(faults)):
-            for value in values:
+            for value in _texts(option, values):
                 arguments += [option, value]
         if flash is not None:
-            file = flash if isinstance(flash, Path) else _written(flash, stack)
+            file = flash if isinstance(flash, str | Path) else _written(flash, stack)
             arguments += ["--flash", str(file)]
         if perfect:
             arguments.append("--perfect")
         if tcp:
             arguments += ["--tcp", "0"]
-        running = stack.enter_context(emulator(*arguments, *options))
+        running = stack.enter_context(emulator(*arguments, *_texts("options", _listed(options))))
         yield tuple(RobotForTests(running, entry) for entry in running.robots)
 
 
@@ -205,6 +209,13 @@ def _stands(truth: RobotTruth) -> bool:
 
 def _listed(given: str | Iterable[str]) -> Iterable[str]:
     return [given] if isinstance(given, str) else given
+
+
+def _texts(option: str, values: Iterable[str]) -> Iterable[str]:
+    """Check that all are texts: the arguments of a program are nothing else."""
+    if not isinstance(values, Iterable) or not all(isinstance(value, str) for value in values):
+        raise TypeError(f"{option.strip('-')}: texts are needed, not {values!r}")
+    return values
 
 
 def _written(flash: Mapping[str, object], stack: ExitStack) -> Path:

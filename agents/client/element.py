@@ -6,7 +6,7 @@ from contextlib import closing, suppress
 from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
-from agents.client.errors import NotThere, RequestTimedOut, error_of
+from agents.client.errors import NotThere, RequestTimedOut, check_seconds, error_of
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import OtherReading, Reading
 from agents.platform import AgentName
@@ -43,6 +43,7 @@ class ElementClient(Generic[R]):
         Raises:
             RobotError: It was not done; which one says how that came.
         """
+        check_seconds("within", within)
         given = {name: plain(value) for name, value in arguments.items()}
         outcome = self._thread.call(self._thread.agent.request(self.agent, request, reply_within=within, **given))
         if not outcome.is_done:
@@ -68,6 +69,7 @@ class ElementClient(Generic[R]):
             NotThere: The element has gone.
             TimedOut: It has fallen silent.
         """
+        check_seconds("within", within)
         latest: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         with closing(self._thread.call(self._listen(latest))):
             while True:

@@ -13,6 +13,8 @@ Every message says in one sentence what happened and, where there is a way out, 
 RobotError` or `except Exception` must not hold it up.
 """
 
+from numbers import Real
+
 from agents.client.wording import in_api_words
 from agents.platform import Ending, Outcome
 
@@ -60,3 +62,13 @@ def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
     kind, sentence = _BY_ENDING[outcome.ending]
     why = in_api_words(outcome.why, str(peer).partition("@")[0])
     return kind(sentence.format(peer=peer, request=request, why=why))
+
+
+def check_seconds(argument: str, value: object) -> None:
+    """Check an argument that is a time.
+
+    Raises:
+        RobotError: It is not a time of 0 s or more.
+    """
+    if not isinstance(value, Real) or not float(value) >= 0.0:
+        raise RobotError(f"{argument} must be a time of 0 s or more, not {value!r}")

@@ -17,6 +17,7 @@ from agents.platform.conversations.fipa_subscribe import PROTOCOL as SUBSCRIPTIO
 from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Outcome
 from agents.platform.conversations.talk import query
+from agents.platform.errors import AclError
 from agents.platform.names import AgentName
 from bus.bus import QUERY_TIMEOUT
 
@@ -42,6 +43,8 @@ class Initiator(ABC):
         Raises:
             AclError: It is no proper message.
         """
+        if not isinstance(message, AclMessage):
+            raise AclError(f"only an AclMessage can be sent, not {message!r}")
         written = message.to_dict()
         self.home.trace(message)
         for receiver in message.receivers:

@@ -183,7 +183,7 @@ def agree() -> None:
     Raises:
         LookupError: Nothing is being answered.
     """
-    _SERVING.get().agree()
+    _being_answered().agree()
 
 
 def attended() -> contextlib.AbstractContextManager[bool]:
@@ -194,7 +194,7 @@ def attended() -> contextlib.AbstractContextManager[bool]:
     Raises:
         LookupError: Nothing is being answered.
     """
-    return _SERVING.get().attended()
+    return _being_answered().attended()
 
 
 def asker() -> AgentName:
@@ -203,4 +203,11 @@ def asker() -> AgentName:
     Raises:
         LookupError: Nothing is being answered.
     """
-    return _SERVING.get().message.sender
+    return _being_answered().message.sender
+
+
+def _being_answered() -> ResponderConversation:
+    conversation = _SERVING.get(None)
+    if conversation is None:
+        raise LookupError("no request is being answered; call this in the method that answers it")
+    return conversation
