@@ -243,7 +243,7 @@ def check_period(period: object) -> None:
         ValueError: It is not a time of more than 0 s.
     """
     if not isinstance(period, Real) or not float(period) > 0.0:
-        raise ValueError(f"a period is a time of more than 0 s, not {period!r}")
+        raise ValueError(f"a period is more than 0 s, not {period!r}")
 
 
 def checked(action: Action) -> Action:
