@@ -20,31 +20,31 @@ from agents.platform import Ending, Outcome
 
 
 class RobotError(Exception):
-    """The root: whatever can go wrong between a program and its robots."""
+    """Base class of the errors that a program gets from its robots."""
 
 
 class NotThere(RobotError):
-    """No such robot, element or agent, or not any more."""
+    """There is no such robot, element or agent, or it has left the bus."""
 
 
 class RequestRefused(RobotError):
-    """The other said no, and has done nothing."""
+    """The agent refused the request and did nothing."""
 
 
 class LeaseLost(RequestRefused):
-    """The lease is lost under which it was to be done, or somebody of higher priority is about to take it."""
+    """The lease that the request needs is lost, or a holder of higher priority is about to take it."""
 
 
 class Failed(RobotError):
-    """It was tried, in vain."""
+    """The agent agreed to the request, but could not carry it out."""
 
 
 class RequestTimedOut(RobotError, TimeoutError):
-    """It has not come to an end in time; it may still be done."""
+    """The request has not ended in time. The agent may still carry it out."""
 
 
 class Stopped(BaseException):
-    """The program is told to end, by whoever runs it."""
+    """The container that runs the program ends it. Raised from every call, so that the program can clean up."""
 
 
 _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
