@@ -8,6 +8,8 @@ import re
 import shlex
 import socket
 import tomllib
+from dataclasses import replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +17,16 @@ import pytest
 
 from acromovi.__main__ import main
 from acromovi.children import emulator, gateway
+from acromovi.lockstep import SETTINGS, Lockstep
 from agents.platform import Agent
+from bus import Refused
 from configs.team_file import read_team
-from gateway.settings import load_settings
+from gateway.events import MotionEnd
+from gateway.link_diagnosis import Cause
+from gateway.settings import Fitted, load_settings
 from p2os_emu.__main__ import main as p2os_emu
+from p2os_emu.control_requests import REQUESTS
+from p2os_emu.world import load_world
 from tests.acromovi.agents_alive import living
 from tests.acromovi.team.private_bus import private_bus
 from tests.bus.secure_site import Site
@@ -29,6 +37,8 @@ LINES = {line for name in ("clients", "emulator") for line in to_run(name, "p2os
 OPTIONS = re.findall(r"^\|[^|]*\| `(--robot [^`]*)` \|$", page("emulator"), re.MULTILINE)
 TOML_OF_AGENTS = {"services", "wrappers"}  # tests/agents/services/test_page.py, tests/agents/wrappers/test_page.py
 OF_THE_NAVIGATION = {"navigation"}  # tests/acromovi/navigation
+NUMBERED_SOUND = '{"number": 3}'
+HOMING = 10.0  # s
 LAB = '2D-Map\nCairn: RobotHome 2000 2000 0 "" ICON "home"\nLINES\n0 0 9000 0\nDATA\n'
 
 
@@ -84,6 +94,29 @@ def test_the_control_socket_answers_as_shown() -> None:
     assert shown["robots"][robot].items() <= rounded(answer["robots"][robot]).items()
 
 
+def test_a_gateway_accepts_the_commands_of_its_page() -> None:
+    row = r"^\| `((?:command/|lease|description)\w*)` \| `(\{.*?\})` \| (.*?) \|$"
+    rows = re.findall(row, page("gateway"), re.MULTILINE)
+    assert len(rows) == 20
+    settings = replace(SETTINGS, fitted=Fitted(lcd=True, joystick=True))
+    fits = {"happy": "gripper,arm,ptz:vcc4,joystick"}
+    with Lockstep(load_world("empty"), {"happy": "powerbot-sh"}, fits=fits, settings=settings) as lockstep:
+        bus = lockstep.bus()
+        lockstep.run(9.0)  # all elements have been asked for
+        bus.query("happy/command/arm", {"do": "home"})
+        lockstep.run(HOMING)
+        for key, first, more in rows:
+            for arguments in [first, *re.findall(r"`(\{.*?\})`", more)]:
+                if arguments == NUMBERED_SOUND:  # which only other firmware has, as the page says
+                    with pytest.raises(Refused, match="no numbered sounds"):
+                        bus.query(f"happy/{key}", json.loads(arguments))
+                else:
+                    bus.query(f"happy/{key}", json.loads(arguments))
+                lockstep.run(0.2)
+            if key == "command/estop":
+                bus.query("happy/command/enable", {"on": True})
+
+
 def test_the_settings_of_a_gateway_can_be_read(folder: Path) -> None:
     (text,) = files("gateway", "toml")
     (folder / "happy.toml").write_text(text)
@@ -111,6 +144,18 @@ def test_keys_are_made_and_a_viewer_is_refused_as_shown(folder: Path, capsys: py
         command = ask.replace("secure:keys/viewer.vera", site.profile("viewer.vera"))
         assert main(shlex.split(command)[1:]) == 1
     assert capsys.readouterr().err in page("security")
+
+
+def test_the_page_of_the_emulator_lists_every_request_of_the_control_socket() -> None:
+    rows = re.findall(r"^\| `(\w+)` \|([^|]*)\|[^|]*\|$", page("emulator").partition("| `do` |")[2], re.MULTILINE)
+    shown = {name: set(re.findall(r"`(\w+)`", arguments)) for name, arguments in rows}
+    assert shown == {name: set(request.keys) for name, request in REQUESTS.items()}
+
+
+@pytest.mark.parametrize("words", [Cause, MotionEnd], ids=["causes", "ends"])
+def test_the_page_of_the_gateway_lists_every_cause_and_every_end_of_a_motion(words: type[StrEnum]) -> None:
+    column = " ".join(re.findall(r"^\| (`[^|]*) \|[^|]*\|$", page("gateway"), re.MULTILINE))
+    assert {str(word) for word in words} <= set(re.findall(r"`([^`]*)`", column))
 
 
 def test_every_command_and_file_of_the_pages_is_run_or_read_somewhere() -> None:
