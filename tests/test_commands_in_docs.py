@@ -22,7 +22,9 @@ PARSERS: dict[str, Callable[[list[str]], object]] = {
     "p2os-emu": parse_emulator,
     "p2os-gateway": lambda given: gateway._parser().parse_args(given),
 }
-PLACEHOLDER = re.compile(r"\b(?!SIM_)[A-Z]{3,}\b|\.\.\.|…")  # LASERPORT, NAME; what a reader replaces
+NO_COMMAND_LINE = re.compile(r"\b(?!SIM_)[A-Z]{3,}\b|\.\.\.|…|--help$|^acromovi (agent|navigate) \w+$")
+"""What has placeholders such as LASERPORT, ends before it does anything, or is the name of a command."""
+FENCED = re.MULTILINE | re.DOTALL
 BLOCKS = [(page.name, language, text) for page in PAGES for language, text in blocks(page.read_text(encoding="utf-8"))]
 
 
@@ -33,16 +35,16 @@ def command_lines() -> list[tuple[str, str]]:
     is_error = re.compile(r"\S+ \w+: ")  # what a program prints, not what is typed
     return [
         (page, line)
-        for page, line in [*bare, *in_tables()]
+        for page, line in [*bare, *in_sentences()]
         if line.split(" ")[0] in PARSERS and not is_error.match(line)
     ]
 
 
-def in_tables() -> list[tuple[str, str]]:
-    """Return page and command line of the cells of tables, without names of commands and what has placeholders."""
-    rows = [(page.name, row) for page in PAGES for row in re.findall(r"^\|.*", page.read_text("utf-8"), re.MULTILINE)]
-    cells = [(page, code) for page, row in rows for code in re.findall(r"`([^`]+)`", row)]
-    return [(page, code) for page, code in cells if code.count(" ") > 1 and not PLACEHOLDER.search(code)]
+def in_sentences() -> list[tuple[str, str]]:
+    """Return page and command line of the code in sentences and tables, without names of commands and placeholders."""
+    prose = [(page.name, re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=FENCED)) for page in PAGES]
+    code = [(page, code) for page, text in prose for code in re.findall(r"`([^`\n]+)`", text)]
+    return [(page, line) for page, line in code if line.count(" ") > 1 and not NO_COMMAND_LINE.search(line)]
 
 
 def test_there_are_command_lines_of_every_program() -> None:

@@ -1,0 +1,60 @@
+"""What the pages of the documentation show to be run, apart from README, the tutorial and the page on own agents."""
+
+import re
+
+from tests.live_team import ROOT
+from tests.reader import blocks
+
+FOLLOWED = ("own-agents", "tutorial")  # whose tests do all that they show, in order
+PAGES = [page.stem for page in sorted((ROOT / "docs").glob("*.md")) if page.stem not in FOLLOWED]
+PROGRAMS = ("acromovi", "p2os-emu", "p2os-gateway", "pytest", "python")
+OF_A_RECORDING = "acromovi wire happy.jsonl"  # run where the recording is made
+IN_TERMINALS = "it runs until Ctrl-C, and is started by many tests"
+SUITE = "it is run by `make test` as a whole"
+ELSEWHERE = {
+    "acromovi try gripper": "tests/acromovi/test_scenes.py",
+    "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
+    "acromovi up acromovi --apps .": "the fixture of tests/test_pages_on_a_team.py",
+    "acromovi up dwarfs.toml --bus secure:keys": "tests/acromovi/team/test_identities.py",
+    "acromovi up house.toml": "tests/acromovi/navigation",
+    "acromovi navigate go happy -2 2.4 --wait": "tests/acromovi/navigation",
+    "acromovi navigate picture happy way.svg": "tests/acromovi/navigation",
+    "acromovi navigate up happy": "tests/acromovi/navigation",
+    "acromovi navigate go happy 6 2.5 --wait": "tests/acromovi/navigation",
+    "acromovi navigate picture happy now.svg": "tests/acromovi/navigation",
+    "acromovi navigate wiring happy wiring.svg": "tests/acromovi/navigation",
+    "acromovi container --services acromovi": IN_TERMINALS,
+    "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",
+    "p2os-gateway /dev/ttyUSB0": IN_TERMINALS,
+    "p2os-gateway socket://localhost:8101 --name happy": "tests/gateway, with tests/gateway/simulator_peer.py",
+    "pytest tests/agents/faults": SUITE,
+    "pytest pty_tests": SUITE,
+    "pytest pty_tests --port /dev/ttyUSB0": "it is for a real robot",
+    "pytest pty_tests --port /dev/ttyUSB0 --report report.json": "it is for a real robot",
+    "python -m benchmarks stop_proof": "it is a benchmark, which takes minutes",
+}
+"""Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
+PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "testing": 2}
+"""Programs on pages that other tests run: tests/test_readme.py, tests/agents/components/test_results_together.py."""
+
+
+def page(name: str) -> str:
+    """Return the text of a page."""
+    return (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+
+
+def command_lines(name: str, program: str) -> list[str]:
+    """Return the commands in the shell blocks of a page, without prompts and comments."""
+    lines = [line for language, text in blocks(page(name)) if not language for line in text.splitlines()]
+    bare = [re.sub(r"^(\$ )?(\.venv/bin/)?", "", line.partition(" #")[0]).strip() for line in lines]
+    return [line for line in bare if re.match(rf"{program} (?!\w+: )", line)]
+
+
+def to_run(name: str, program: str) -> list[str]:
+    """Return the commands of a page that a test of the pages runs."""
+    return [line for line in command_lines(name, program) if line not in ELSEWHERE]
+
+
+def files(name: str, language: str) -> list[str]:
+    """Return the blocks of a page in a language."""
+    return [text for each, text in blocks(page(name)) if each == language]
