@@ -46,7 +46,8 @@ def processes(arguments: argparse.Namespace) -> Processes:
     Raises:
         ConfigError: The wiring cannot be used; says why.
     """
-    from apps.indoor_navigation.wiring import WIRING, load_wiring
+    from apps.indoor_navigation.parameters import WIRING
+    from apps.indoor_navigation.wiring import load_wiring
 
     parts = load_wiring(arguments.wiring or WIRING, nested(arguments.changes)).parts
     grouped: dict[str, list[ComponentSpec]] = {}

@@ -17,10 +17,10 @@ from collections.abc import Awaitable, Callable, Mapping
 from enum import StrEnum
 from typing import Any, ClassVar, TypeVar
 
-import configs
 from agents.platform import Agent, AgentName
 from agents.platform.hooks import hooked
 from apps.indoor_navigation.data import Data
+from apps.indoor_navigation.parameters import build_parameters
 from bus import JSON, MessageError, Publisher, Refused
 
 D = TypeVar("D", bound=Data)
@@ -41,11 +41,11 @@ class Role(StrEnum):
     HARDWARE = "hardware"
 
 
-class NoNumbers:
+class NoParameters:
     """A component without numbers."""
 
     @classmethod
-    def from_table(cls, table: Mapping[str, Any]) -> "NoNumbers":
+    def from_table(cls, table: Mapping[str, Any]) -> "NoParameters":
         """Nothing may be given."""
         if table:
             raise ValueError(f"it has no numbers, and so no {', '.join(table)}")
@@ -61,12 +61,12 @@ class Component(Agent):
     role: ClassVar[Role]
     gives: ClassVar[tuple[type[Data], ...]] = ()
     tells: ClassVar[tuple[type[Data], ...]] = ()
-    numbers_type: ClassVar[type[Any]] = NoNumbers
+    parameters_type: ClassVar[type[Any]] = NoParameters
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
-        self.numbers: Any = configs.build(
-            self.numbers_type, self.properties.get("numbers", {}), f"the numbers of {self.name}"
+        self.parameters: Any = build_parameters(
+            self.parameters_type, self.properties.get("numbers", {}), f"the numbers of {self.name}"
         )
         self._ways: dict[type[Data], Publisher] = {}
 

@@ -184,6 +184,11 @@ class LaserRead(Data):
     range_max: float
     ranges: Floats
 
+    @property
+    def is_hit(self) -> NDArray[np.bool_]:
+        """Which beams hit something. Some scanners give their maximum range where there was no echo."""
+        return np.asarray(self.ranges < self.range_max)
+
 
 # What is seen in them.
 

@@ -9,11 +9,8 @@ from typing import Any
 import configs
 from agents.platform import AgentName, Kinds
 from apps.indoor_navigation.component import Component, heard
+from apps.indoor_navigation.parameters import WIRING, Table, build_parameters, laid_over, read_wiring
 from configs import ConfigError
-
-WIRING = Path(__file__).with_name("wiring.toml")
-
-Table = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +96,7 @@ class Wiring:
             raise self._error(f"components.{name}.kind: {err}") from err
         if not issubclass(found, Component):
             raise self._error(f"components.{name}.kind: {entry.kind} is no component of the navigation")
-        configs.build(found.numbers_type, entry.numbers, f"{self._source}: components.{name}.numbers")
+        build_parameters(found.parameters_type, entry.numbers, f"{self._source}: components.{name}.numbers")
         return found
 
     def _check(self, name: str, entry: ComponentEntry) -> None:
@@ -140,22 +137,8 @@ def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
     Raises:
         ConfigError: It cannot be used; says why.
     """
-    table = _laid_over(_read(path), changes or {})
+    table = laid_over(read_wiring(path), changes or {})
     return Wiring(configs.build(WiringFile, table, str(path)), str(path))
-
-
-def _read(path: Path) -> Table:
-    table = configs.read(path)
-    below = table.pop("over", None)
-    return table if below is None else _laid_over(configs.read(path.with_name(str(below))), table)
-
-
-def _laid_over(table: Table, changes: Table) -> dict[str, Any]:
-    merged = dict(table)
-    for key, value in changes.items():
-        below = table.get(key)
-        merged[key] = _laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
-    return merged
 
 
 def _properties(entry: ComponentEntry) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline, runs_into
-from apps.indoor_navigation.algorithms.smoothing import Smooth, SmoothNumbers
+from apps.indoor_navigation.algorithms.smoothing import Smooth, SmoothingParameters
 from apps.indoor_navigation.data import Floats, Place, RobotOdometry, WorldCoord
 from geometry import wrap_angle
 
@@ -23,8 +23,8 @@ STEPS = np.array([0.15, 0.15, 0.2, 0.2, 0.25, 0.3, 0.3, 0.35, 0.35, 0.4, 0.4, 0.
 PACE = 0.5  # m/s
 FAR = PACE * float(STEPS.sum())  # m, of the longest way
 ENOUGH = 1.0  # m; a way that is free so far may end
-LINEAR = SmoothNumbers(rate=0.9, rate_change=3.5, haste=4.0, ahead=0.2)
-ANGULAR = SmoothNumbers(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
+LINEAR = SmoothingParameters(rate=0.9, rate_change=3.5, haste=4.0, ahead=0.2)
+ANGULAR = SmoothingParameters(rate=1.5, rate_change=8.0, haste=5.0, ahead=0.5)
 PASSING = 0.4  # m from a target that is not the last, within which it goes on as it came
 PASSED = 0.12  # m
 ASTRAY = 0.3  # m
@@ -35,7 +35,7 @@ CUT = 0.8  # m ahead that it looks along its way, round the corner at its target
 
 
 @dataclass(frozen=True, slots=True)
-class AttractionNumbers:
+class AttractionParameters:
     """How it steers.
 
     gain: 1/s, of the turn towards the chosen direction. angular: the fastest, rad/s. margin: m that stay free on each
@@ -45,19 +45,19 @@ class AttractionNumbers:
     of way: clearance below comfort, a rad away from the direction chosen last, a way that ends too soon.
     """
 
-    gain: float = 1.4
-    angular: float = 0.9
-    margin: float = 0.055
-    comfort: float = 0.45
-    cramped: float = 0.18
-    ease: float = 0.3
-    slowest: float = 0.12
-    deceleration: float = 0.26
-    reaction: float = 0.25
-    there: float = 0.05
-    tightness: float = 1.5
-    unsteadiness: float = 0.6
-    block: float = 3.0
+    gain: float
+    angular: float
+    margin: float
+    comfort: float
+    cramped: float
+    ease: float
+    slowest: float
+    deceleration: float
+    reaction: float
+    there: float
+    tightness: float
+    unsteadiness: float
+    block: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +71,8 @@ class Speeds:
 class Attraction:
     """Knows the direction that it chose last, so as not to waver."""
 
-    def __init__(self, numbers: AttractionNumbers, outline: Outline) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: AttractionParameters, outline: Outline) -> None:
+        self._parameters = parameters
         self._outline = outline
         self._linear, self._angular = Smooth(LINEAR), Smooth(ANGULAR)
         self._order = -1
@@ -101,7 +101,7 @@ class Attraction:
     def _is_there(self, odometry: RobotOdometry, target: WorldCoord, distance: float, direction: float) -> bool:
         """Whether it has reached its target, or has just passed it by so little that it had better not turn back."""
         is_behind = abs(wrap_angle(direction - odometry.heading)) > pi / 2.0
-        return distance <= self._numbers.there or (target.is_last and is_behind and distance < PASSED)
+        return distance <= self._parameters.there or (target.is_last and is_behind and distance < PASSED)
 
     def _to_target(self, odometry: RobotOdometry, target: WorldCoord) -> tuple[float, float]:
         """How far it is and in which direction, in odom; for one that is to be passed, of a place behind it."""
@@ -128,7 +128,7 @@ class Attraction:
         places: tuple[Floats, Floats],
     ) -> Speeds:
         bearing = wrap_angle(direction - odometry.heading)
-        ways = _Ways(self._numbers, self._outline, bearing, distance, self._outline.outside(places))
+        ways = _Ways(self._parameters, self._outline, bearing, distance, self._outline.outside(places))
         before = None if self._chosen is None else wrap_angle(self._chosen - direction)
         chosen = ways.best(before)
         self._chosen = direction + float(DIRECTIONS[chosen])
@@ -138,12 +138,14 @@ class Attraction:
         return self._speeds(error, target, distance, ways.fastest(chosen, target.speed))
 
     def _speeds(self, error: float, target: WorldCoord, distance: float, fastest: float) -> Speeds:
-        numbers = self._numbers
+        parameters = self._parameters
         if target.is_last:
-            fastest = min(fastest, safe_speed(distance, numbers.deceleration, numbers.reaction), GENTLY * distance)
+            fastest = min(
+                fastest, safe_speed(distance, parameters.deceleration, parameters.reaction), GENTLY * distance
+            )
         # Beside a target that is almost reached its direction means little.
-        gain = numbers.gain * min(1.0, distance / 0.3)
-        angular = max(-numbers.angular, min(numbers.angular, gain * error))
+        gain = parameters.gain * min(1.0, distance / 0.3)
+        angular = max(-parameters.angular, min(parameters.angular, gain * error))
         return Speeds(fastest * slowing(error), angular)
 
 
@@ -168,19 +170,19 @@ class _Ways:
 
     def __init__(
         self,
-        numbers: AttractionNumbers,
+        parameters: AttractionParameters,
         outline: Outline,
         bearing: float,
         distance: float,
         places: tuple[Floats, Floats],
     ) -> None:
-        self._numbers = numbers
+        self._parameters = parameters
         self._distance = distance
-        x, y, heading, gone = _rolled_out(numbers, bearing, distance)
+        x, y, heading, gone = _rolled_out(parameters, bearing, distance)
         left = np.hypot(distance * cos(bearing) - x, distance * sin(bearing) - y)
         distances = outline.distances((x, y, heading), *places)
         near = distances.min(axis=-1, initial=inf)
-        is_barred = runs_into(distances, outline.distance(*places), numbers.margin)
+        is_barred = runs_into(distances, outline.distance(*places), parameters.margin)
         self._steps = np.where(is_barred.any(axis=1), is_barred.argmax(axis=1), near.shape[1])
         index = np.maximum(self._steps - 1, 0)
         rows = np.arange(len(DIRECTIONS))
@@ -194,13 +196,13 @@ class _Ways:
 
     def best(self, before: float | None) -> int:
         """The number of the direction that costs the least; `before` is the last chosen one, from the target's."""
-        numbers = self._numbers
-        tight = np.clip(1.0 - self._near / numbers.comfort, 0.0, 1.0) ** 2
-        tight = (tight + np.clip(1.0 - self._near / numbers.cramped, 0.0, 1.0)) * (1.0 - 0.7 * self._gone / FAR)
-        cost = self._left + numbers.tightness * tight.max(axis=1) + STRAY * np.abs(DIRECTIONS)
-        cost = cost + np.where(self._is_open, 0.0, numbers.block * np.clip(1.0 - self._free / ENOUGH, 0.0, 1.0))
+        parameters = self._parameters
+        tight = np.clip(1.0 - self._near / parameters.comfort, 0.0, 1.0) ** 2
+        tight = (tight + np.clip(1.0 - self._near / parameters.cramped, 0.0, 1.0)) * (1.0 - 0.7 * self._gone / FAR)
+        cost = self._left + parameters.tightness * tight.max(axis=1) + STRAY * np.abs(DIRECTIONS)
+        cost = cost + np.where(self._is_open, 0.0, parameters.block * np.clip(1.0 - self._free / ENOUGH, 0.0, 1.0))
         if before is not None:
-            cost = cost + numbers.unsteadiness * (1.0 - np.cos(DIRECTIONS - before))
+            cost = cost + parameters.unsteadiness * (1.0 - np.cos(DIRECTIONS - before))
         return int(cost.argmin())
 
     def leads_away(self, number: int) -> bool:
@@ -209,16 +211,18 @@ class _Ways:
 
     def fastest(self, number: int, cruising: float) -> float:
         """How fast the robot may be now, m/s, to be slow where the way is narrow, and to stand where it ends."""
-        numbers = self._numbers
-        ease = np.clip((self._near[number] - numbers.margin) / (numbers.ease - numbers.margin), 0.0, 1.0)
-        there = numbers.slowest + max(0.0, cruising - numbers.slowest) * ease
-        before = np.maximum(0.0, self._gone[number] - cruising * numbers.reaction)
-        narrow = float(np.sqrt(there * there + 2.0 * numbers.deceleration * before).min())
+        parameters = self._parameters
+        ease = np.clip((self._near[number] - parameters.margin) / (parameters.ease - parameters.margin), 0.0, 1.0)
+        there = parameters.slowest + max(0.0, cruising - parameters.slowest) * ease
+        before = np.maximum(0.0, self._gone[number] - cruising * parameters.reaction)
+        narrow = float(np.sqrt(there * there + 2.0 * parameters.deceleration * before).min())
         end = inf if self._is_open[number] else float(self._free[number])
-        return min(cruising, narrow, safe_speed(end, numbers.deceleration, numbers.reaction))
+        return min(cruising, narrow, safe_speed(end, parameters.deceleration, parameters.reaction))
 
 
-def _rolled_out(numbers: AttractionNumbers, bearing: float, distance: float) -> tuple[Floats, Floats, Floats, Floats]:
+def _rolled_out(
+    parameters: AttractionParameters, bearing: float, distance: float
+) -> tuple[Floats, Floats, Floats, Floats]:
     """x, y and heading in the robot's frame, and m gone, after each step towards each direction."""
     shape = len(DIRECTIONS), len(STEPS)
     x, y, heading, gone = (np.zeros(shape) for _ in range(4))
@@ -227,7 +231,7 @@ def _rolled_out(numbers: AttractionNumbers, bearing: float, distance: float) -> 
     place_x, place_y, way = np.zeros(shape[0]), np.zeros(shape[0]), np.zeros(shape[0])
     for step, duration in enumerate(STEPS):
         turned = np.sign(error) * np.minimum(
-            np.abs(error), np.minimum(numbers.gain * np.abs(error), numbers.angular) * duration
+            np.abs(error), np.minimum(parameters.gain * np.abs(error), parameters.angular) * duration
         )
         forward = np.minimum(PACE * duration * np.where(np.abs(error) < pi / 2.0, np.cos(error), 0.0), distance - way)
         middle = wanted - error + turned / 2.0

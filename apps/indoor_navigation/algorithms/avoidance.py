@@ -28,7 +28,7 @@ BEHIND = -0.3  # m; walkers farther behind the axle than that are theirs to mind
 
 
 @dataclass(frozen=True, slots=True)
-class AvoidanceNumbers:
+class AvoidanceParameters:
     """When and how strongly it pushes.
 
     margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that are counted on. reaction:
@@ -37,16 +37,16 @@ class AvoidanceNumbers:
     touch something. blind: m/s at most where no laser looks, which is behind the robot, everywhere without one.
     """
 
-    margin: float = 0.045
-    deceleration: float = 0.28
-    angular_deceleration: float = 1.5
-    reaction: float = 0.35
-    walker: float = 1.2
-    reach: float = 0.5
-    push: float = 0.5
-    weight: float = 0.5
-    guard_weight: float = 50.0
-    blind: float = 0.2
+    margin: float
+    deceleration: float
+    angular_deceleration: float
+    reaction: float
+    walker: float
+    reach: float
+    push: float
+    weight: float
+    guard_weight: float
+    blind: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Push:
 
 
 def avoid(
-    numbers: AvoidanceNumbers,
+    parameters: AvoidanceParameters,
     outline: Outline,
     places: tuple[Floats, Floats],
     walkers: tuple[Floats, Floats],
@@ -77,7 +77,7 @@ def avoid(
     """Say how to keep clear.
 
     Args:
-        numbers: When and how strongly.
+        parameters: When and how strongly.
         outline: Of the robot.
         places: x and y of all obstacles in the robot's frame, m.
         walkers: Of those that move by themselves.
@@ -89,43 +89,43 @@ def avoid(
     """
     places = outline.outside(places)
     course = float(np.clip(angular / linear, -TIGHTEST, TIGHTEST)) if abs(linear) > STEADY else 0.0
-    coming = numbers.walker if approach is None else approach
-    on, back = (_way(numbers, outline, places, course, sense) for sense in (1.0, -1.0))
+    coming = parameters.walker if approach is None else approach
+    on, back = (_way(parameters, outline, places, course, sense) for sense in (1.0, -1.0))
     limit = min(
-        inf if has_laser else numbers.blind,
-        safe_speed(on, numbers.deceleration, numbers.reaction),
-        safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, coming),
+        inf if has_laser else parameters.blind,
+        safe_speed(on, parameters.deceleration, parameters.reaction),
+        safe_speed(_walkers_way(outline, walkers), parameters.deceleration, parameters.reaction, coming),
     )
-    limit_back = min(numbers.blind, safe_speed(back, numbers.deceleration, numbers.reaction))
-    rolls = linear * numbers.reaction + linear * abs(linear) / (2.0 * numbers.deceleration)
-    near = _within_sweep(numbers, outline, places, rolls)
-    turns = [_turning(numbers, outline, near, side, linear, rolls) for side in (1.0, -1.0)]
+    limit_back = min(parameters.blind, safe_speed(back, parameters.deceleration, parameters.reaction))
+    rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
+    near = _within_sweep(parameters, outline, places, rolls)
+    turns = [_turning(parameters, outline, near, side, linear, rolls) for side in (1.0, -1.0)]
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
     is_held = abs(linear) < STEADY and turned != 0.0 and turns[turned < 0.0] < STUCK
     if is_held and (creep := _to_more_room(outline, *near, limit)):
-        return Push(creep, 0.0, numbers.guard_weight, *told)
-    left, right = _nearness(numbers, outline, places)
+        return Push(creep, 0.0, parameters.guard_weight, *told)
+    left, right = _nearness(parameters, outline, places)
     # A robot that turns on the spot goes nowhere, and is not pushed off the heading that it turns to.
     briskness = min(1.0, max(linear, 0.0) / 0.3)
     nearer = max(left, right)
-    turn = numbers.push * (right - left) / nearer * briskness if nearer else 0.0
-    return Push(min(linear, limit), turn, numbers.weight * abs(left - right) * briskness, *told)
+    turn = parameters.push * (right - left) / nearer * briskness if nearer else 0.0
+    return Push(min(linear, limit), turn, parameters.weight * abs(left - right) * briskness, *told)
 
 
 def _within_sweep(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], rolls: float
+    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], rolls: float
 ) -> tuple[Floats, Floats]:
     """Places that the robot may come near to by turning, here or until it has come to a stand so many m on."""
     x, y = places
-    is_near = np.hypot(x - np.clip(x, min(rolls, 0.0), max(rolls, 0.0)), y) < outline.sweep + numbers.margin + HAND
+    is_near = np.hypot(x - np.clip(x, min(rolls, 0.0), max(rolls, 0.0)), y) < outline.sweep + parameters.margin + HAND
     return x[is_near], y[is_near]
 
 
 def _way(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
+    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
 ) -> float:
     """How far the robot may go, on where sense is 1 and back where it is -1, on its course or one beside it, m."""
-    touches = outline.runs_into(arc(course + COURSES, sense * WAYS), *places, numbers.margin)
+    touches = outline.runs_into(arc(course + COURSES, sense * WAYS), *places, parameters.margin)
     first = np.where(touches.any(axis=1), touches.argmax(axis=1), len(WAYS))
     return float(np.concatenate(([0.0], WAYS[:-1], [inf]))[first.min()])
 
@@ -140,7 +140,7 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
 
 
 def _turning(
-    numbers: AvoidanceNumbers,
+    parameters: AvoidanceParameters,
     outline: Outline,
     places: tuple[Floats, Floats],
     side: float,
@@ -156,7 +156,7 @@ def _turning(
     free = min(_free_turn(outline, places, side, way) for way in (0.0, rolls / 2.0, rolls))
     if free == inf:
         return inf
-    on_the_spot = safe_speed(free, numbers.angular_deceleration, numbers.reaction)
+    on_the_spot = safe_speed(free, parameters.angular_deceleration, parameters.reaction)
     if linear < STEADY:
         return on_the_spot
     barred = outline.runs_into(arc(side * CURVES, CURVE), x, y, TOUCHING).any(axis=1)
@@ -190,9 +190,9 @@ def _may_creep(outline: Outline, x: Floats, y: Floats, way: float) -> bool:
     return not outline.runs_into((still + way, still, still), x, y, TOUCHING).any()
 
 
-def _nearness(numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats]) -> tuple[float, float]:
+def _nearness(parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats]) -> tuple[float, float]:
     """How near things are on the left and on the right, 0 to 1 each; those ahead count more than those beside."""
     x, y = places
-    near = np.clip(1.0 - outline.distance(x, y) / numbers.reach, 0.0, 1.0) ** 2
+    near = np.clip(1.0 - outline.distance(x, y) / parameters.reach, 0.0, 1.0) ** 2
     weighted = near * np.clip(0.5 + 0.5 * np.cos(np.arctan2(y, x)), 0.0, 1.0)
     return float(weighted[y > 0.0].max(initial=0.0)), float(weighted[y < 0.0].max(initial=0.0))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.opening import DoorNumbers, Opening
+from apps.indoor_navigation.algorithms.opening import DoorParameters, Opening
 from apps.indoor_navigation.algorithms.segments import Beams, Segments
 from apps.indoor_navigation.data import Floats
 
@@ -13,10 +13,10 @@ BEHIND, AGAIN = 0.1, 0.2  # m behind the end of the corridor from which on it is
 JUMP = 0.25  # m by which the view goes past the line of a wall that has ended
 
 
-def find_corridor_ends(beams: Beams, segments: Segments, numbers: DoorNumbers) -> list[Opening]:
+def find_corridor_ends(beams: Beams, segments: Segments, parameters: DoorParameters) -> list[Opening]:
     """The ends of the corridor in which the scanner is."""
     # Counter-clockwise, the wall on the right is seen going away, and the one on the left coming back.
-    long = np.flatnonzero(segments.lengths >= numbers.corridor_wall)
+    long = np.flatnonzero(segments.lengths >= parameters.corridor_wall)
     if len(long) < 2:
         return []
     starts, ends = segments.starts[:, long], segments.ends[:, long]
@@ -25,20 +25,20 @@ def find_corridor_ends(beams: Beams, segments: Segments, numbers: DoorNumbers) -
     across = starts[:, None, :] - ends[:, :, None]  # from the end of each right wall to the start of each left one
     skew = (across * along[:, :, None]).sum(axis=0)
     width = along[0][:, None] * across[1] - along[1][:, None] * across[0]
-    is_pair = parallel & (width >= numbers.narrowest - numbers.slack) & (width <= numbers.widest)
+    is_pair = parallel & (width >= parameters.narrowest - parameters.slack) & (width <= parameters.widest)
     beside = along[0] * starts[1] - along[1] * starts[0]  # to which side of the scanner each wall is
     is_pair &= (beside < 0.0)[:, None] & (beside < 0.0)
     shorter = np.minimum(segments.lengths[long][:, None], segments.lengths[long])
-    is_pair &= shorter >= numbers.corridor_wall * width
+    is_pair &= shorter >= parameters.corridor_wall * width
     is_pair &= (np.abs(skew) <= SKEW * width) & (segments.last[long][:, None] < segments.first[long])
     found = (
-        _opening(beams, segments, int(long[right]), int(long[left]), numbers)
+        _opening(beams, segments, int(long[right]), int(long[left]), parameters)
         for right, left in zip(*np.nonzero(is_pair), strict=True)
     )
     return [opening for opening in found if opening is not None]
 
 
-def _opening(beams: Beams, segments: Segments, right: int, left: int, numbers: DoorNumbers) -> Opening | None:
+def _opening(beams: Beams, segments: Segments, right: int, left: int, parameters: DoorParameters) -> Opening | None:
     first, last = segments.last[right], segments.first[left]
     along = _unit(
         _unit(segments.ends[:, right] - segments.starts[:, right])
@@ -53,10 +53,10 @@ def _opening(beams: Beams, segments: Segments, right: int, left: int, numbers: D
         return None
     between = slice(first + 1, last)
     depths = beams.ranges[between] * (along @ beams.rays[:, between]) - line
-    through = int((depths >= numbers.clear - numbers.slack).sum())
+    through = int((depths >= parameters.clear - parameters.slack).sum())
     share = through / max(1, last - first - 1)
-    echoes = int(((depths >= numbers.clear - numbers.slack) & beams.is_hit[between]).sum())
-    if through < numbers.beams or share < numbers.share or echoes < numbers.echoes * through:
+    echoes = int(((depths >= parameters.clear - parameters.slack) & beams.is_hit[between]).sum())
+    if through < parameters.beams or share < parameters.share or echoes < parameters.echoes * through:
         return None
     normal = float(along[0]), float(along[1])
     left_end, right_end = (

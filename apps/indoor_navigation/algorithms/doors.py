@@ -15,7 +15,7 @@ from math import atan2, hypot
 import numpy as np
 
 from apps.indoor_navigation.algorithms.corridor_ends import find_corridor_ends
-from apps.indoor_navigation.algorithms.opening import DoorNumbers, Opening
+from apps.indoor_navigation.algorithms.opening import DoorParameters, Opening
 from apps.indoor_navigation.algorithms.segments import Beams, Bools, Ints, Segments, find_segments, fit
 from apps.indoor_navigation.data import Door, Floats, LaserRead
 from geometry import Pose2D, wrap_angle
@@ -59,13 +59,13 @@ class Lines:
     is_hit: Bools
 
 
-def find_doors(scan: LaserRead, numbers: DoorNumbers) -> tuple[Door, ...]:
+def find_doors(scan: LaserRead, parameters: DoorParameters) -> tuple[Door, ...]:
     """The door-like exits in a scan, in odom, the nearest first."""
     beams = Beams.of(scan)
     segments = find_segments(beams)
     if segments is None:
         return ()
-    found = _find_in_walls(beams, segments, numbers) + find_corridor_ends(beams, segments, numbers)
+    found = _find_in_walls(beams, segments, parameters) + find_corridor_ends(beams, segments, parameters)
     scanner = Pose2D(*scan.pose).compose(Pose2D(*scan.mount))
     kept: list[Opening] = []
     for opening in sorted(found, key=lambda each: -each.confidence):
@@ -87,7 +87,7 @@ def _door(opening: Opening, scanner: Pose2D) -> Door:
     return Door(x, y, opening.width, normal, opening.confidence)
 
 
-def _find_in_walls(beams: Beams, segments: Segments, numbers: DoorNumbers) -> list[Opening]:
+def _find_in_walls(beams: Beams, segments: Segments, parameters: DoorParameters) -> list[Opening]:
     """Openings between two pieces of one wall."""
     lines = _find_lines(beams, segments)
     if lines is None:
@@ -95,11 +95,13 @@ def _find_in_walls(beams: Beams, segments: Segments, numbers: DoorNumbers) -> li
     line, beam = np.nonzero(lines.wall)
     at = lines.crossing[line, beam]
     gap = at[1:] - at[:-1]
-    is_wide = (line[1:] == line[:-1]) & (gap >= numbers.narrowest - numbers.slack) & (gap <= numbers.widest + SHADOW)
-    through = np.cumsum(lines.depth >= numbers.clear - numbers.slack, axis=1)
-    is_open = through[line[1:], beam[1:]] - through[line[:-1], beam[:-1]] >= numbers.beams
+    is_wide = (
+        (line[1:] == line[:-1]) & (gap >= parameters.narrowest - parameters.slack) & (gap <= parameters.widest + SHADOW)
+    )
+    through = np.cumsum(lines.depth >= parameters.clear - parameters.slack, axis=1)
+    is_open = through[line[1:], beam[1:]] - through[line[:-1], beam[:-1]] >= parameters.beams
     found = (
-        _opening(lines, int(line[k]), int(beam[k]), int(beam[k + 1]), numbers)
+        _opening(lines, int(line[k]), int(beam[k]), int(beam[k + 1]), parameters)
         for k in np.flatnonzero(is_wide & is_open)
     )
     return [opening for opening in found if opening is not None]
@@ -156,7 +158,7 @@ def _in_line(normals: Floats, distances: Floats, segments: Segments, seeds: Ints
     return np.asarray(off < IN_LINE + IN_LINE_RISE / segments.lengths[seeds][:, None] * away)
 
 
-def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumbers) -> Opening | None:
+def _opening(lines: Lines, line: int, first: int, last: int, parameters: DoorParameters) -> Opening | None:
     """The opening between two beams that end on a wall; None where it is no exit."""
     part = slice(first, last + 1)
     crossing, along, depth = lines.crossing[line, part], lines.along[line, part], lines.depth[line, part]
@@ -165,25 +167,25 @@ def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumber
     if right is None or left is None:
         return None
     left = -left
-    if not numbers.narrowest - numbers.slack <= left - right <= numbers.widest:
+    if not parameters.narrowest - parameters.slack <= left - right <= parameters.widest:
         return None
     within = (crossing > right) & (crossing < left)
-    is_through = within & (depth >= numbers.clear - numbers.slack)
+    is_through = within & (depth >= parameters.clear - parameters.slack)
     through, echoes = int(is_through.sum()), int((is_through & lines.is_hit[part]).sum())
     share = through / max(1, int((within & (depth > -IN_FRONT)).sum()))
-    if through < numbers.beams or share < numbers.share or echoes < numbers.echoes * through:
+    if through < parameters.beams or share < parameters.share or echoes < parameters.echoes * through:
         return None
     in_midst = (np.abs(depth) < ON_WALL) & (along > right + MIDST) & (along < left - MIDST)
     if int(in_midst.sum()) >= BLOCKING:  # as the hinge of a leaf, which hides the wall beside
         return None
-    support = _support(lines, line, first, last, left - right, numbers)
+    support = _support(lines, line, first, last, left - right, parameters)
     if not support:
         return None
     normal = lines.normals[:, line]
     foot = normal * lines.distances[line]
     tangent = np.array([-normal[1], normal[0]])
     (rx, ry), (lx, ly) = (foot + right * tangent).tolist(), (foot + left * tangent).tolist()
-    confidence = share * min(1.0, through / MANY) * min(1.0, support / (2.0 * numbers.wall))
+    confidence = share * min(1.0, through / MANY) * min(1.0, support / (2.0 * parameters.wall))
     return Opening((lx, ly), (rx, ry), (float(normal[0]), float(normal[1])), confidence)
 
 
@@ -200,22 +202,22 @@ def _jamb(crossing: Floats, along: Floats, depth: Floats, is_hit: Bools) -> floa
     return float(along[behind - 1] + crossing[behind]) / 2.0
 
 
-def _support(lines: Lines, line: int, first: int, last: int, width: float, numbers: DoorNumbers) -> float:
+def _support(lines: Lines, line: int, first: int, last: int, width: float, parameters: DoorParameters) -> float:
     """How much wall is in view beside an opening, m; nothing where that is too little to be a wall's."""
     wall, along, depth = np.flatnonzero(lines.wall[line]), lines.along[line], lines.depth[line]
     steps = np.diff(along[wall])
     steps = np.where(steps < WHOLE, steps, 0.0)
     split = int(np.searchsorted(wall, first))
     right, left = float(steps[:split].sum()), float(steps[split + 1 :].sum())
-    longest, is_mouth = max(right, left), width > numbers.usual
-    if right + left < max(numbers.wall, numbers.wall_share * width):
+    longest, is_mouth = max(right, left), width > parameters.usual
+    if right + left < max(parameters.wall, parameters.wall_share * width):
         return 0.0
-    if min(right, left) < (numbers.mouth_wall if is_mouth else numbers.least_wall):
+    if min(right, left) < (parameters.mouth_wall if is_mouth else parameters.least_wall):
         return 0.0
     open_ends = _is_open(depth, lines.is_hit, wall[0], -1) + _is_open(depth, lines.is_hit, wall[-1], 1)
-    if open_ends and (is_mouth or longest < (numbers.open_wall if open_ends == 1 else numbers.free_wall)):
+    if open_ends and (is_mouth or longest < (parameters.open_wall if open_ends == 1 else parameters.free_wall)):
         return 0.0
-    if longest < numbers.deep_wall:
+    if longest < parameters.deep_wall:
         along, depth, is_hit = along[first : last + 1], depth[first : last + 1], lines.is_hit[first : last + 1]
         if _is_deep(along, depth, is_hit) or _is_deep(along[::-1], depth[::-1], is_hit[::-1]):
             return 0.0

@@ -37,7 +37,7 @@ class CommandSource:
 
 
 @dataclass(frozen=True, slots=True)
-class FusionNumbers:
+class FusionParameters:
     """How the commands of the sources are fused.
 
     linear, angular: the fastest, m/s and rad/s. acceleration, braking: m/s², towards more and less speed, either way.
@@ -45,12 +45,12 @@ class FusionNumbers:
     what `CommandSource` says.
     """
 
-    linear: float = 0.75
-    angular: float = 1.0
-    acceleration: float = 0.5
-    braking: float = 1.0
-    angular_acceleration: float = 2.0
-    angular_braking: float = 4.0
+    linear: float
+    angular: float
+    acceleration: float
+    braking: float
+    angular_acceleration: float
+    angular_braking: float
     sources: dict[str, CommandSource] = field(default_factory=dict)
 
 
@@ -79,8 +79,8 @@ class SourceCommand:
 class Fusion:
     """The last command of each source, and the speed that the robot was told last."""
 
-    def __init__(self, numbers: FusionNumbers) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: FusionParameters) -> None:
+        self._parameters = parameters
         self._heard: dict[str, SourceCommand] = {}
         self._linear = self._angular = 0.0
         self._fused_at = -inf
@@ -106,7 +106,7 @@ class Fusion:
         before = self._heard.get(command.source)
         if before is not None and before.command.stamp == command.stamp:
             read_at = min(read_at, before.read_at)
-        source = self._numbers.sources.get(command.source) or CommandSource()
+        source = self._parameters.sources.get(command.source) or CommandSource()
         self._heard[command.source] = SourceCommand(command, read_at, source)
 
     def young(self, now: float) -> list[SourceCommand]:
@@ -134,7 +134,7 @@ class Fusion:
 
     def _is_blind(self, young: list[SourceCommand]) -> bool:
         here = {one.command.source for one in young}
-        return any(source.required and name not in here for name, source in self._numbers.sources.items())
+        return any(source.required and name not in here for name, source in self._parameters.sources.items())
 
     def _wanted(self, young: list[SourceCommand]) -> tuple[float, float]:
         """What they want, m/s and rad/s, whatever the robot does now."""
@@ -143,17 +143,17 @@ class Fusion:
             return 0.0, 0.0
         linear = sum(one.weight * one.command.linear for one in young) / weight
         angular = sum(one.weight * one.command.angular for one in young) / weight
-        fastest, swiftest = self._numbers.linear, self._numbers.angular
+        fastest, swiftest = self._parameters.linear, self._parameters.angular
         return _between(-fastest, linear, fastest), _between(-swiftest, angular, swiftest)
 
     def _approach(self, linear: float, angular: float, elapsed: float) -> None:
         """Come nearer to a speed, as far as the accelerations allow in `elapsed` seconds."""
-        numbers = self._numbers
+        parameters = self._parameters
         if elapsed > PAUSE:
             self._linear = self._angular = elapsed = 0.0
-        self._linear = _nearer(self._linear, linear, numbers.acceleration * elapsed, numbers.braking * elapsed)
+        self._linear = _nearer(self._linear, linear, parameters.acceleration * elapsed, parameters.braking * elapsed)
         self._angular = _nearer(
-            self._angular, angular, numbers.angular_acceleration * elapsed, numbers.angular_braking * elapsed
+            self._angular, angular, parameters.angular_acceleration * elapsed, parameters.angular_braking * elapsed
         )
 
 

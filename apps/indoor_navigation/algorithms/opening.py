@@ -5,7 +5,7 @@ from math import hypot
 
 
 @dataclass(frozen=True, slots=True)
-class DoorNumbers:
+class DoorParameters:
     """What counts as a door-like exit. Lengths in m.
 
     narrowest, widest: of an opening; slack: by which it may be measured too narrow. usual: what is wider is no door but
@@ -19,22 +19,22 @@ class DoorNumbers:
     as part of its width.
     """
 
-    narrowest: float = 0.8
-    widest: float = 2.4
-    usual: float = 1.6
-    slack: float = 0.03
-    clear: float = 1.0
-    beams: int = 6
-    share: float = 0.5
-    echoes: float = 0.3
-    wall: float = 0.8
-    wall_share: float = 0.65
-    least_wall: float = 0.05
-    mouth_wall: float = 0.6
-    open_wall: float = 0.85
-    free_wall: float = 1.3
-    deep_wall: float = 1.2
-    corridor_wall: float = 0.75
+    narrowest: float
+    widest: float
+    usual: float
+    slack: float
+    clear: float
+    beams: int
+    share: float
+    echoes: float
+    wall: float
+    wall_share: float
+    least_wall: float
+    mouth_wall: float
+    open_wall: float
+    free_wall: float
+    deep_wall: float
+    corridor_wall: float
 
 
 @dataclass(frozen=True, slots=True)

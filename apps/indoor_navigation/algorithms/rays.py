@@ -6,7 +6,7 @@ from math import cos, sin
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.data import Floats, LaserRead, ObstRead, SonarRead
+from apps.indoor_navigation.data import Floats, LaserRead, SonarRead
 
 SONAR_RANGE = 3.0  # m; what a disc hears from farther away may be anywhere in its cone
 HALF_CONE = 0.45  # rad; sound goes astray about the axis as far as this
@@ -33,11 +33,16 @@ class Rays:
         empty = np.empty(0)
         return cls(empty, empty, empty, empty, np.empty(0, bool))
 
-    @classmethod
-    def of(cls, obstacles: ObstRead) -> "Rays":
-        """Those that a reading of the obstacles holds."""
-        hits = obstacles.hits > 0.5
-        return cls(obstacles.origin_x, obstacles.origin_y, obstacles.end_x, obstacles.end_y, hits)
+    @property
+    def is_of_scanner(self) -> Truths:
+        """Which rays are the scanner's: those that share their origin with a neighbour.
+
+        The echo of a sonar disc comes from somewhere in a wide cone; it gives no shape and no sure place.
+        """
+        if not len(self.origin_x):
+            return self.hits
+        differs = (np.diff(self.origin_x) != 0.0) | (np.diff(self.origin_y) != 0.0)
+        return ~(np.concatenate(([True], differs)) & np.concatenate((differs, [True])))
 
     def followed_by(self, other: "Rays") -> "Rays":
         """Both."""
@@ -65,7 +70,7 @@ def laser_rays(scan: LaserRead, most: int) -> Rays:
     ranges = blocks[np.arange(count), shortest]
     angles = scan.angle_min + (np.arange(count) * together + shortest) * scan.angle_increment
     x, y, heading = in_odom(scan.pose, *scan.mount)
-    hits = ranges < scan.range_max
+    hits = scan.is_hit[np.arange(count) * together + shortest]
     lengths = np.minimum(ranges, scan.range_max)
     origin_x, origin_y = np.full(count, x), np.full(count, y)
     return Rays(

@@ -46,8 +46,8 @@ class Beams:
         ranges = np.asarray(scan.ranges, dtype=np.float64)
         rays = _rays(len(ranges), scan.angle_min, scan.angle_increment)
         with np.errstate(invalid="ignore"):
-            is_hit = (ranges > NEAREST) & (ranges <= scan.range_max)
-            free = np.where(is_hit, ranges, np.where(ranges > scan.range_max, scan.range_max, 0.0))
+            is_hit = (ranges > NEAREST) & scan.is_hit
+            free = np.where(is_hit, ranges, np.where(ranges >= scan.range_max, scan.range_max, 0.0))
         if scan.angle_increment < 0.0:
             rays, free, is_hit = rays[:, ::-1], free[::-1], is_hit[::-1]
         if len(ranges) * abs(scan.angle_increment) > tau - 1.5 * abs(scan.angle_increment) and is_hit.any():

@@ -9,7 +9,7 @@ PAUSE = 0.5  # s without a step, after which it begins anew from where the robot
 
 
 @dataclass(frozen=True, slots=True)
-class SmoothNumbers:
+class SmoothingParameters:
     """How fast a speed may change, in units of it.
 
     rate: per s. rate_change: per s². haste: 1/s, of the way to the wanted one. ahead: how far it may be ahead of the
@@ -25,8 +25,8 @@ class SmoothNumbers:
 class Smooth:
     """One speed."""
 
-    def __init__(self, numbers: SmoothNumbers) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: SmoothingParameters) -> None:
+        self._parameters = parameters
         self._stamp = float("-inf")
         self._speed = self._rate = 0.0
 
@@ -38,7 +38,7 @@ class Smooth:
             wanted: Speed.
             present: Speed that the robot has.
         """
-        numbers, elapsed = self._numbers, stamp - self._stamp
+        parameters, elapsed = self._parameters, stamp - self._stamp
         if elapsed == 0.0:
             return self._speed
         self._stamp = stamp
@@ -48,11 +48,11 @@ class Smooth:
         if abs(wanted) <= abs(self._speed) and wanted * self._speed >= 0.0:
             self._speed, self._rate = wanted, 0.0
             return self._speed
-        held = _within(self._speed, present - numbers.ahead, present + numbers.ahead)
+        held = _within(self._speed, present - parameters.ahead, present + parameters.ahead)
         if held != self._speed:
             self._speed, self._rate = held, 0.0
-        rate = _within(numbers.haste * (wanted - self._speed), -numbers.rate, numbers.rate)
-        change = numbers.rate_change * elapsed
+        rate = _within(parameters.haste * (wanted - self._speed), -parameters.rate, parameters.rate)
+        change = parameters.rate_change * elapsed
         self._rate = _within(rate, self._rate - change, self._rate + change)
         before, self._speed = self._speed, self._speed + self._rate * elapsed
         if (before - wanted) * (self._speed - wanted) < 0.0:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from apps.indoor_navigation.algorithms.doors import find_doors
-from apps.indoor_navigation.algorithms.opening import DoorNumbers
+from apps.indoor_navigation.algorithms.opening import DoorParameters
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
 from apps.indoor_navigation.data import DLEData, LaserRead
 from bus import Refused
@@ -14,7 +14,7 @@ class DLEDetecting(Component):
 
     role = Role.DELIBERATIVE
     gives = (DLEData,)
-    numbers_type = DoorNumbers
+    parameters_type = DoorParameters
 
     async def setup(self) -> None:
         """Nothing has been seen yet."""
@@ -23,7 +23,7 @@ class DLEDetecting(Component):
     @hears(LaserRead)
     async def look(self, scan: LaserRead) -> None:
         """Find the exits; it takes less than a millisecond. One in which there are none is told, too."""
-        self._last = DLEData(scan.stamp, scan.pose, find_doors(scan, self.numbers))
+        self._last = DLEData(scan.stamp, scan.pose, find_doors(scan, self.parameters))
         self.push(self._last)
 
     @answers_query("doors")

@@ -1,14 +1,12 @@
 """Drive to where one is told, round what is in the way."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Protocol
 
-import numpy as np
-
-from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers, Speeds
+from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionParameters, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.rays import Rays, in_robot
+from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
@@ -19,11 +17,11 @@ GO, BACK, REST = "go", "back", "rest"
 
 
 @dataclass(frozen=True, slots=True)
-class GotoNumbers:
+class GotoParameters:
     """max_age: s between pose and obstacles, beyond which it stands rather than go by what is old."""
 
-    max_age: float = 0.6
-    attraction: AttractionNumbers = field(default_factory=AttractionNumbers)
+    max_age: float
+    attraction: AttractionParameters
 
 
 class Steering(Protocol):
@@ -39,12 +37,11 @@ class Goto(Embodied):
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    numbers_type = GotoNumbers
+    parameters_type = GotoParameters
 
     async def setup(self) -> None:
         """Know nothing yet."""
         self._surroundings = Surroundings()
-        self._people: tuple[Floats, Floats] = np.empty(0), np.empty(0)
         self._target: WorldCoord | None = None
         self._odometry: RobotOdometry | None = None
         self._seen_at = float("-inf")
@@ -52,13 +49,15 @@ class Goto(Embodied):
 
     def embody(self, outline: Outline, deceleration: float) -> None:
         """From now on it can steer."""
-        numbers: AttractionNumbers = self.numbers.attraction
-        numbers = replace(numbers, deceleration=min(numbers.deceleration, deceleration))
-        self._steering = {aim: self.steering(numbers, each) for aim, each in ((GO, outline), (BACK, outline.reversed))}
+        parameters: AttractionParameters = self.parameters.attraction
+        parameters = replace(parameters, deceleration=min(parameters.deceleration, deceleration))
+        self._steering = {
+            aim: self.steering(parameters, each) for aim, each in ((GO, outline), (BACK, outline.reversed))
+        }
 
-    def steering(self, numbers: AttractionNumbers, outline: Outline) -> Steering:
+    def steering(self, parameters: AttractionParameters, outline: Outline) -> Steering:
         """What steers a robot with this outline."""
-        return Attraction(numbers, outline)
+        return Attraction(parameters, outline)
 
     @is_told(WorldCoord)
     async def go(self, target: WorldCoord) -> None:
@@ -69,8 +68,7 @@ class Goto(Embodied):
     @hears(ObstRead)
     async def mind(self, obstacles: ObstRead) -> None:
         """What is in the way now."""
-        self._surroundings.see(obstacles.stamp, Rays.of(obstacles))
-        self._people = obstacles.people_x, obstacles.people_y
+        self._surroundings.see(Perceived.of(obstacles))
         self._seen_at = obstacles.stamp
         self._push()
 
@@ -92,7 +90,7 @@ class Goto(Embodied):
             self.push(MotionCmd(stamp, self.name.local, 0.0, 0.0, float(self._target.aim == REST)))
             return
         speeds = Speeds()
-        if abs(self._odometry.stamp - self._seen_at) <= self.numbers.max_age:
+        if abs(self._odometry.stamp - self._seen_at) <= self.parameters.max_age:
             speeds = self._steer(self._odometry, self._target)
         self.push(MotionCmd(stamp, self.name.local, speeds.linear, speeds.angular, 1.0))
 
@@ -102,7 +100,5 @@ class Goto(Embodied):
         heading = odometry.heading if target.aim == GO else wrap_angle(odometry.heading + pi)
         seen = replace(odometry, heading=heading, linear=sense * odometry.linear)
         pose = seen.x, seen.y, heading
-        (x, y), (people_x, people_y) = self._surroundings.places(pose), in_robot(pose, *self._people)
-        places = np.concatenate((x, people_x)), np.concatenate((y, people_y))
-        speeds = self._steering[target.aim].steer(seen, target, places)
+        speeds = self._steering[target.aim].steer(seen, target, self._surroundings.places(pose))
         return Speeds(sense * speeds.linear, speeds.angular)

@@ -23,10 +23,10 @@ log = logging.getLogger("navigation")
 
 
 @dataclass(frozen=True, slots=True)
-class LaserNumbers:
+class LaserParameters:
     """no_scan: s of silence after which the scanner is missed."""
 
-    no_scan: float = 1.0
+    no_scan: float
 
 
 class LaserServer(Component):
@@ -34,7 +34,7 @@ class LaserServer(Component):
 
     role = Role.HARDWARE
     gives = (LaserRead,)
-    numbers_type = LaserNumbers
+    parameters_type = LaserParameters
 
     async def setup(self) -> None:
         """Look for the scanner."""
@@ -79,8 +79,8 @@ class LaserServer(Component):
     async def _missed(self) -> None:
         """Wait until nothing has been heard of the scanner for too long, and say so."""
         loop = asyncio.get_running_loop()
-        while (silence := loop.time() - self._heard_at) < self.numbers.no_scan:
-            await asyncio.sleep(self.numbers.no_scan - silence)
+        while (silence := loop.time() - self._heard_at) < self.parameters.no_scan:
+            await asyncio.sleep(self.parameters.no_scan - silence)
         self._is_there.clear()
         why = f"the laser of {self.robot} has not been heard for {silence:.1f} s; see whether it is switched on"
         self.home.report(self.name, why, None)

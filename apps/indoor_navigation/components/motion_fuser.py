@@ -2,12 +2,12 @@
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from agents.platform import Cyclic, Restart
-from apps.indoor_navigation.algorithms.fusion import Fusion, FusionNumbers, Unsound
+from apps.indoor_navigation.algorithms.fusion import Fusion, FusionParameters, Unsound
 from apps.indoor_navigation.algorithms.last_second import LastSecond
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, push_key, sources
 from apps.indoor_navigation.components.inbox import Inbox
@@ -19,16 +19,16 @@ AT_ONCE = 4  # pushes that may follow one another without a pause, after as many
 
 
 @dataclass(frozen=True, slots=True)
-class FuserNumbers:
+class FuserParameters:
     """How often it pushes, and how it fuses.
 
     period: s, after which it pushes even if it has heard nothing. soonest: s between two pushes on average,
     however much it hears; what comes meanwhile is fused together.
     """
 
-    period: float = 0.05
-    soonest: float = 0.015
-    fusion: FusionNumbers = field(default_factory=FusionNumbers)
+    period: float
+    soonest: float
+    fusion: FusionParameters
 
 
 class MotionFuser(Component):
@@ -36,11 +36,11 @@ class MotionFuser(Component):
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    numbers_type = FuserNumbers
+    parameters_type = FuserParameters
 
     async def setup(self) -> None:
         """Begin to fuse; the first command is to stand."""
-        self._fusion = Fusion(self.numbers.fusion)
+        self._fusion = Fusion(self.parameters.fusion)
         self._inbox = Inbox()
         self._fused = self._fusion.fuse(self._now, self.home.wall_time())
         self._fused_at = self._due = self._now
@@ -90,9 +90,9 @@ class MotionFuser(Component):
         """Wait until something is new or the time has come, and push."""
         if (pause := self._due - self._now) > 0.0:
             await asyncio.sleep(pause)
-        await self._inbox.wait_until(self._fused_at + self.numbers.period)
+        await self._inbox.wait_until(self._fused_at + self.parameters.period)
         self._fused_at = began = self._now
-        self._due = max(self._due, began - AT_ONCE * self.numbers.soonest) + self.numbers.soonest
+        self._due = max(self._due, began - AT_ONCE * self.parameters.soonest) + self.parameters.soonest
         for sample, heard_at in self._inbox.read().values():
             self.consider(sample, heard_at)
         self._fused = self._fusion.fuse(began, self.home.wall_time())

@@ -1,6 +1,6 @@
 """Turn the robot to where one is told."""
 
-from apps.indoor_navigation.algorithms.orientation import OrientationNumbers, turn
+from apps.indoor_navigation.algorithms.orientation import OrientationParameters, turn
 from apps.indoor_navigation.component import Component, Role, hears, is_told
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, WorldCoord
 
@@ -12,7 +12,7 @@ class Orienting(Component):
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    numbers_type = OrientationNumbers
+    parameters_type = OrientationParameters
 
     async def setup(self) -> None:
         """Know nothing yet."""
@@ -30,5 +30,5 @@ class Orienting(Component):
         if self._target is None:
             return
         is_wanted = self._target.aim == TURN
-        angular = turn(self.numbers, odometry, self._target.heading) if is_wanted else 0.0
+        angular = turn(self.parameters, odometry, self._target.heading) if is_wanted else 0.0
         self.push(MotionCmd(odometry.stamp, self.name.local, 0.0, angular, float(is_wanted)))

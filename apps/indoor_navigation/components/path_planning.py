@@ -1,7 +1,7 @@
 """Commands the mission: one sub-target after the other to those who move the robot, and what is worth it to people."""
 
 import asyncio
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.doors_map import read_map, write_map
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
-from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers, Order
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
 from apps.indoor_navigation.data import DLEData, GoalPoint, LogMessage, ObstRead, WorldCoord
 from bus import BusUnavailable, Refused
@@ -20,7 +20,7 @@ MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class PlanningNumbers:
+class PlanningParameters:
     """How missions are commanded.
 
     period: s between two steps. repeat: s after which an order is told again, for who was not there or not yet. busy:
@@ -29,12 +29,12 @@ class PlanningNumbers:
     nothing is kept if it is empty. Such a file is of use where the robot's odometry begins at the same place each time.
     """
 
-    period: float = 0.2
-    repeat: float = 0.5
-    busy: float = 0.8
-    half_width: float = 0.25
-    doors_file: str = ""
-    mission: MissionNumbers = field(default_factory=MissionNumbers)
+    period: float
+    repeat: float
+    busy: float
+    half_width: float
+    doors_file: str
+    mission: MissionParameters
 
 
 class PathPlanning(Component):
@@ -42,24 +42,24 @@ class PathPlanning(Component):
 
     role = Role.DELIBERATIVE
     tells = (WorldCoord, LogMessage)
-    numbers_type = PlanningNumbers
+    parameters_type = PlanningParameters
 
     async def setup(self) -> None:
         """Remember the doors, and be ready for a mission."""
-        self._navigator = Navigator(self.numbers.mission, self.numbers.half_width)
+        self._navigator = Navigator(self.parameters.mission, self.parameters.half_width)
         self._number = round(self.home.wall_time() * MILLISECONDS)  # higher than any before, though nothing is kept
         self._order, self._told_at = REST, float("-inf")
         self._mission = self._navigator.told()
         self._is_under_way = False
         self._complained: set[str] = set()
-        self._file = Path(self.numbers.doors_file) if self.numbers.doors_file else None
+        self._file = Path(self.parameters.doors_file) if self.parameters.doors_file else None
         if self._file is not None:
             try:
                 read_map(self._navigator.memory.doors, self._file)
             except ValueError as err:
                 self.home.report(self.name, str(err), None)
                 self._file = None  # what is there may be dear to somebody
-        self.every(self.numbers.period, self._step)
+        self.every(self.parameters.period, self._step)
         self.add(Cyclic(self._know_robot), Restart())
 
     async def take_down(self) -> None:
@@ -118,7 +118,7 @@ class PathPlanning(Component):
     def _give(self, order: Order) -> None:
         """Tell an order when it is new, and again while a mission is under way."""
         is_new = not _is_same(order, self._order)
-        is_due = self._navigator.is_active and self._now - self._told_at >= self.numbers.repeat
+        is_due = self._navigator.is_active and self._now - self._told_at >= self.parameters.repeat
         if is_new or is_due:
             self._tell_order(order if is_new else self._order)
 
@@ -139,7 +139,7 @@ class PathPlanning(Component):
         """Ask the fuser how it is before each step; its silence is said once, and stops nobody."""
         try:
             load = await self.ask("load")
-            is_busy = bool(load["busy"] > self.numbers.busy)
+            is_busy = bool(load["busy"] > self.parameters.busy)
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:

@@ -25,7 +25,7 @@ log = logging.getLogger("navigation")
 
 
 @dataclass(frozen=True, slots=True)
-class BaseNumbers:
+class BaseParameters:
     """Mostly s of silence.
 
     no_command: of the fuser, after which the robot is stopped. oldest: s since the reading from which a command
@@ -34,12 +34,12 @@ class BaseNumbers:
     said to the wheels any more, and no lease is held, so that others may drive. priority: of the lease.
     """
 
-    no_command: float = 0.3
-    oldest: float = 1.0
-    no_odometry: float = 1.0
-    sonar_age: float = 0.6
-    idle: float = 1.0
-    priority: int = 0
+    no_command: float
+    oldest: float
+    no_odometry: float
+    sonar_age: float
+    idle: float
+    priority: int
 
 
 class RobotBaseServer(Component):
@@ -47,18 +47,18 @@ class RobotBaseServer(Component):
 
     role = Role.HARDWARE
     gives = (RobotOdometry, SonarRead)
-    numbers_type = BaseNumbers
+    parameters_type = BaseParameters
 
     async def setup(self) -> None:
         """Look for the robot."""
         self._history = PoseHistory()
-        self._sonar = SonarMemory(self.numbers.sonar_age)
+        self._sonar = SonarMemory(self.parameters.sonar_age)
         self._about: dict[str, Any] | None = None
         self._discs: dict[int, Pose2D] = {}
         self._is_there = asyncio.Event()
         self._heard_at = self._commanded_at = self._moved_at = float("-inf")
         self._drives = False  # the last that the wheels were told was to move
-        self._lease = WheelLease(self, f"base@{self.robot}", self.numbers.priority, lambda: not self._is_idle)
+        self._lease = WheelLease(self, f"base@{self.robot}", self.parameters.priority, lambda: not self._is_idle)
         self._wheels = self.bus.publisher(keys.CMD_VEL.key(self.robot), keys.CMD_VEL.type_name)
         self._open.append(self._wheels)
         self.add(Cyclic(self._know_robot), Restart())
@@ -97,7 +97,7 @@ class RobotBaseServer(Component):
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
         """Move as the fuser says. While the robot rests, the wheels are left alone after a while."""
-        if not is_sound(command) or self.home.wall_time() - command.stamp > self.numbers.oldest:
+        if not is_sound(command) or self.home.wall_time() - command.stamp > self.parameters.oldest:
             return  # as good as silence, which stops the robot
         self._commanded_at = self._now
         if command.linear or command.angular:
@@ -149,15 +149,15 @@ class RobotBaseServer(Component):
 
     async def _missed(self) -> None:
         """Wait until nothing has been heard of the robot for too long, and say so."""
-        while (silence := self._now - self._heard_at) < self.numbers.no_odometry:
-            await asyncio.sleep(self.numbers.no_odometry - silence)
+        while (silence := self._now - self._heard_at) < self.parameters.no_odometry:
+            await asyncio.sleep(self.parameters.no_odometry - silence)
         self._is_there.clear()
         why = f"{self.robot} has not been heard for {silence:.1f} s; see whether it and its p2os-gateway run"
         self.home.report(self.name, why, None)
 
     async def _watch(self) -> None:
         """Stop the robot when nobody commands it any more."""
-        if self._drives and self._now - self._commanded_at > self.numbers.no_command:
+        if self._drives and self._now - self._commanded_at > self.parameters.no_command:
             self._halt()
 
     def _halt(self) -> None:
@@ -166,7 +166,7 @@ class RobotBaseServer(Component):
 
     @property
     def _is_idle(self) -> bool:
-        return bool(self._now - self._moved_at > self.numbers.idle)
+        return bool(self._now - self._moved_at > self.parameters.idle)
 
     @property
     def _now(self) -> float:

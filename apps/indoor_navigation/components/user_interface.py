@@ -18,11 +18,11 @@ LATEST = 2.0  # s after the end of a mission until when messages of path plannin
 
 
 @dataclass(frozen=True, slots=True)
-class InterfaceNumbers:
+class InterfaceParameters:
     """look: s between two looks how a mission goes. log: how many messages are kept."""
 
-    look: float = 0.5
-    log: int = 200
+    look: float
+    log: int
 
 
 class UserInterface(Component):
@@ -34,11 +34,11 @@ class UserInterface(Component):
     role = Role.DELIBERATIVE
     services = ("missions",)
     tells = (GoalPoint,)
-    numbers_type = InterfaceNumbers
+    parameters_type = InterfaceParameters
 
     async def setup(self) -> None:
         """Know of no mission yet."""
-        self._log: deque[tuple[int, LogMessage]] = deque(maxlen=self.numbers.log)
+        self._log: deque[tuple[int, LogMessage]] = deque(maxlen=self.parameters.log)
         self._logged = 0
         self._heard: Counter[str] = Counter()  # messages of path planning, by mission
         self._is_news = asyncio.Condition()
@@ -47,7 +47,7 @@ class UserInterface(Component):
         self._ended: dict[str, dict[str, Any]] = {}
         self._is_planner_missed = False
         self._is_unknown = False
-        self.every(self.numbers.look, self._look)
+        self.every(self.parameters.look, self._look)
 
     @request("go")
     async def go(self, x: float, y: float, heading: Any = None, tolerance: float = 0.25) -> dict[str, Any]:
@@ -100,7 +100,7 @@ class UserInterface(Component):
             return await self._wait_for_others(mission)
         agree()
         while mission not in self._ended:
-            await asyncio.sleep(self.numbers.look)
+            await asyncio.sleep(self.parameters.look)
         ended = self._ended[mission]
         await self._hear_rest(mission, ended.get("messages", 0))
         return {**ended, "logged": self._last_stamp(mission)}
@@ -172,7 +172,7 @@ class UserInterface(Component):
             raise Refused(f"there is no mission {mission!r}; the last one is {told.get('mission')!r}")
         agree()
         while told.get("mission") == mission and told.get("state") not in ENDED:
-            await asyncio.sleep(self.numbers.look)
+            await asyncio.sleep(self.parameters.look)
             told = await self._asked("state")
         return told if told.get("mission") == mission else {"mission": mission, "state": "replaced", "why": ""}
 

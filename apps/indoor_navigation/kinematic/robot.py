@@ -15,11 +15,11 @@ CONE = np.linspace(-0.2, 0.2, 5)  # rad from its axis, of the rays of a sonar di
 class KinematicBody:
     """radius: m. linear, angular: the fastest, m/s and rad/s; acceleration, angular_acceleration: either way."""
 
-    radius: float = 0.25
-    linear: float = 1.0
-    angular: float = 2.0
-    acceleration: float = 1.5
-    angular_acceleration: float = 6.0
+    radius: float
+    linear: float
+    angular: float
+    acceleration: float
+    angular_acceleration: float
 
 
 class KinematicRobot:

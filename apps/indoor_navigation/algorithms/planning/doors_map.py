@@ -27,17 +27,17 @@ PLACE = "place"
 
 
 @dataclass(frozen=True, slots=True)
-class MapNumbers:
+class MapParameters:
     """When a door is believed, and what follows from it.
 
     sightings, confidence: at least, for a door to be believed. wall: m to each side of a door where a wall is expected.
     ways: remembered at most.
     """
 
-    sightings: int = 3
-    confidence: float = 0.5
-    wall: float = 2.0
-    ways: int = 200
+    sightings: int
+    confidence: float
+    wall: float
+    ways: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +123,7 @@ class KnownWay:
 class DoorsMap:
     """What is remembered from mission to mission."""
 
-    numbers: MapNumbers = field(default_factory=MapNumbers)
+    parameters: MapParameters
     doors: list[KnownDoor] = field(default_factory=list)
     ways: list[KnownWay] = field(default_factory=list)
 
@@ -139,8 +139,8 @@ class DoorsMap:
 
     def is_believed(self, door: KnownDoor) -> bool:
         """Whether it was seen, or gone through, often enough."""
-        numbers = self.numbers
-        return door.passed > 0 or (door.sightings >= numbers.sightings and door.confidence >= numbers.confidence)
+        parameters = self.parameters
+        return door.passed > 0 or (door.sightings >= parameters.sightings and door.confidence >= parameters.confidence)
 
     @property
     def believed(self) -> list[tuple[int, KnownDoor]]:
@@ -175,7 +175,7 @@ class DoorsMap:
         if any(other.length <= way.length for other in same):
             return
         self.ways = [other for other in self.ways if other not in same] + [way]
-        self.ways = self.ways[-self.numbers.ways :]
+        self.ways = self.ways[-self.parameters.ways :]
 
     def gone_before(self) -> tuple[Strip, ...]:
         """The floor along all ways that were gone."""
@@ -186,7 +186,7 @@ class DoorsMap:
         return tuple(
             Strip(
                 door.beside(side * (door.width / 2.0 + HALF_WALL)),
-                door.beside(side * (door.width / 2.0 + self.numbers.wall)),
+                door.beside(side * (door.width / 2.0 + self.parameters.wall)),
                 HALF_WALL,
             )
             for _, door in self.believed

@@ -23,7 +23,7 @@ class Driving:
 
     def __init__(self, situation: Situation) -> None:
         self._situation = situation
-        self._numbers = situation.numbers
+        self._parameters = situation.parameters
         self._memory = situation.memory
         self._machine = situation.machine
         self._progress = situation.progress
@@ -35,7 +35,7 @@ class Driving:
 
     def turn(self, now: float) -> Order | None:
         """On its place, to the way, or at the end to the heading that is wanted."""
-        situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        situation, guide, parameters = self._situation, self._situation.guide, self._parameters
         wanted = situation.goal.heading if situation.is_there else None
         heading = wanted if wanted is not None else guide.heading()
         if not self._barred_side and self._progress.is_held(guide.pose, now):
@@ -44,8 +44,8 @@ class Driving:
             return None
         situation.end_making_way(now)
         is_exact = guide.is_before_narrow_door() or self._has_faced()
-        until = numbers.door_until if is_exact else numbers.turn_until
-        if guide.off(heading) > (numbers.heading if wanted is not None else until):
+        until = parameters.door_until if is_exact else parameters.turn_until
+        if guide.off(heading) > (parameters.heading if wanted is not None else until):
             return Order("turn", heading=self._round(heading))
         if wanted is not None:
             situation.arrive(now)
@@ -55,21 +55,21 @@ class Driving:
 
     def go(self, now: float) -> Order | None:
         """On the way, and through a door."""
-        situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        situation, guide, parameters = self._situation, self._situation.guide, self._parameters
         self._barred_side = 0.0
         guide.advance()
         if self._has_arrived(now) or self._faces(now) or self._comes_no_farther(now) or self._is_barred(now):
             return None
         situation.end_making_way(now)
         is_free = situation.state is not MissionState.PASSING and situation.making_way.waiting is None
-        if is_free and now >= situation.looked_at + numbers.look:
+        if is_free and now >= situation.looked_at + parameters.look:
             situation.looked_at = now
             guide.look_for_better(now)
         self._mind_door(now)
         if self._has_to_turn(now):
             return None
         target = guide.target
-        speed = numbers.door_speed if situation.state is MissionState.PASSING else numbers.speed
+        speed = parameters.door_speed if situation.state is MissionState.PASSING else parameters.speed
         is_stop = target.is_last or target.lines_up
         return Order("go", target.x, target.y, guide.heading(), speed, is_stop, guide.following)
 
@@ -89,7 +89,7 @@ class Driving:
             if not self._situation.has_tried_enough(now):
                 self._machine.happens(MissionEvent.CAME_NO_FARTHER, now, "the robot cannot go back")
             return None
-        return Order("back", x, y, speed=self._numbers.back_speed)
+        return Order("back", x, y, speed=self._parameters.back_speed)
 
     def _faces(self, now: float) -> bool:
         """Where each way on that goto sees bends into something, turn on the spot first: straight on there may be one.
@@ -99,7 +99,7 @@ class Driving:
         guide, place = self._situation.guide, self._memory.place
         if self._has_faced() or not self._progress.is_held(guide.pose, now):
             return False
-        if not guide.is_off_way(self._numbers.door_until) or not self._memory.may_turn_to(place, guide.target.place):
+        if not guide.is_off_way(self._parameters.door_until) or not self._memory.may_turn_to(place, guide.target.place):
             return False
         self._faced_at = place
         self._machine.happens(MissionEvent.HAS_TO_TURN, now, "to look where it is to go")
@@ -126,7 +126,7 @@ class Driving:
         if guide.is_at_goal():
             situation.is_there = True
             heading = situation.goal.heading
-            if heading is not None and guide.off(heading) > self._numbers.heading:
+            if heading is not None and guide.off(heading) > self._parameters.heading:
                 self._machine.happens(MissionEvent.HAS_TO_TURN, now, "there, and turning to the heading that is wanted")
             else:
                 situation.arrive(now)
@@ -138,14 +138,14 @@ class Driving:
 
     def _is_barred(self, now: float) -> bool:
         """Go round what is on the way, wait for it, or go on while it is far away."""
-        situation, guide, numbers = self._situation, self._situation.guide, self._numbers
+        situation, guide, parameters = self._situation, self._situation.guide, self._parameters
         barrier = guide.barrier(now)
         if barrier is None:
             return False
         if situation.making_way.waiting is not None:
             self._wait_at_end(now)
             return True
-        if situation.look(now, barrier.cost + numbers.detour if barrier.may_go else inf) is not None:
+        if situation.look(now, barrier.cost + parameters.detour if barrier.may_go else inf) is not None:
             return False
         situation.barred = guide.ahead(barrier.ahead + self._memory.half_width)
         if not barrier.may_go:
@@ -153,30 +153,30 @@ class Driving:
                 MissionEvent.CAME_NO_FARTHER, now, f"a wall is in the way, {barrier.ahead:.1f} m ahead"
             )
             return True
-        if barrier.ahead > 2.0 * numbers.guide.stop_before:
+        if barrier.ahead > 2.0 * parameters.guide.stop_before:
             return False
         why = f"something is in the way, {barrier.ahead:.1f} m ahead"
-        waiting = Waiting(why, now, now + numbers.patience, barrier.cost, situation.barred)
+        waiting = Waiting(why, now, now + parameters.patience, barrier.cost, situation.barred)
         situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         return True
 
     def _wait_at_end(self, now: float) -> None:
         """Of a way that ends short of something, or aside."""
-        situation, numbers = self._situation, self._numbers
+        situation, parameters = self._situation, self._parameters
         if (waiting := situation.making_way.waiting) is not None:
-            situation.wait_for(now, MissionEvent.WAY_BARRED, waiting.aside(now + numbers.aside))
+            situation.wait_for(now, MissionEvent.WAY_BARRED, waiting.aside(now + parameters.aside))
             return
         place = situation.barred = situation.guide.barred_place()
         why = f"the only way is barred near {spoken(place)}"
-        waiting = Waiting(why, now, now + numbers.hope, place=place, is_last_hope=True)
+        waiting = Waiting(why, now, now + parameters.hope, place=place, is_last_hope=True)
         situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
 
     def _comes_no_farther(self, now: float) -> bool:
         if not self._progress.is_stuck(self._situation.guide.pose, now):
             return False
         if not self._situation.has_tried_enough(now):
-            radius = self._numbers.progress.avoid
-            self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._numbers.progress.avoid_for)
+            radius = self._parameters.progress.avoid
+            self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._parameters.progress.avoid_for)
             why = f"the robot comes no farther at {spoken(self._memory.place)}"
             if not self._backs(now, self._memory.way_back(self._situation.guide.target.place), why):
                 self._machine.happens(MissionEvent.CAME_NO_FARTHER, now, why)
@@ -184,11 +184,11 @@ class Driving:
 
     def _has_to_turn(self, now: float) -> bool:
         """Before it goes on; it backs out first where it has no room to turn about."""
-        guide, numbers = self._situation.guide, self._numbers
-        if not guide.is_off_way(numbers.door_from if guide.is_before_narrow_door() else numbers.turn_from):
+        guide, parameters = self._situation.guide, self._parameters
+        if not guide.is_off_way(parameters.door_from if guide.is_before_narrow_door() else parameters.turn_from):
             return False
         place, target = self._memory.place, guide.target.place
-        has_no_room = guide.is_off_way(numbers.turn_from) and not self._memory.may_turn_to(place, target)
+        has_no_room = guide.is_off_way(parameters.turn_from) and not self._memory.may_turn_to(place, target)
         way_back = self._memory.way_back(target) if has_no_room else None
         if not self._backs(now, way_back, "there is no room to turn to where the way leads"):
             self._progress.turn(place)

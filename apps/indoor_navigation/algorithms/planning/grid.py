@@ -13,7 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area, Flags
+from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import Floats, ObstRead, Place
 
 Cells = NDArray[np.intp]
@@ -27,7 +29,7 @@ SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
 
 
 @dataclass(frozen=True, slots=True)
-class GridNumbers:
+class GridParameters:
     """What is believed, and how finely it is kept, in m.
 
     resolution: edge of a cell. reach: beyond which no ray is believed. lone_reach: likewise, of a ray that shares its
@@ -36,29 +38,29 @@ class GridNumbers:
     gone: s after the last hit, when somebody who walks about is not there any more, though nobody looks.
     """
 
-    resolution: float = 0.1
-    reach: float = 8.0
-    lone_reach: float = 1.0
-    largest: float = 200.0
-    settled: float = 3.0
-    gone: float = 1.5
+    resolution: float
+    reach: float
+    lone_reach: float
+    largest: float
+    settled: float
+    gone: float
 
 
 class Grid:
     """What has been seen so far. `area` is replaced as a whole when it grows, so that others may read it meanwhile."""
 
-    def __init__(self, numbers: GridNumbers | None = None) -> None:
-        self._numbers = numbers or GridNumbers()
-        self._steps = np.arange(0.0, self._numbers.reach, self._numbers.resolution)
+    def __init__(self, parameters: GridParameters) -> None:
+        self._parameters = parameters
+        self._steps = np.arange(0.0, self._parameters.reach, self._parameters.resolution)
         self.forget()
 
     def forget(self) -> None:
         """Know nothing any more."""
-        self.area = Area.of(0.0, 0.0, self._numbers.resolution, np.zeros((0, 0), np.int8))
+        self.area = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
         """Let the area hold a place with a margin, m. False where it would become too large, and stays as it is."""
-        area, resolution = self.area, self._numbers.resolution
+        area, resolution = self.area, self._parameters.resolution
         low = np.array(area.cell(place[0] - margin, place[1] - margin))
         high = np.array(area.cell(place[0] + margin, place[1] + margin)) + 1
         shape = np.array(area.evidence.shape)
@@ -70,7 +72,7 @@ class Grid:
         else:
             before = np.where(low < 0, wide - low, 0)
             after = np.where(high > shape, high - shape + wide, 0)
-        if (shape + before + after).max() * resolution > self._numbers.largest:
+        if (shape + before + after).max() * resolution > self._parameters.largest:
             return False
         pad = list(zip(before.tolist(), after.tolist(), strict=True))
         self.area = Area(
@@ -87,9 +89,9 @@ class Grid:
 
     def see(self, reading: ObstRead) -> None:
         """Note where rays have passed and where they have hit something."""
-        if not self.include(reading.pose[:2], self._numbers.reach):
+        if not self.include(reading.pose[:2], self._parameters.reach):
             return
-        rays = _Rays.of(reading, self._numbers)
+        rays = _BelievedRays.of(Perceived.of(reading).rays, self._parameters)
         area = self.area
         passed = self._passed(rays)
         people = self._flat(reading.people_x, reading.people_y)
@@ -105,7 +107,7 @@ class Grid:
         free = changed[evidence[changed] <= SURELY_FREE]
         self._date(changed[votes[changed] == HIT], np.concatenate((free, self._unfixed(people))), reading.stamp)
         area.theirs_at.reshape(-1)[self._about(reading.people_x, reading.people_y)] = reading.stamp
-        self._let_go(area.around(reading.pose[:2], margin=self._numbers.reach), reading.stamp)
+        self._let_go(area.around(reading.pose[:2], margin=self._parameters.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
         """What stands here does not yield: it counts as what was never free."""
@@ -124,7 +126,7 @@ class Grid:
         self.area.hit_at.reshape(-1)[hit] = stamp
         first_hit[free], fixed[free] = PASSABLE, False
         first_hit[hit[np.isnan(first_hit[hit])]] = stamp
-        fixed[hit] |= stamp - first_hit[hit] >= self._numbers.settled
+        fixed[hit] |= stamp - first_hit[hit] >= self._parameters.settled
 
     def _unfixed(self, people: Cells) -> Cells:
         """Where somebody stands who walked there is floor, though nobody has seen it, unless a wall was seen there."""
@@ -132,18 +134,18 @@ class Grid:
 
     def _about(self, x: Floats, y: Floats) -> Cells:
         """The cells at these places and beside them."""
-        edge = self._numbers.resolution
+        edge = self._parameters.resolution
         beside = [self._flat(x + right * edge, y + up * edge) for right in (-1, 0, 1) for up in (-1, 0, 1)]
         return np.concatenate(beside)
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Who walks about and is out of sight."""
         are_theirs = near.hit_at - THEIRS < near.theirs_at
-        near.evidence[are_theirs & (stamp - near.hit_at > self._numbers.gone) & near.occupied & ~near.fixed] = 0
+        near.evidence[are_theirs & (stamp - near.hit_at > self._parameters.gone) & near.occupied & ~near.fixed] = 0
 
-    def _passed(self, rays: "_Rays") -> Cells:
+    def _passed(self, rays: "_BelievedRays") -> Cells:
         """The cells through which rays have passed. One that hits passes to a cell before its end."""
-        lengths = rays.lengths - np.where(rays.hits, self._numbers.resolution, 0.0)
+        lengths = rays.lengths - np.where(rays.hits, self._parameters.resolution, 0.0)
         going = self._steps[None, :] < lengths[:, None]
         x = (rays.origin_x[:, None] + rays.cosines[:, None] * self._steps[None, :])[going]
         y = (rays.origin_y[:, None] + rays.sines[:, None] * self._steps[None, :])[going]
@@ -160,7 +162,7 @@ class Grid:
         return cells
 
 
-class _Rays(NamedTuple):
+class _BelievedRays(NamedTuple):
     origin_x: Floats
     origin_y: Floats
     end_x: Floats
@@ -171,30 +173,23 @@ class _Rays(NamedTuple):
     hits: Flags
 
     @classmethod
-    def of(cls, reading: ObstRead, numbers: GridNumbers) -> "_Rays":
-        """The rays of a reading that are numbers, none longer than it is believed."""
-        dx, dy = reading.end_x - reading.origin_x, reading.end_y - reading.origin_y
+    def of(cls, rays: Rays, parameters: GridParameters) -> "_BelievedRays":
+        """Return the rays with finite coordinates, shortened to the length up to which they are believed."""
+        dx, dy = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
         lengths = np.hypot(dx, dy)
         sound = np.isfinite(lengths) & (lengths > 0.0)
-        reach = np.where(_is_lone(reading), numbers.lone_reach, numbers.reach)[sound]
+        reach = np.where(rays.is_of_scanner, parameters.reach, parameters.lone_reach)[sound]
         dx, dy, lengths = dx[sound], dy[sound], lengths[sound]
         return cls(
-            reading.origin_x[sound],
-            reading.origin_y[sound],
-            reading.end_x[sound],
-            reading.end_y[sound],
+            rays.origin_x[sound],
+            rays.origin_y[sound],
+            rays.end_x[sound],
+            rays.end_y[sound],
             dx / lengths,
             dy / lengths,
             np.minimum(lengths, reach),
-            (reading.hits[sound] > 0.0) & (lengths <= reach),
+            rays.hits[sound] & (lengths <= reach),
         )
-
-
-def _is_lone(reading: ObstRead) -> Flags:
-    """Which rays share their origin with neither of their neighbours."""
-    is_other = (np.diff(reading.origin_x) != 0.0) | (np.diff(reading.origin_y) != 0.0)
-    lone: Flags = np.concatenate([[True], is_other]) & np.concatenate([is_other, [True]])
-    return lone
 
 
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:

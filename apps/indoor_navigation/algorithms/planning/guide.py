@@ -1,13 +1,13 @@
 """The way to one goal, looked for in what the robot knows, and where the robot is on it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, copysign, cos, hypot, inf
 
 from apps.indoor_navigation.algorithms.planning.aside import way_aside
 from apps.indoor_navigation.algorithms.planning.doors_map import thinned
-from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryNumbers, Pose
+from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryParameters, Pose
 from apps.indoor_navigation.algorithms.planning.route import Passage, Route, SubTarget, routed
 from apps.indoor_navigation.algorithms.planning.search import Way, find_way, length
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
@@ -23,7 +23,7 @@ AT_DOOR = 3.0  # times the distance of the sub-targets from a door, to the one b
 
 
 @dataclass(frozen=True, slots=True)
-class GuideNumbers:
+class GuideParameters:
     """How a way is told, in m.
 
     near: to a sub-target, where the next one counts. before_door: before and behind a door, where sub-targets are, or
@@ -31,11 +31,11 @@ class GuideNumbers:
     stop_before: what bars the way and may go. better: part of the present way's cost that another must not exceed.
     """
 
-    near: float = 0.35
-    before_door: float = 0.6
-    stop_before: float = 0.8
-    better: float = 0.9
-    memory: MemoryNumbers = field(default_factory=MemoryNumbers)
+    near: float
+    before_door: float
+    stop_before: float
+    better: float
+    memory: MemoryParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,8 @@ class Barrier:
 class Guide:
     """For one mission. There is a route from the first look that finds a way until the robot's pose is set anew."""
 
-    def __init__(self, numbers: GuideNumbers, memory: Memory, goal: GoalPoint) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: GuideParameters, memory: Memory, goal: GoalPoint) -> None:
+        self._parameters = parameters
         self._memory = memory
         self._goal = goal
         self._route: Route | None = None
@@ -120,18 +120,18 @@ class Guide:
         """Take a way that is clearly cheaper than the present one, or that leads there where this one ends short."""
         present = self._survey(now).cost_of(*self.points)
         is_whole = present < BARRED and not self.route.ends_short
-        self.look(now, present * self._numbers.better if is_whole else inf)
+        self.look(now, present * self._parameters.better if is_whole else inf)
 
     def look_hoping(self, now: float) -> float | None:
         """Look for a way through what may go, and take it up to there. How far away that is, m, or None."""
-        ground, hoping = self._survey(now), self._survey(now, self._numbers.memory.cost.hope)
+        ground, hoping = self._survey(now), self._survey(now, self._parameters.memory.cost.hope)
         way = self._find(hoping)
         barred = ground.first_barred(way) if way is not None else None
         if way is None or barred is None:
             return None
         self._take(way, hoping)
         barred = ground.first_barred(self.points) or barred
-        self._route = self.route.shortened(barred - self._numbers.stop_before, self._memory.place)
+        self._route = self.route.shortened(barred - self._parameters.stop_before, self._memory.place)
         return barred
 
     def barrier(self, now: float) -> Barrier | None:
@@ -177,7 +177,7 @@ class Guide:
     def advance(self) -> None:
         """Look around, and leave behind what the robot need not go to any more."""
         self._near = self._memory.survey_near()
-        self._route = self.route.advanced(self._near, self._memory.place, self._numbers.near)
+        self._route = self.route.advanced(self._near, self._memory.place, self._parameters.near)
 
     def is_at_goal(self) -> bool:
         """Whether it is as near as was wanted."""
@@ -187,13 +187,15 @@ class Guide:
         """Whether it is at the end of a way that ends short of something that may go."""
         targets = self.route.targets
         return (
-            bool(self.route.ends_short) and len(targets) == 1 and self.distance(targets[0].place) <= self._numbers.near
+            bool(self.route.ends_short)
+            and len(targets) == 1
+            and self.distance(targets[0].place) <= self._parameters.near
         )
 
     def door(self) -> int | None:
         """The number of a door that the robot is about to go through, or is in."""
         for target in self.route.targets[:2]:
-            if target.door is not None and self.distance(target.place) < AT_DOOR * self._numbers.before_door:
+            if target.door is not None and self.distance(target.place) < AT_DOOR * self._parameters.before_door:
                 return target.door
         return None
 
@@ -212,7 +214,7 @@ class Guide:
 
     def is_off_way(self, most: float) -> bool:
         """Whether it looks farther away than that from a sub-target that is not near."""
-        return self.distance(self.target.place) > self._numbers.near and self.off(self.heading()) > most
+        return self.distance(self.target.place) > self._parameters.near and self.off(self.heading()) > most
 
     def is_before_narrow_door(self) -> bool:
         """Whether it goes through a narrow door next, and is not in it yet, where it could not turn."""
@@ -229,7 +231,7 @@ class Guide:
 
     def barred_place(self) -> Place:
         """Where the way is barred that ends short."""
-        return self.ahead(self._numbers.stop_before + self._memory.half_width)
+        return self.ahead(self._parameters.stop_before + self._memory.half_width)
 
     def _survey(self, now: float, hopes: float | None = None) -> Terrain:
         ground = self._memory.survey(self.goal, now, hopes=hopes)
@@ -247,7 +249,7 @@ class Guide:
         route = routed(way if out is None else way[1:], self._memory.doors, ground, self._passage)
         if out is not None:
             route = Route((out, *route.targets))
-        self._route = route.advanced(ground, self._memory.place, self._numbers.near)
+        self._route = route.advanced(ground, self._memory.place, self._parameters.near)
 
     def _out_of_door(self, ground: Terrain) -> SubTarget | None:
         """Where a robot in a door goes first, whatever the way, since it cannot turn about there; None elsewhere."""
@@ -268,7 +270,7 @@ class Guide:
     @property
     def _passage(self) -> Passage:
         memory = self._memory
-        return Passage(max(self._numbers.before_door, memory.outline.sweep + TO_LINE_UP), memory.half_width)
+        return Passage(max(self._parameters.before_door, memory.outline.sweep + TO_LINE_UP), memory.half_width)
 
 
 def spoken(place: Place) -> str:

@@ -1,7 +1,7 @@
 """What the robot knows: where it is and was, what it has seen, its doors, and where it came no farther lately."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import atan2, ceil, hypot
 from typing import Any
 
@@ -9,9 +9,10 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import drawn
-from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapNumbers
-from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers
-from apps.indoor_navigation.algorithms.planning.terrain import CostNumbers, Hints, Strip, Terrain, terrain
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapParameters
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
+from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, Hints, Strip, Terrain, terrain
+from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.data import DLEData, ObstRead, Place
 from geometry import wrap_angle
 
@@ -64,21 +65,16 @@ STEP = 0.1  # m between two points of the trail
 LEAST_BACK, MOST_BACK = 3, 30  # breadcrumbs
 DEEP = 0.05  # m within a robot that turns, where a cell of the grid surely is in its way
 TURN_STEP = 0.15  # rad
-BLIND = 2.0  # s; a robot of which nothing is heard for longer does not go on
-
-# What a robot can have done between two readings; more is a jump of its odometry.
-PLACE, SPEED = 0.3, 1.5  # m, m/s
-TURN, TURNING = 0.5, 2.5  # rad, rad/s
 
 
 @dataclass(frozen=True, slots=True)
-class MemoryNumbers:
+class MemoryParameters:
     """near: m around the robot within which the way is watched at each step."""
 
-    near: float = 5.0
-    grid: GridNumbers = field(default_factory=GridNumbers)
-    cost: CostNumbers = field(default_factory=CostNumbers)
-    doors: MapNumbers = field(default_factory=MapNumbers)
+    near: float
+    grid: GridParameters
+    cost: CostParameters
+    doors: MapParameters
 
 
 class Memory:
@@ -88,11 +84,11 @@ class Memory:
     has_jumped: its odometry was set anew at least once.
     """
 
-    def __init__(self, numbers: MemoryNumbers, outline: Outline) -> None:
-        self.numbers = numbers
+    def __init__(self, parameters: MemoryParameters, outline: Outline) -> None:
+        self.parameters = parameters
         self.outline = outline
-        self.grid = Grid(numbers.grid)
-        self.doors = DoorsMap(numbers.doors)
+        self.grid = Grid(parameters.grid)
+        self.doors = DoorsMap(parameters.doors)
         self.pose: Pose | None = None
         self.travelled = 0.0
         self.has_jumped = False
@@ -117,7 +113,7 @@ class Memory:
 
     def see(self, reading: ObstRead) -> bool:
         """Note a reading. True where the robot's pose was set anew, and all that was known of places is void."""
-        jumped = self.pose is not None and _is_jump(self.pose, reading.pose, reading.stamp - self._stamp)
+        jumped = self.pose is not None and is_pose_jump(self.pose, reading.pose, reading.stamp - self._stamp)
         if jumped:
             self.has_jumped = True
             self.forget()
@@ -191,12 +187,14 @@ class Memory:
         for corner in corners:
             self.grid.include(corner, BEYOND)
         area = self.grid.area.around(*corners, self.place, goal, margin=BEYOND)
-        return terrain(area, self.half_width, self.numbers.cost, hints=self._hints(now), robot=self.place, hopes=hopes)
+        return terrain(
+            area, self.half_width, self.parameters.cost, hints=self._hints(now), robot=self.place, hopes=hopes
+        )
 
     def survey_near(self, *, hopes: float | None = None) -> Terrain:
         """What is near the robot, without hints."""
-        area = self.grid.area.around(self.place, margin=self.numbers.near)
-        return terrain(area, self.half_width, self.numbers.cost, robot=self.place, hopes=hopes)
+        area = self.grid.area.around(self.place, margin=self.parameters.near)
+        return terrain(area, self.half_width, self.parameters.cost, robot=self.place, hopes=hopes)
 
     def picture(self) -> dict[str, Any]:
         """What is known, as JSON."""
@@ -247,10 +245,3 @@ class Memory:
         self.doors.passed(door)
         self.doors.gone(self._node, door, self.trail[self._since_node :])
         self._node, self._since_node = door, len(self.trail) - 1
-
-
-def _is_jump(before: Pose, after: Pose, elapsed: float) -> bool:
-    seconds = min(abs(elapsed), BLIND)
-    went = hypot(after[0] - before[0], after[1] - before[1])
-    turned = abs(wrap_angle(after[2] - before[2]))
-    return went > PLACE + SPEED * seconds or turned > TURN + TURNING * seconds

@@ -8,7 +8,7 @@ from typing import Any
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.driving import Driving
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionNumbers, Order, is_sound
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionParameters, Order, is_sound
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MissionEvent, MissionState
@@ -21,11 +21,11 @@ AT_ONCE = 8  # changes of state in one step at most
 class Navigator:
     """Is shown readings, and asked for an order at each step. All times are s of one steady clock."""
 
-    def __init__(self, numbers: MissionNumbers, half_width: float) -> None:
+    def __init__(self, parameters: MissionParameters, half_width: float) -> None:
         """half_width: of the robot, m."""
-        self.numbers = numbers
-        self.memory = Memory(numbers.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
-        self._situation = Situation(numbers, self.memory)
+        self.parameters = parameters
+        self.memory = Memory(parameters.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
+        self._situation = Situation(parameters, self.memory)
         driving, pausing = Driving(self._situation), Pausing(self._situation)
         self._handlers: dict[MissionState, Callable[[float], Order | None]] = {
             MissionState.REPLANNING: pausing.replan,

@@ -1,15 +1,15 @@
 """What missions are gone about with, and what comes out: orders, and notes for people."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import isfinite
 
-from apps.indoor_navigation.algorithms.planning.guide import GuideNumbers
-from apps.indoor_navigation.algorithms.planning.progress import ProgressNumbers
+from apps.indoor_navigation.algorithms.planning.guide import GuideParameters
+from apps.indoor_navigation.algorithms.planning.progress import ProgressParameters
 from apps.indoor_navigation.data import GoalPoint, Place
 
 
 @dataclass(frozen=True, slots=True)
-class MissionNumbers:
+class MissionParameters:
     """How missions are gone about.
 
     speed, door_speed, back_speed: m/s at most, through doors, and backward. turn_from, turn_until: rad off the next
@@ -21,25 +21,25 @@ class MissionNumbers:
     which the robot goes aside, at most `courtesies` times on a mission, and waits there for `aside` s or longer.
     """
 
-    speed: float = 0.5
-    door_speed: float = 0.4
-    back_speed: float = 0.2
-    turn_from: float = 1.4
-    turn_until: float = 0.25
-    door_from: float = 0.5
-    door_until: float = 0.15
-    heading: float = 0.1
-    silence: float = 1.0
-    look: float = 2.0
-    detour: float = 1.5
-    patience: float = 8.0
-    hope: float = 20.0
-    sure: float = 8.0
-    courtesy: float = 6.0
-    courtesies: int = 4
-    aside: float = 8.0
-    progress: ProgressNumbers = field(default_factory=ProgressNumbers)
-    guide: GuideNumbers = field(default_factory=GuideNumbers)
+    speed: float
+    door_speed: float
+    back_speed: float
+    turn_from: float
+    turn_until: float
+    door_from: float
+    door_until: float
+    heading: float
+    silence: float
+    look: float
+    detour: float
+    patience: float
+    hope: float
+    sure: float
+    courtesy: float
+    courtesies: int
+    aside: float
+    progress: ProgressParameters
+    guide: GuideParameters
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,13 +18,13 @@ class Pausing:
 
     def __init__(self, situation: Situation) -> None:
         self._situation = situation
-        self._numbers = situation.numbers
+        self._parameters = situation.parameters
         self._memory = situation.memory
         self._machine = situation.machine
 
     def replan(self, now: float) -> Order | None:
         """Look for a way, or for one through something that may go; give up where there has been none for long."""
-        situation, guide, sure = self._situation, self._situation.guide, self._numbers.sure
+        situation, guide, sure = self._situation, self._situation.guide, self._parameters.sure
         if guide.is_too_far(now):
             situation.give_up(now, f"{spoken(guide.goal)} is too far away to plan a way there")
         elif (found := situation.look(now)) is not None:
@@ -57,7 +57,7 @@ class Pausing:
         if now < waiting.until:
             return self._watch(waiting)
         if waiting.is_last_hope and waiting.place is not None:
-            radius = self._numbers.guide.stop_before + self._memory.half_width
+            radius = self._parameters.guide.stop_before + self._memory.half_width
             self._memory.grid.take_for_walls(*waiting.place, radius)
         elif waiting.cost < inf and situation.has_tried_enough(now):
             return None
@@ -80,7 +80,7 @@ class Pausing:
     def _makes_way(self, waiting: Waiting, now: float) -> bool:
         """Go aside, if that may help."""
         situation = self._situation
-        is_time = now - self._machine.since >= self._numbers.courtesy and situation.making_way.is_worth(now)
+        is_time = now - self._machine.since >= self._parameters.courtesy and situation.making_way.is_worth(now)
         if not (is_time and situation.guide.make_way(waiting.place)):
             return False
         self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for whom or what is there")
@@ -93,4 +93,4 @@ class Pausing:
             return REST
         guide = self._situation.guide
         heading = guide.direction(waiting.place)
-        return Order("turn", heading=heading) if guide.off(heading) > self._numbers.turn_from else REST
+        return Order("turn", heading=heading) if guide.off(heading) > self._parameters.turn_from else REST

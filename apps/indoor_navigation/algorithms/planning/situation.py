@@ -5,7 +5,7 @@ from math import inf
 
 from apps.indoor_navigation.algorithms.planning.guide import Guide, spoken
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import MissionNote, MissionNumbers
+from apps.indoor_navigation.algorithms.planning.orders import MissionNote, MissionParameters
 from apps.indoor_navigation.algorithms.planning.progress import Progress
 from apps.indoor_navigation.algorithms.planning.states import TRANSITIONS, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting
@@ -24,14 +24,14 @@ class Situation:
     last, and when anything was seen, s. is_there: it only has to turn yet. doubts: that the goal is barred.
     """
 
-    def __init__(self, numbers: MissionNumbers, memory: Memory) -> None:
-        self.numbers = numbers
+    def __init__(self, parameters: MissionParameters, memory: Memory) -> None:
+        self.parameters = parameters
         self.memory = memory
         self.notes: deque[MissionNote] = deque(maxlen=SAID)
         self.machine: StateMachine[MissionState, MissionEvent] = StateMachine(
             TRANSITIONS, MissionState.IDLE, self._changed
         )
-        self.progress = Progress(numbers.progress)
+        self.progress = Progress(parameters.progress)
         self.waiting = FOR_SIGHT
         self.seen_at = -inf
         self._set_out(GoalPoint("", None, None))
@@ -50,7 +50,7 @@ class Situation:
 
     def is_blind(self, now: float) -> bool:
         """Whether nothing has been seen for too long."""
-        return now - self.seen_at > self.numbers.silence
+        return now - self.seen_at > self.parameters.silence
 
     def look(self, now: float, budget: float = inf) -> float | None:
         """Look for a way, and take it where it costs no more than the budget. Its length, m, or None."""
@@ -71,7 +71,7 @@ class Situation:
 
     def look_past(self, waiting: Waiting, now: float) -> float | None:
         """Look for a way that is worth it to wait no longer, and take it. Its length, m, or None."""
-        return self.look(now, waiting.budget(now, self.numbers.detour, self.numbers.speed))
+        return self.look(now, waiting.budget(now, self.parameters.detour, self.parameters.speed))
 
     def end_making_way(self, now: float) -> None:
         """If nobody is in the way any more."""
@@ -92,7 +92,7 @@ class Situation:
     def has_tried_enough(self, now: float) -> bool:
         """It has come no farther once more; after some times it gives up."""
         tried = self.progress.strike(self.memory.travelled)
-        if tried <= self.numbers.progress.strikes:
+        if tried <= self.parameters.progress.strikes:
             return False
         self.give_up(now, f"the robot comes no farther at {spoken(self.memory.place)}, though {tried - 1} times tried")
         return True
@@ -103,8 +103,8 @@ class Situation:
         self.notes.append(MissionNote(self.goal.mission, level, what))
 
     def _set_out(self, goal: GoalPoint) -> None:
-        self.goal, self.guide, self.noted = goal, Guide(self.numbers.guide, self.memory, goal), 0
-        self.making_way = MakingWay(self.numbers.courtesies)
+        self.goal, self.guide, self.noted = goal, Guide(self.parameters.guide, self.memory, goal), 0
+        self.making_way = MakingWay(self.parameters.courtesies)
         self.barred: Place | None = None
         self.no_way_since, self.looked_at = inf, -inf
         self.is_there, self.doubts = False, True

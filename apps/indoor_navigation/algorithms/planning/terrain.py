@@ -18,7 +18,7 @@ SAMPLES = 2.0  # to each cell along a line
 
 
 @dataclass(frozen=True, slots=True)
-class CostNumbers:
+class CostParameters:
     """Costs are of a metre; 1 on known free floor.
 
     margin: m that must be left beside the robot. comfort: m beside that where nearness to an obstacle costs something.
@@ -29,15 +29,15 @@ class CostNumbers:
     detour: added where the robot has come no farther lately.
     """
 
-    margin: float = 0.0
-    comfort: float = 0.35
-    tight: float = 4.0
-    squeeze: float = 20.0
-    unknown: float = 1.3
-    off_ways: float = 2.0
-    wall: float = 15.0
-    hope: float = 10.0
-    detour: float = 10.0
+    margin: float
+    comfort: float
+    tight: float
+    squeeze: float
+    unknown: float
+    off_ways: float
+    wall: float
+    hope: float
+    detour: float
 
 
 class Strip(NamedTuple):
@@ -115,7 +115,7 @@ class Terrain(NamedTuple):
 def terrain(
     area: Area,
     half_width: float,
-    numbers: CostNumbers,
+    parameters: CostParameters,
     *,
     hints: Hints = NO_HINTS,
     robot: Place | None = None,
@@ -126,22 +126,22 @@ def terrain(
     Args:
         area: What was seen.
         half_width: Of the robot, m.
-        numbers: What is how dear.
+        parameters: What is how dear.
         hints: What is known beside.
         robot: Where it is: however near obstacles seem, it can leave that place.
         hopes: Bar only walls; something else that is in the way may go, and costs so much.
     """
     occupied = area.occupied
     standing = occupied if hopes is None else area.walls
-    narrow = half_width + numbers.margin
-    cost = np.where(area.unknown, numbers.off_ways if hints.ways else numbers.unknown, 1.0)
+    narrow = half_width + parameters.margin
+    cost = np.where(area.unknown, parameters.off_ways if hints.ways else parameters.unknown, 1.0)
     for way in hints.ways:
         _lay(cost, area, way, area.unknown, 1.0)
     for wall in hints.walls:
-        _lay(cost, area, wall, area.unknown, numbers.wall)
+        _lay(cost, area, wall, area.unknown, parameters.wall)
     for avoided in hints.avoided:
-        _lay(cost, area, avoided, None, numbers.detour)
-    cost += _nearness(standing, narrow, numbers, area.resolution)
+        _lay(cost, area, avoided, None, parameters.detour)
+    cost += _nearness(standing, narrow, parameters, area.resolution)
     if hopes is not None:
         barred = _squared(narrow - area.resolution, area.resolution)
         in_the_way = clearance_squared(occupied, narrow, area.resolution) <= barred
@@ -178,14 +178,14 @@ def clearance_squared(occupied: Flags, farthest: float, resolution: float) -> ND
     return nearest
 
 
-def _nearness(standing: Flags, narrow: float, numbers: CostNumbers, resolution: float) -> Floats:
+def _nearness(standing: Flags, narrow: float, parameters: CostParameters, resolution: float) -> Floats:
     """Cost for being near to obstacles."""
-    wide = narrow + numbers.comfort
+    wide = narrow + parameters.comfort
     squared = clearance_squared(standing, wide, resolution)
     distance = np.sqrt(np.arange(int(squared.max(initial=0)) + 1)) * resolution
-    lacking = np.clip((wide - distance) / numbers.comfort, 0.0, 1.0)
-    table = numbers.tight * lacking**2
-    table[: _squared(narrow, resolution) + 1] += numbers.squeeze
+    lacking = np.clip((wide - distance) / parameters.comfort, 0.0, 1.0)
+    table = parameters.tight * lacking**2
+    table[: _squared(narrow, resolution) + 1] += parameters.squeeze
     table[: _squared(narrow - resolution, resolution) + 1] = BARRED
     return np.asarray(table[squared])
 
@@ -241,6 +241,6 @@ def _sampled(points: Floats, resolution: float) -> _Samples:
     lengths = np.hypot(ways[:, 0], ways[:, 1])
     counts = np.maximum(np.ceil(lengths * SAMPLES / resolution), 1.0).astype(np.intp)
     pieces = np.repeat(np.arange(len(counts)), counts)
-    numbers = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
-    parts = (numbers + 0.5) / counts[pieces]
+    indices = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
+    parts = (indices + 0.5) / counts[pieces]
     return _Samples(starts[pieces] + parts[:, None] * ways[pieces], (lengths / counts)[pieces], pieces)

@@ -86,8 +86,8 @@ def others(site: Site) -> Others:
     return Others(site)
 
 
-def start(site: Site, **numbers: Any) -> None:
-    site.start(PathPlanning(f"path_planning@{ROBOT}", {**PROPERTIES, "numbers": numbers}))
+def start(site: Site, **parameters: Any) -> None:
+    site.start(PathPlanning(f"path_planning@{ROBOT}", {**PROPERTIES, "numbers": parameters}))
 
 
 def test_a_goal_becomes_an_order_and_an_end(site: Site, others: Others) -> None:
