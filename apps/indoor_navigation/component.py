@@ -41,11 +41,11 @@ class Role(StrEnum):
     HARDWARE = "hardware"
 
 
-class NoParameters:
+class _NoParameters:
     """A component without numbers."""
 
     @classmethod
-    def from_table(cls, table: Mapping[str, Any]) -> "NoParameters":
+    def from_table(cls, table: Mapping[str, Any]) -> "_NoParameters":
         """Nothing may be given."""
         if table:
             raise ValueError(f"it has no numbers, and so no {', '.join(table)}")
@@ -61,7 +61,7 @@ class Component(Agent):
     role: ClassVar[Role]
     gives: ClassVar[tuple[type[Data], ...]] = ()
     tells: ClassVar[tuple[type[Data], ...]] = ()
-    parameters_type: ClassVar[type[Any]] = NoParameters
+    parameters_type: ClassVar[type[Any]] = _NoParameters
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)

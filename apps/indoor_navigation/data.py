@@ -99,6 +99,13 @@ class GoalPoint(Data):
     heading: float | None = None
     tolerance: float = 0.25
 
+    @property
+    def is_sound(self) -> bool:
+        """Whether all values are finite numbers and the tolerance is above 0."""
+        numbers = [self.x, self.y, self.tolerance, 0.0 if self.heading is None else self.heading]
+        sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
+        return all(sound) and self.tolerance > 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class LogMessage(Data):
@@ -265,3 +272,9 @@ class MotionCmd(Data):
     back: float | None = None
     left: float | None = None
     right: float | None = None
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether stamp and speeds are finite numbers; limits and weights are checked by the fuser."""
+        numbers = (self.stamp, self.linear, self.angular)
+        return all(isinstance(number, int | float) and isfinite(number) for number in numbers)

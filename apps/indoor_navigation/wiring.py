@@ -14,7 +14,7 @@ from configs import ConfigError
 
 
 @dataclass(frozen=True, slots=True)
-class ComponentEntry:
+class _ComponentEntry:
     """A component, as the file has it.
 
     kind: `module:Class`. process: where it runs. hears: `component.Data`, each of which it is pushed. tells: kind of
@@ -30,10 +30,10 @@ class ComponentEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class WiringFile:
+class _WiringFile:
     """The file as it stands. about: for people."""
 
-    components: dict[str, ComponentEntry]
+    components: dict[str, _ComponentEntry]
     about: str = ""
 
 
@@ -54,7 +54,7 @@ class ComponentSpec:
 class Wiring:
     """Checked: whoever hears something is pushed it by somebody who gives it."""
 
-    def __init__(self, file: WiringFile, source: str, kinds: Kinds | None = None) -> None:
+    def __init__(self, file: _WiringFile, source: str, kinds: Kinds | None = None) -> None:
         """Check a file.
 
         Args:
@@ -89,7 +89,7 @@ class Wiring:
             raise self._error(f"there is no process {process!r}; {_choose(process, self.processes)}")
         return tuple(part for part in self.parts if part.process == process)
 
-    def _class(self, name: str, entry: ComponentEntry, kinds: Kinds) -> type[Component]:
+    def _class(self, name: str, entry: _ComponentEntry, kinds: Kinds) -> type[Component]:
         try:
             found = kinds.find(entry.kind)
         except LookupError as err:
@@ -99,7 +99,7 @@ class Wiring:
         build_parameters(found.parameters_type, entry.numbers, f"{self._source}: components.{name}.numbers")
         return found
 
-    def _check(self, name: str, entry: ComponentEntry) -> None:
+    def _check(self, name: str, entry: _ComponentEntry) -> None:
         heard_here = {kind.bus_name for kind in heard(self._classes[name])}
         for connection in entry.hears:
             source, what = _split(connection)
@@ -138,10 +138,10 @@ def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
         ConfigError: It cannot be used; says why.
     """
     table = laid_over(read_wiring(path), changes or {})
-    return Wiring(configs.build(WiringFile, table, str(path)), str(path))
+    return Wiring(configs.build(_WiringFile, table, str(path)), str(path))
 
 
-def _properties(entry: ComponentEntry) -> dict[str, Any]:
+def _properties(entry: _ComponentEntry) -> dict[str, Any]:
     return {
         "hears": [list(_split(connection)) for connection in entry.hears],
         "tells": {what: list(receivers) for what, receivers in entry.tells.items()},

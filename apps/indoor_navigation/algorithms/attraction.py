@@ -146,7 +146,7 @@ class Attraction:
         # Beside a target that is almost reached its direction means little.
         gain = parameters.gain * min(1.0, distance / 0.3)
         angular = max(-parameters.angular, min(parameters.angular, gain * error))
-        return Speeds(fastest * slowing(error), angular)
+        return Speeds(fastest * _slowing(error), angular)
 
 
 def _round_corner(way: Place, then: Place) -> Place:
@@ -156,7 +156,7 @@ def _round_corner(way: Place, then: Place) -> Place:
     return way[0] + part * then[0], way[1] + part * then[1]
 
 
-def slowing(error: float) -> float:
+def _slowing(error: float) -> float:
     """The part of its speed with which one goes who looks so far away from where it wants to, rad."""
     return max(0.0, cos(error)) if abs(error) < pi / 2.0 else 0.0
 

@@ -101,7 +101,7 @@ class Fusion:
         Raises:
             Unsound: The command is left out, and the one before it stands as long as it is young.
         """
-        check(command)
+        _check(command)
         read_at = now - max(0.0, wall_time - command.stamp)
         before = self._heard.get(command.source)
         if before is not None and before.command.stamp == command.stamp:
@@ -157,7 +157,7 @@ class Fusion:
         )
 
 
-def check(command: MotionCmd) -> None:
+def _check(command: MotionCmd) -> None:
     """See whether a command can be meant.
 
     Raises:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.algorithms.rays import Rays, are_in_view, inner, nearest
+from apps.indoor_navigation.algorithms.rays import Rays, nearest
 from apps.indoor_navigation.data import Floats
 
 MAX_WIDTH = 0.25  # m, of a leg with trousers
@@ -37,7 +37,7 @@ class Legs:
         x, y = slender(rays)
         age = stamp - self._at
         is_there = nearest(self._x, self._y, rays.end_x[rays.hits], rays.end_y[rays.hits]) < MAX_SHIFT
-        is_in_view = are_in_view(inner(rays, EDGE_RAYS), self._x, self._y)
+        is_in_view = rays.inner(EDGE_RAYS).are_in_view(self._x, self._y)
         is_beside = nearest(self._x, self._y, rays.origin_x[:1], rays.origin_y[:1]) < HIDDEN_RANGE
         stays = np.where(is_in_view, is_there & (age < UNCONFIRMED_TIME), is_beside & (age < HIDDEN_TIME))
         stays &= (age >= 0.0) & (nearest(self._x, self._y, x, y) >= LEG_SPACING)

@@ -11,15 +11,13 @@ from math import hypot
 import numpy as np
 
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
-from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays, unexplained
+from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.walkers import Moved, ScanMotion, StandingPeople
 from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
 from geometry import wrap_angle
 
 MIN_RANGES = 3  # measured ranges of a stuck sensor; that one or two stay the same happens by chance
-MAX_DISORDER = (
-    1.0  # s by which a stamp may be older than the newest one; an older one means that the clock was set back
-)
+MAX_DISORDER = 1.0  # s that a stamp may be older than the newest one, unless the clock was set back
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,10 +111,10 @@ class Perception:
 
     def _rays(self) -> Rays:
         scan, sonar = self.laser, self._sonar.last
-        seen = laser_rays(scan, self._parameters.rays) if scan is not None else Rays.none()
+        seen = Rays.of_laser(scan, self._parameters.rays) if scan is not None else Rays.none()
         if not isinstance(sonar, SonarRead) or self._sonar.fault(self.stamp):
             return seen
-        return seen.followed_by(unexplained(sonar_rays(sonar), seen))
+        return seen.followed_by(Rays.of_sonar(sonar).unexplained_by(seen))
 
 
 class _Sensor:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from apps.indoor_navigation.algorithms.legs import Legs
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.rays import Rays, are_in_view, in_robot, inner, unexplained
+from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.data import Floats
 
 MAX_DISTANCE = 2.5  # m from the robot; goto and avoiding look no farther
@@ -45,7 +45,7 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < MEMORY_RANGE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~are_in_view(inner(rays.where(rays.is_of_scanner), EDGE_RAYS), x, y)
+            is_kept = ~rays.where(rays.is_of_scanner).inner(EDGE_RAYS).are_in_view(x, y)
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         self._last, self._people = self._explained(rays), perceived.people
@@ -56,7 +56,7 @@ class Surroundings:
         seen = rays.where(rays.is_of_scanner)
         remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
         echoes = rays.where(~rays.is_of_scanner & rays.hits)
-        return seen.followed_by(unexplained(echoes, seen.followed_by(remembered)))
+        return seen.followed_by(echoes.unexplained_by(seen.followed_by(remembered)))
 
     def places(self, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""

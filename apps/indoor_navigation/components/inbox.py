@@ -2,11 +2,28 @@
 
 import asyncio
 import threading
+from collections import deque
 from contextlib import suppress
 
 from agents.platform.conversations.talk import hand_over
-from apps.indoor_navigation.algorithms.last_second import LastSecond
 from bus import Sample
+
+MAX_EVENTS = 4096  # of one second that are counted
+
+
+class LastSecond:
+    """Amounts of the last second; one thread may add while another reads."""
+
+    def __init__(self) -> None:
+        self._events: deque[tuple[float, float]] = deque(maxlen=MAX_EVENTS)
+
+    def add(self, now: float, amount: float = 1.0) -> None:
+        """Add an amount at s of any steady clock."""
+        self._events.append((now, amount))
+
+    def total(self, now: float) -> float:
+        """Return the sum of the amounts of the last second."""
+        return sum(amount for at, amount in tuple(self._events) if at > now - 1.0)
 
 
 class Inbox:

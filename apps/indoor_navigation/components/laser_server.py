@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from agents.platform import Cyclic, Restart, on
-from apps.indoor_navigation.algorithms.measured import filled
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
 from apps.indoor_navigation.component import Component, Role, hears
-from apps.indoor_navigation.data import LaserRead, RobotOdometry
+from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry
 from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, LaserScan, stamp_ns
 
@@ -67,7 +66,7 @@ class LaserServer(Component):
         """Learn where the scanner is on the robot, whenever it has come or come back."""
         await self._is_there.wait()
         try:
-            self._mount = mount(await self.query(keys.DESCRIPTION.key(self.robot), {}, ANSWER_TIME))
+            self._mount = _mounted(await self.query(keys.DESCRIPTION.key(self.robot), {}, ANSWER_TIME))
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
@@ -86,7 +85,7 @@ class LaserServer(Component):
         self.home.report(self.name, why, None)
 
 
-def mount(told: Mapping[str, Any]) -> tuple[float, float, float]:
+def _mounted(told: Mapping[str, Any]) -> tuple[float, float, float]:
     """From a robot's description: where its laser is, x, y and heading in the robot's frame.
 
     Raises:
@@ -97,3 +96,20 @@ def mount(told: Mapping[str, Any]) -> tuple[float, float, float]:
             place = element["geometry"]
             return float(place["x"]), float(place["y"]), float(place["heading"])
     raise LookupError(f"{told['name']} has no laser")
+
+
+def filled(ranges: Floats) -> Floats | None:
+    """Replace NaN, which means no measurement, by the shorter of the nearest measured ranges on either side, m.
+
+    A wall may be too dark to be measured, so a beam without a measurement never counts as free. None where no beam
+    has a measurement.
+    """
+    missing = np.isnan(ranges)
+    if missing.all():
+        return None
+    if not missing.any():
+        return ranges
+    places = np.flatnonzero(~missing)
+    after = np.minimum(np.searchsorted(places, np.arange(len(ranges))), len(places) - 1)
+    before = np.maximum(np.searchsorted(places, np.arange(len(ranges)), side="right") - 1, 0)
+    return np.where(missing, np.minimum(ranges[places[before]], ranges[places[after]]), ranges)

@@ -8,9 +8,8 @@ from typing import Any
 
 from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.fusion import Fusion, FusionParameters, Unsound
-from apps.indoor_navigation.algorithms.last_second import LastSecond
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, push_key, sources
-from apps.indoor_navigation.components.inbox import Inbox
+from apps.indoor_navigation.components.inbox import Inbox, LastSecond
 from apps.indoor_navigation.data import Data, MotionCmd
 from bus import MessageError, Sample
 from bus.messages import decode_json

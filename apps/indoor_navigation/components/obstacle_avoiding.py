@@ -18,7 +18,7 @@ TURN_AGE = 1.0  # s for which it is known that it did
 
 
 @dataclass(frozen=True, slots=True)
-class AvoidingParameters:
+class _AvoidingParameters:
     """What it believes, and how it avoids."""
 
     senses: PerceptionParameters
@@ -30,7 +30,7 @@ class ObstacleAvoiding(Embodied):
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    parameters_type = AvoidingParameters
+    parameters_type = _AvoidingParameters
 
     async def setup(self) -> None:
         """Know nothing yet."""

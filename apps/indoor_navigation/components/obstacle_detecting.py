@@ -11,7 +11,7 @@ from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
 
 
 @dataclass(frozen=True, slots=True)
-class DetectingParameters:
+class _DetectingParameters:
     """What it believes and what it calls an obstacle.
 
     sonar_alone: s after the last scan, from which on it says something with each reading of the sonar. dead_end_after:
@@ -29,7 +29,7 @@ class ObstacleDetecting(Embodied):
 
     role = Role.MONITOR
     gives = (ObstRead,)
-    parameters_type = DetectingParameters
+    parameters_type = _DetectingParameters
 
     async def setup(self) -> None:
         """Know nothing yet."""

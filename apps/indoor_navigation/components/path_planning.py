@@ -7,7 +7,6 @@ from typing import Any
 
 from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.planning.doors_map import read_map, write_map
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
@@ -20,7 +19,7 @@ MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class PlanningParameters:
+class _PlanningParameters:
     """How missions are commanded.
 
     period: s between two steps. repeat: s after which an order is told again, for who was not there or not yet. busy:
@@ -42,7 +41,7 @@ class PathPlanning(Component):
 
     role = Role.DELIBERATIVE
     tells = (WorldCoord, LogMessage)
-    parameters_type = PlanningParameters
+    parameters_type = _PlanningParameters
 
     async def setup(self) -> None:
         """Remember the doors, and be ready for a mission."""
@@ -55,7 +54,7 @@ class PathPlanning(Component):
         self._file = Path(self.parameters.doors_file) if self.parameters.doors_file else None
         if self._file is not None:
             try:
-                read_map(self._navigator.memory.doors, self._file)
+                self._navigator.memory.doors.read(self._file)
             except ValueError as err:
                 self.home.report(self.name, str(err), None)
                 self._file = None  # what is there may be dear to somebody
@@ -163,7 +162,7 @@ class PathPlanning(Component):
         if self._file is None or self._navigator.memory.has_jumped:
             return
         try:
-            write_map(self._navigator.memory.doors, self._file)
+            self._navigator.memory.doors.write(self._file)
         except OSError as err:
             self._complain("file", f"the doors cannot be kept: {err}; see whether {self._file} may be written")
 

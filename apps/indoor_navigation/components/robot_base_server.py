@@ -4,7 +4,6 @@ import asyncio
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
 from typing import Any
 
 from agents.platform import Cyclic, Restart, on
@@ -97,7 +96,7 @@ class RobotBaseServer(Component):
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
         """Move as the fuser says. While the robot rests, the wheels are left alone after a while."""
-        if not is_sound(command) or self.home.wall_time() - command.stamp > self.parameters.oldest:
+        if not command.is_sound or self.home.wall_time() - command.stamp > self.parameters.oldest:
             return  # as good as silence, which stops the robot
         self._commanded_at = self._now
         if command.linear or command.angular:
@@ -136,7 +135,7 @@ class RobotBaseServer(Component):
         await self._is_there.wait()
         try:
             told = await self.query(keys.DESCRIPTION.key(self.robot), {}, ANSWER_TIME)
-            self._about, self._discs = described(told)
+            self._about, self._discs = _described(told)
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
@@ -173,13 +172,7 @@ class RobotBaseServer(Component):
         return asyncio.get_running_loop().time()
 
 
-def is_sound(command: MotionCmd) -> bool:
-    """Whether its numbers are some."""
-    numbers = (command.stamp, command.linear, command.angular)
-    return all(isinstance(number, int | float) and isfinite(number) for number in numbers)
-
-
-def described(told: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:
+def _described(told: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:
     """From a robot's description: what the navigation has to know of its body, and where its sonar discs are.
 
     Raises:

@@ -18,7 +18,7 @@ LATEST = 2.0  # s after the end of a mission until when messages of path plannin
 
 
 @dataclass(frozen=True, slots=True)
-class InterfaceParameters:
+class _InterfaceParameters:
     """look: s between two looks how a mission goes. log: how many messages are kept."""
 
     look: float
@@ -34,7 +34,7 @@ class UserInterface(Component):
     role = Role.DELIBERATIVE
     services = ("missions",)
     tells = (GoalPoint,)
-    parameters_type = InterfaceParameters
+    parameters_type = _InterfaceParameters
 
     async def setup(self) -> None:
         """Know of no mission yet."""

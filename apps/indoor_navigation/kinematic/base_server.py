@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
-from apps.indoor_navigation.components.robot_base_server import BaseParameters, is_sound
+from apps.indoor_navigation.components.robot_base_server import BaseParameters
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from apps.indoor_navigation.kinematic.plane import Plane
 from apps.indoor_navigation.kinematic.robot import KinematicBody, KinematicRobot
@@ -53,7 +53,7 @@ class KinematicBaseServer(Component):
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
         """Move as the fuser says."""
-        if is_sound(command) and self.home.wall_time() - command.stamp <= self.parameters.oldest:
+        if command.is_sound and self.home.wall_time() - command.stamp <= self.parameters.oldest:
             self._wanted, self._commanded_at = Twist2D(command.linear, command.angular), self._now
 
     @answers_query("robot")

@@ -14,7 +14,7 @@ from geometry import Pose2D
 
 
 @dataclass(frozen=True, slots=True)
-class KinematicLaserParameters(LaserParameters):
+class _KinematicLaserParameters(LaserParameters):
     """Those of every laser, and what this one is.
 
     map: the same as of the base. period: s between two scans. beams: over half a turn, ahead. farthest: m that it
@@ -33,7 +33,7 @@ class KinematicLaserServer(Component):
 
     role = Role.HARDWARE
     gives = (LaserRead,)
-    parameters_type = KinematicLaserParameters
+    parameters_type = _KinematicLaserParameters
 
     async def setup(self) -> None:
         """Begin to scan."""

@@ -15,7 +15,7 @@ from apps.indoor_navigation.algorithms.legs import BODY_RADIUS, Legs, slender
 from apps.indoor_navigation.algorithms.orientation import turn
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perceived, Perception
-from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays, unexplained
+from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory, moved
 from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead, WorldCoord
@@ -30,7 +30,7 @@ PLACES = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_siz
 
 
 def perceived_in(scan: LaserRead) -> Perceived:
-    return Perceived(scan.stamp, scan.pose, laser_rays(scan, 120), NOWHERE)
+    return Perceived(scan.stamp, scan.pose, Rays.of_laser(scan, 120), NOWHERE)
 
 
 def at(*places: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -177,7 +177,7 @@ def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) 
 def leg_at(distance: float, first: int, count: int = 10) -> Rays:
     ranges = np.full(361, 4.0)
     ranges[first : first + count] = distance
-    return laser_rays(scan(ranges), 120)
+    return Rays.of_laser(scan(ranges), 120)
 
 
 def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
@@ -185,13 +185,13 @@ def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
     legs.see(0.0, leg_at(1.5, 176))
     x, y = legs.bodies()
     assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY_RADIUS), abs=0.05)
-    assert len(slender(laser_rays(scan(np.full(361, 4.0)), 120))[0]) == 0
+    assert len(slender(Rays.of_laser(scan(np.full(361, 4.0)), 120))[0]) == 0
 
 
 def test_a_leg_half_behind_the_other_one_is_a_leg_as_well() -> None:
     ranges = np.full(361, 4.0)
     ranges[170:190], ranges[190:204] = 0.8, 1.1
-    x, _ = slender(laser_rays(scan(ranges), 120))
+    x, _ = slender(Rays.of_laser(scan(ranges), 120))
     assert np.sort(x) == pytest.approx([0.8, 1.1], abs=0.1)
 
 
@@ -207,10 +207,10 @@ def test_what_was_a_leg_is_one_for_a_while_though_it_looks_like_something_else()
 def test_a_leg_that_left_the_view_beside_the_robot_is_believed_and_one_that_walked_on_is_not() -> None:
     legs = Legs()
     legs.see(0.0, leg_at(1.0, 40))
-    nothing_ahead = laser_rays(scan(np.full(361, 4.0), pose=(0.9, 0.0, 0.0)), 120)
+    nothing_ahead = Rays.of_laser(scan(np.full(361, 4.0), pose=(0.9, 0.0, 0.0)), 120)
     legs.see(1.0, nothing_ahead)
     assert len(legs.bodies()[0]) == 8
-    legs.see(1.1, laser_rays(scan(np.full(361, 4.0)), 120))
+    legs.see(1.1, Rays.of_laser(scan(np.full(361, 4.0)), 120))
     assert len(legs.bodies()[0]) == 0
 
 
@@ -242,9 +242,9 @@ def test_who_stands_is_forgotten_as_a_walker() -> None:
 def test_a_disc_that_hears_what_the_laser_sees_beside_its_axis_says_nothing_new() -> None:
     ranges = np.full(361, 6.0)
     ranges[200:230] = 1.5  # 10 to 25 degrees to the left
-    laser = laser_rays(scan(ranges), 120)
-    assert len(unexplained(sonar_rays(sonar(1.5)), laser).end_x) == 0
-    assert len(unexplained(sonar_rays(sonar(0.7)), laser).end_x) == 1  # too low for the laser
+    laser = Rays.of_laser(scan(ranges), 120)
+    assert len(Rays.of_sonar(sonar(1.5)).unexplained_by(laser).end_x) == 0
+    assert len(Rays.of_sonar(sonar(0.7)).unexplained_by(laser).end_x) == 1  # too low for the laser
 
 
 def test_a_sensor_that_says_the_same_while_the_robot_moves_is_left_out() -> None:

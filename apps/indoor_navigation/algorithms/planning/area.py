@@ -93,25 +93,24 @@ class Area(NamedTuple):
             return self.window(slice(0, 0), slice(0, 0))
         return self.window(slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1))
 
+    def drawn(self) -> dict[str, Any]:
+        """Return the known part for a picture, run-length coded row by row from the lowest y.
 
-def drawn(area: Area) -> dict[str, Any]:
-    """For a picture: the known part, run-length coded row by row from the lowest y.
-
-    `runs` are pairs of a value and a length; the values are 0 unknown, 1 free, 2 obstacle.
-    """
-    known = area.known()
-    values = np.where(known.occupied, 2, np.where(known.unknown, 0, 1)).astype(np.int8)
-    flat = values.ravel()
-    starts = np.flatnonzero(np.diff(flat, prepend=-1)) if flat.size else np.zeros(0, np.intp)
-    lengths = np.diff(starts, append=flat.size)
-    return {
-        "x": known.x,
-        "y": known.y,
-        "resolution": known.resolution,
-        "rows": values.shape[0],
-        "columns": values.shape[1],
-        "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
-    }
+        `runs` are pairs of a value and a length; the values are 0 unknown, 1 free, 2 obstacle.
+        """
+        known = self.known()
+        values = np.where(known.occupied, 2, np.where(known.unknown, 0, 1)).astype(np.int8)
+        flat = values.ravel()
+        starts = np.flatnonzero(np.diff(flat, prepend=-1)) if flat.size else np.zeros(0, np.intp)
+        lengths = np.diff(starts, append=flat.size)
+        return {
+            "x": known.x,
+            "y": known.y,
+            "resolution": known.resolution,
+            "rows": values.shape[0],
+            "columns": values.shape[1],
+            "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
+        }
 
 
 def undrawn(picture: dict[str, Any]) -> NDArray[np.int8]:

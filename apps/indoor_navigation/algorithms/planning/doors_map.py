@@ -106,7 +106,7 @@ class KnownDoor:
 
 
 @dataclass(frozen=True, slots=True)
-class KnownWay:
+class _KnownWay:
     """A way that was gone. start, end: number of a door, or None for a place."""
 
     start: int | None
@@ -125,7 +125,7 @@ class DoorsMap:
 
     parameters: MapParameters
     doors: list[KnownDoor] = field(default_factory=list)
-    ways: list[KnownWay] = field(default_factory=list)
+    ways: list[_KnownWay] = field(default_factory=list)
 
     def see(self, data: DLEData) -> None:
         """Some doors have been seen."""
@@ -170,7 +170,7 @@ class DoorsMap:
         points = thinned(trail)
         if len(points) < 2:
             return
-        way = KnownWay(start, end, points)
+        way = _KnownWay(start, end, points)
         same = [other for other in self.ways if _joins(other, way)]
         if any(other.length <= way.length for other in same):
             return
@@ -215,7 +215,7 @@ class DoorsMap:
         try:
             doors = [KnownDoor(**door) for door in told["doors"]]
             ways = [
-                KnownWay(_node(way["from"], doors), _node(way["to"], doors), tuple((x, y) for x, y in way["points"]))
+                _KnownWay(_node(way["from"], doors), _node(way["to"], doors), tuple((x, y) for x, y in way["points"]))
                 for way in told["ways"]
             ]
             if any(not isinstance(value, int | float) for door in doors for value in asdict(door).values()):
@@ -224,30 +224,28 @@ class DoorsMap:
             raise ValueError(f"this is no map of doors: {err!r}") from err
         self.doors, self.ways = doors, ways
 
+    def read(self, path: Path) -> None:
+        """Remember what is in a file, if there is one.
 
-def read_map(doors_map: DoorsMap, path: Path) -> None:
-    """Remember what is in a file, if it is there.
+        Raises:
+            ValueError: The file cannot be used; says why.
+        """
+        try:
+            self.remember(json.loads(path.read_text(encoding="utf-8")))
+        except FileNotFoundError:
+            return
+        except (OSError, ValueError) as err:
+            raise ValueError(f"the map of doors {path} cannot be used: {err}; remove it to begin a new one") from err
 
-    Raises:
-        ValueError: It is there, and cannot be used; says why.
-    """
-    try:
-        doors_map.remember(json.loads(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
-        return
-    except (OSError, ValueError) as err:
-        raise ValueError(f"the map of doors {path} cannot be used: {err}; take it away to begin a new one") from err
+    def write(self, path: Path) -> None:
+        """Write a file; an existing one is replaced as a whole.
 
-
-def write_map(doors_map: DoorsMap, path: Path) -> None:
-    """Keep it in a file, which is replaced as a whole.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    beside = path.with_name(path.name + ".new")
-    beside.write_text(json.dumps(doors_map.to_json(), indent=1) + "\n", encoding="utf-8")
-    beside.replace(path)
+        Raises:
+            OSError: It cannot be written.
+        """
+        beside = path.with_name(path.name + ".new")
+        beside.write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+        beside.replace(path)
 
 
 def thinned(trail: Sequence[Place], spacing: float = SPACING) -> tuple[Place, ...]:
@@ -259,7 +257,7 @@ def thinned(trail: Sequence[Place], spacing: float = SPACING) -> tuple[Place, ..
     return (*kept, *trail[-1:]) if len(trail) > 1 else tuple(kept)
 
 
-def _joins(one: KnownWay, other: KnownWay) -> bool:
+def _joins(one: _KnownWay, other: _KnownWay) -> bool:
     """Whether both lead from the same door to the same door."""
     doors = {one.start, one.end}
     return (

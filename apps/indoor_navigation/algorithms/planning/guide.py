@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, copysign, cos, hypot, inf
 
-from apps.indoor_navigation.algorithms.planning.aside import way_aside
 from apps.indoor_navigation.algorithms.planning.doors_map import thinned
 from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryParameters, Pose
-from apps.indoor_navigation.algorithms.planning.route import Passage, Route, SubTarget, routed
-from apps.indoor_navigation.algorithms.planning.search import Way, find_way, length
+from apps.indoor_navigation.algorithms.planning.route import Passage, Route, SubTarget
+from apps.indoor_navigation.algorithms.planning.search import Way, find_way, length, way_aside
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import GoalPoint, Place
 from geometry import wrap_angle
@@ -39,7 +38,7 @@ class GuideParameters:
 
 
 @dataclass(frozen=True, slots=True)
-class Barrier:
+class _Barrier:
     """Something on the way. ahead: m. cost: of the way if it were gone; BARRED where it is a wall."""
 
     ahead: float
@@ -134,11 +133,11 @@ class Guide:
         self._route = self.route.shortened(barred - self._parameters.stop_before, self._memory.place)
         return barred
 
-    def barrier(self, now: float) -> Barrier | None:
+    def barrier(self, now: float) -> _Barrier | None:
         """What is on the way near the robot, as it was when it was advanced last."""
         assert self._near is not None  # it has been advanced
         ahead = self._near.first_barred(self.points)
-        return Barrier(ahead, self._survey(now, 0.0).cost_of(*self.points)) if ahead is not None else None
+        return _Barrier(ahead, self._survey(now, 0.0).cost_of(*self.points)) if ahead is not None else None
 
     def make_way(self, barred: Place | None) -> bool:
         """Take a way to a place aside, away from where the way is barred. Whether there is one near."""
@@ -246,7 +245,7 @@ class Guide:
 
     def _take(self, way: Way, ground: Terrain) -> None:
         out = self._out_of_door(ground)
-        route = routed(way if out is None else way[1:], self._memory.doors, ground, self._passage)
+        route = Route.along(way if out is None else way[1:], self._memory.doors, ground, self._passage)
         if out is not None:
             route = Route((out, *route.targets))
         self._route = route.advanced(ground, self._memory.place, self._parameters.near)

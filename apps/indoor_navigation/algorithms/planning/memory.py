@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.planning.area import drawn
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapParameters
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
 from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, Hints, Strip, Terrain, terrain
@@ -198,7 +197,7 @@ class Memory:
 
     def picture(self) -> dict[str, Any]:
         """What is known, as JSON."""
-        return {"grid": drawn(self.grid.area), "trail": [list(place) for place in self.trail], **self._doors_drawn()}
+        return {"grid": self.grid.area.drawn(), "trail": [list(place) for place in self.trail], **self._doors_drawn()}
 
     def _doors_drawn(self) -> Mapping[str, Any]:
         told = self.doors.to_json()

@@ -8,7 +8,7 @@ from typing import Any
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.driving import Driving
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionParameters, Order, is_sound
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionParameters, Order
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MissionEvent, MissionState
@@ -72,7 +72,7 @@ class Navigator:
         if self.is_active and situation.goal.mission != goal.mission:
             situation.note("warning", f"given up, because {goal.mission} replaces it")
         situation.begin(goal, now)
-        if not is_sound(goal):
+        if not goal.is_sound:
             told = f"x {goal.x!r}, y {goal.y!r}, heading {goal.heading!r}, tolerance {goal.tolerance!r}"
             situation.give_up(now, f"{told} is no goal; give numbers, and a tolerance above 0")
 

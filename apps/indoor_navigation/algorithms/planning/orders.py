@@ -1,11 +1,10 @@
 """What missions are gone about with, and what comes out: orders, and notes for people."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 from apps.indoor_navigation.algorithms.planning.guide import GuideParameters
 from apps.indoor_navigation.algorithms.planning.progress import ProgressParameters
-from apps.indoor_navigation.data import GoalPoint, Place
+from apps.indoor_navigation.data import Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +64,3 @@ class MissionNote:
 
 
 REST = Order("rest")
-
-
-def is_sound(goal: GoalPoint) -> bool:
-    """Whether all its numbers are numbers."""
-    numbers = [goal.x, goal.y, goal.tolerance, 0.0 if goal.heading is None else goal.heading]
-    sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
-    return all(sound) and goal.tolerance > 0.0

@@ -66,6 +66,20 @@ class Route:
     targets: tuple[SubTarget, ...]
     ends_short: Way = ()
 
+    @classmethod
+    def along(cls, way: Way, doors: DoorsMap, terrain: Terrain, passage: "Passage") -> "Route":
+        """Return the sub-targets along a way: its corners, and places before and behind each door.
+
+        Where there is no room for such places, the robot passes the door as the way leads.
+        """
+        targets = [SubTarget(*place) for place in way[1:]] or [SubTarget(*way[0])]
+        for start, end in pairwise(way):
+            crossing = doors.crossed(start, end)
+            if crossing is not None:
+                targets = _through(*crossing, doors, terrain, passage, way[0], targets)
+        last = targets[-1]
+        return cls((*targets[:-1], SubTarget(last.x, last.y, last.door, is_last=True)))
+
     def points(self, robot: Place) -> Way:
         """From where the robot is to the end."""
         return (robot, *(target.place for target in self.targets))
@@ -122,20 +136,6 @@ class Passage:
     def _room(self, door: KnownDoor) -> float:
         """Beside the robot in a door, m."""
         return door.width / 2.0 - self.half_width
-
-
-def routed(way: Way, doors: DoorsMap, terrain: Terrain, passage: Passage) -> Route:
-    """The sub-targets along a way: its corners, and instead of those near a door places before and behind it.
-
-    A door is gone through as the way leads where there is no room for that.
-    """
-    targets = [SubTarget(*place) for place in way[1:]] or [SubTarget(*way[0])]
-    for start, end in pairwise(way):
-        crossing = doors.crossed(start, end)
-        if crossing is not None:
-            targets = _through(*crossing, doors, terrain, passage, way[0], targets)
-    last = targets[-1]
-    return Route((*targets[:-1], SubTarget(last.x, last.y, last.door, is_last=True)))
 
 
 def _through(

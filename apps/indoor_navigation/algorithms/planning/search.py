@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.planning.area import Flags
-from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
+from apps.indoor_navigation.algorithms.planning.area import PASSED, Flags
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Strip, Terrain, covered
 from apps.indoor_navigation.data import Floats, Place
 
 SWEEPS = 40  # at most; a labyrinth needs one for each turn back
@@ -25,6 +25,12 @@ DEARER = 1.001  # a straight piece may be, than what it replaces
 PULLS = 2  # from either end in turn; an even number
 NO_WAY = 4e5  # cells; no way costs as much that is not barred, and one that is barred costs more
 SLIP = 1e-2  # of costs, by adding in another order
+
+# A place aside, where the robot lets somebody pass.
+PASSING_ROOM = 0.5  # m beside the robot that a person needs to pass
+VIEW = 1.1  # m ahead within which a person waits for the robot to go away
+MAX_ASIDE_COST = 3.0  # of a metre of the floor where the robot waits; dearer floor is too near to obstacles
+MAX_WAY_COST = 5.0  # of the way to that place
 
 Way = tuple[Place, ...]
 Cell = tuple[int, int]
@@ -51,7 +57,31 @@ def find_way(terrain: Terrain, start: Place, goal: Place, tolerance: float) -> W
         return None
     places = [terrain.area.place(*cell) for cell in cells]
     last = goal if cells[-1] == terrain.area.cell(*goal) else places[-1]
-    return straightened(terrain, (start, *places[1:-1], last))
+    return _straightened(terrain, (start, *places[1:-1], last))
+
+
+def way_aside(
+    ground: Terrain, robot: Place, ways: Sequence[Way], barred: Place | None, half_width: float
+) -> Way | None:
+    """Return the cheapest way to known floor beside other ways, and away from where they are barred; None if far.
+
+    There the robot is in nobody's way who wants to come from where it is going, or from where it was.
+
+    Args:
+        ground: Around the robot.
+        robot: Where it is.
+        ways: On which somebody may want to go.
+        barred: Where somebody stands, if that is known.
+        half_width: Of the robot, m.
+    """
+    strips = [Strip(*piece, half_width + PASSING_ROOM) for way in ways for piece in pairwise(way)]
+    strips += [Strip(barred, barred, half_width + VIEW)] if barred is not None else []
+    is_place = (ground.area.evidence <= PASSED) & (ground.cost <= MAX_ASIDE_COST) & ~covered(ground.area, strips)
+    costs = np.where(is_place, costs_to(ground, robot, 0.0), np.inf)
+    row, column = np.unravel_index(int(costs.argmin()), costs.shape)
+    if not costs[row, column] * ground.area.resolution <= MAX_WAY_COST:
+        return None
+    return find_way(ground, robot, ground.area.place(int(row), int(column)), 0.0)
 
 
 def costs_to(terrain: Terrain, goal: Place, tolerance: float) -> Floats:
@@ -59,7 +89,7 @@ def costs_to(terrain: Terrain, goal: Place, tolerance: float) -> Floats:
     return _swept(terrain, goal, tolerance).costs
 
 
-def straightened(terrain: Terrain, way: Way) -> Way:
+def _straightened(terrain: Terrain, way: Way) -> Way:
     """The same way with as few corners as are needed; nowhere dearer."""
     for _ in range(PULLS):
         way = tuple(reversed(_pulled(terrain, _dense(way, terrain.area.resolution))))

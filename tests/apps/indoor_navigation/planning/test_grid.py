@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.planning.area import drawn, undrawn
+from apps.indoor_navigation.algorithms.planning.area import undrawn
 from apps.indoor_navigation.algorithms.planning.grid import Grid
 from apps.indoor_navigation.data import ObstRead
 from apps.indoor_navigation.parameters import shipped_parameters
@@ -186,7 +186,7 @@ def test_no_hit_is_ever_cleared_by_the_same_reading(rays: list[Ray]) -> None:
 def test_a_picture_of_the_grid_holds_all_that_is_known(rays: list[Ray]) -> None:
     grid = Grid(PARAMETERS)
     grid.see(reading(*rays))
-    picture = drawn(grid.area)
+    picture = grid.area.drawn()
     values, known = undrawn(picture), grid.area.known()
     assert (values == 2).sum() == grid.area.occupied.sum()
     assert (values == 1).sum() == (grid.area.evidence < 0).sum()

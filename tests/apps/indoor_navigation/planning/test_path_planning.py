@@ -210,7 +210,7 @@ def test_a_file_that_cannot_be_used_is_told_and_left_alone(site: Site, others: O
     path = tmp_path / "doors.json"
     path.write_text("dear to somebody")
     start(site, doors_file=str(path))
-    assert "take it away to begin a new one" in site.reports[0]
+    assert "remove it to begin a new one" in site.reports[0]
     others.see(0.5)
     others.tell(GoalPoint("m1", 0.1, 0.0))
     others.see(0.5)
