@@ -1,4 +1,4 @@
-"""The wiring: which components there are, where they run, who hears whom, and every number; read from one file."""
+"""The wiring: components, their processes, connections and parameters, read from one TOML file."""
 
 import difflib
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from configs import ConfigError
 
 @dataclass(frozen=True, slots=True)
 class _ComponentEntry:
-    """A component, as the file has it.
+    """A component in the file.
 
     kind: `module:Class`. process: where it runs. hears: `component.Data`, each of which it is pushed. tells: kind of
     data to the components that it is sent to. asks: query to the component that answers it. numbers: its own.
@@ -31,7 +31,7 @@ class _ComponentEntry:
 
 @dataclass(frozen=True, slots=True)
 class _WiringFile:
-    """The file as it stands. about: for people."""
+    """A wiring file. about: a description for people."""
 
     components: dict[str, _ComponentEntry]
     about: str = ""
@@ -39,7 +39,7 @@ class _WiringFile:
 
 @dataclass(frozen=True, slots=True)
 class ComponentSpec:
-    """One component, ready to be started. properties: what its agent is given."""
+    """One component, ready to be started. properties: those of its agent."""
 
     local: str
     kind: str
@@ -47,22 +47,22 @@ class ComponentSpec:
     properties: Mapping[str, Any]
 
     def agent(self, robot: str) -> AgentName:
-        """What it is called for a robot."""
+        """Return its agent name for a robot."""
         return AgentName(self.local, robot)
 
 
 class Wiring:
-    """Checked: whoever hears something is pushed it by somebody who gives it."""
+    """A checked wiring: each input of a component is published by another one."""
 
     def __init__(self, file: _WiringFile, source: str, kinds: Kinds | None = None) -> None:
-        """Check a file.
+        """Check a wiring file.
 
         Args:
-            file: As it was read.
-            source: Named in messages.
+            file: The parsed file.
+            source: Named in error messages.
             kinds: Where the classes of components are looked for.
         Raises:
-            ConfigError: Something does not fit; says what.
+            ConfigError: A component, a connection or a parameter does not fit.
         """
         self._source = source
         self._file = file
@@ -76,11 +76,11 @@ class Wiring:
 
     @property
     def processes(self) -> tuple[str, ...]:
-        """In the order in which they are named first."""
+        """The processes, in the order of the file."""
         return tuple(dict.fromkeys(part.process for part in self.parts))
 
     def of_process(self, process: str) -> tuple[ComponentSpec, ...]:
-        """The components that run in a process.
+        """Return the components of a process.
 
         Raises:
             ConfigError: There is no such process.
@@ -129,13 +129,13 @@ class Wiring:
 
 
 def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
-    """Read and check a wiring.
+    """Read and check a wiring file.
 
     Args:
-        path: The file; one that says `over = "wiring.toml"` has only what differs from that file beside it.
-        changes: Tables laid over the file's, as `{"components": {"goto": {"numbers": {"speed": 0.3}}}}`.
+        path: The file; with `over = "wiring.toml"` it has only changes of that file beside it.
+        changes: Tables laid over the file's, `{"components": {"goto": {"numbers": {"max_age": 0.3}}}}` for example.
     Raises:
-        ConfigError: It cannot be used; says why.
+        ConfigError: The file cannot be read, or something in it does not fit.
     """
     table = laid_over(read_wiring(path), changes or {})
     return Wiring(configs.build(_WiringFile, table, str(path)), str(path))

@@ -1,15 +1,13 @@
-"""Slender things that stand alone: they may be legs, and the body above them reaches farther than the laser sees.
+"""Slender objects that stand alone: they may be legs, and the body above them reaches farther than the laser sees.
 
 A leg may look like something else for a moment, for example with the other leg beside it, and it leaves the view when
 the robot passes.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from apps.indoor_navigation.algorithms.outline import Truths
 from apps.indoor_navigation.algorithms.rays import Rays, nearest
-from apps.indoor_navigation.data import Floats
+from apps.indoor_navigation.data import Bools, Floats, Ints
 
 MAX_WIDTH = 0.25  # m, of a leg with trousers
 MIN_GAP = 0.25  # m of depth between a leg and what is seen behind it on both sides
@@ -22,8 +20,6 @@ MAX_SHIFT = 0.2  # m between a leg and the hit that shows that it is still there
 HIDDEN_TIME, HIDDEN_RANGE = 4.0, 1.2  # s and m from the scanner within which a leg out of view is remembered
 LEG_SPACING = 0.1  # m between remembered legs
 OUTLINE_ANGLES = np.linspace(-np.pi, np.pi, 8, endpoint=False)  # rad; points of the outline of a body
-
-_Indices = NDArray[np.intp]
 
 
 class Legs:
@@ -56,7 +52,7 @@ def bodies(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def slender(rays: Rays) -> tuple[Floats, Floats]:
-    """Return x and y in odom of each slender thing that stands alone.
+    """Return x and y in odom of each slender object that stands alone.
 
     Args:
         rays: Of one scanner, in the order of their angles.
@@ -66,7 +62,7 @@ def slender(rays: Rays) -> tuple[Floats, Floats]:
     starts, ends = gaps[:-1] + 1, gaps[1:]
     is_inner = (starts >= EDGE_RAYS) & (ends < len(depth) - EDGE_RAYS)
     starts, ends = starts[is_inner], ends[is_inner]
-    # On average a thing is one ray wider than the distance between the first and the last ray that hit it.
+    # On average an object is one ray wider than the distance between the first and the last ray that hit it.
     wider = (ends - starts + 1) / np.maximum(ends - starts, 1)
     is_slender = rays.hits[starts] & (_apart(rays, starts, ends) * wider < MAX_WIDTH)
     before = (depth[starts - 1] > depth[starts]) & ~_is_end_of_wall(rays, starts, -1)
@@ -84,12 +80,12 @@ def slender(rays: Rays) -> tuple[Floats, Floats]:
     return np.asarray(x), np.asarray(y)
 
 
-def _apart(rays: Rays, ones: _Indices, others: _Indices) -> Floats:
+def _apart(rays: Rays, ones: Ints, others: Ints) -> Floats:
     """Return the distances between the ends of rays, m."""
     return np.asarray(np.hypot(rays.end_x[others] - rays.end_x[ones], rays.end_y[others] - rays.end_y[ones]))
 
 
-def _is_end_of_wall(rays: Rays, places: _Indices, side: int) -> Truths:
+def _is_end_of_wall(rays: Rays, places: Ints, side: int) -> Bools:
     """Return which rays end in line with the next two: the hits on a wall seen at a grazing angle have gaps."""
     first, second = places + side, places + 2 * side
     along_x, along_y = rays.end_x[second] - rays.end_x[first], rays.end_y[second] - rays.end_y[first]

@@ -1,4 +1,4 @@
-"""From readings of sonar and laser to what is in the way, what is free, and whether one can go on at all."""
+"""From what is perceived to a report of obstacles, free space and dead ends."""
 
 from dataclasses import dataclass
 from math import atan2
@@ -10,13 +10,16 @@ from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.data import Floats, ObstRead
 
+DIRECTIONS = 25  # of lanes; at 1.2 rad to either side, neighbouring lanes overlap up to 3 m ahead
+
 
 @dataclass(frozen=True, slots=True)
 class DetectionParameters:
-    """near: m from the outline, beyond which nothing is said to be near.
+    """When an obstacle is near, and when the robot is in a dead end.
 
-    ahead: m that must be free beyond the robot's front, for it to go on. spread: rad to either side of where it looks,
-    within which a free direction is looked for. margin: m on each side of the robot.
+    near: m from the outline within which an obstacle is reported as near. ahead: m in front of the robot that must be
+    free in some direction. spread: rad to either side of its heading, for these directions. margin: m on each side of
+    the robot.
     """
 
     near: float
@@ -50,16 +53,16 @@ def obstacles(parameters: DetectionParameters, outline: Outline, perceived: Perc
 
 
 def is_dead_end(parameters: DetectionParameters, outline: Outline, x: Floats, y: Floats) -> bool:
-    """Whether no lane as wide as the robot leads on, whichever way about ahead it turned.
+    """Return whether no lane as wide as the robot is free in any direction ahead.
 
     Args:
-        parameters: What is enough.
+        parameters: The directions, and the size of a lane.
         outline: Of the robot.
         x, y: Of obstacles in the robot's frame, m.
     """
     if not len(x):
         return False
-    directions = np.linspace(-parameters.spread, parameters.spread, 25)
+    directions = np.linspace(-parameters.spread, parameters.spread, DIRECTIONS)
     c, s = np.cos(directions)[:, None], np.sin(directions)[:, None]
     along, across = c * x + s * y, c * y - s * x
     is_in_lane = (np.abs(across) < outline.width / 2.0 + parameters.margin) & (along > 0.0)

@@ -1,4 +1,4 @@
-"""Turn to a heading on the spot: swiftly away, gently there, and not beyond."""
+"""Turning on the spot to a heading, without overshoot."""
 
 from dataclasses import dataclass
 from math import copysign, sqrt
@@ -9,7 +9,7 @@ from geometry import wrap_angle
 
 @dataclass(frozen=True, slots=True)
 class OrientationParameters:
-    """angular: the fastest, rad/s. deceleration: rad/s². gain: 1/s, near the end. tolerance: rad. reaction: s."""
+    """angular: maximum, rad/s. deceleration: rad/s². gain: 1/s, near the end. tolerance: rad. reaction: s."""
 
     angular: float
     deceleration: float
@@ -19,9 +19,9 @@ class OrientationParameters:
 
 
 def turn(parameters: OrientationParameters, odometry: RobotOdometry, heading: float) -> float:
-    """How fast to turn, rad/s.
+    """Return the turn speed, rad/s.
 
-    It slows down so that it could stop where it wants to, seen from where it will be when the wheels have heard of it.
+    The speed allows the robot to stop at the heading, from where it will be when the wheels receive the command.
     """
     error = wrap_angle(heading - odometry.heading)
     left = wrap_angle(error - odometry.angular * parameters.reaction)

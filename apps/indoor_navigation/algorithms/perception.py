@@ -13,7 +13,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.walkers import Moved, ScanMotion, StandingPeople
-from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
+from apps.indoor_navigation.data import LaserRead, ObstRead, Pose, SonarRead
 from geometry import wrap_angle
 
 MIN_RANGES = 3  # measured ranges of a stuck sensor; that one or two stay the same happens by chance
@@ -43,7 +43,7 @@ class Perceived:
     """
 
     stamp: float
-    pose: tuple[float, float, float]
+    pose: Pose
     rays: Rays
     people: Moved
 
@@ -142,7 +142,7 @@ class _Sensor:
             return f"the {self._name} repeats the same ranges while the robot moves"
         return ""
 
-    def _has_moved(self, before: tuple[float, float, float], after: tuple[float, float, float]) -> bool:
+    def _has_moved(self, before: Pose, after: Pose) -> bool:
         return (
             hypot(after[0] - before[0], after[1] - before[1]) > self._parameters.moved
             or abs(wrap_angle(after[2] - before[2])) > self._parameters.turned

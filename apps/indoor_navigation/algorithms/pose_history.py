@@ -4,7 +4,7 @@ from collections import deque
 from itertools import pairwise
 from math import hypot
 
-from apps.indoor_navigation.data import RobotOdometry
+from apps.indoor_navigation.data import Pose, RobotOdometry
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
 MAX_LENGTH = 64  # odometries; several seconds at the rate of any robot
@@ -70,7 +70,7 @@ def is_jump(before: RobotOdometry, after: RobotOdometry) -> bool:
     )
 
 
-def is_pose_jump(before: tuple[float, float, float], after: tuple[float, float, float], elapsed: float) -> bool:
+def is_pose_jump(before: Pose, after: Pose, elapsed: float) -> bool:
     """Return whether odom was set anew between the poses of two readings that are so many s apart."""
     elapsed = min(abs(elapsed), MAX_SILENCE)
     distance = hypot(after[0] - before[0], after[1] - before[1])

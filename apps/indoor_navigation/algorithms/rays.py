@@ -5,8 +5,7 @@ from math import cos, sin
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.data import Floats, LaserRead, SonarRead
+from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRead
 
 SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
 HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
@@ -25,7 +24,7 @@ class Rays:
     origin_y: Floats
     end_x: Floats
     end_y: Floats
-    hits: Truths
+    hits: Bools
 
     @classmethod
     def none(cls) -> "Rays":
@@ -60,7 +59,7 @@ class Rays:
         return cls(x, y, end_x, end_y, sonar.ranges < SONAR_RANGE)
 
     @property
-    def is_of_scanner(self) -> Truths:
+    def is_of_scanner(self) -> Bools:
         """Which rays are the scanner's: those that share their origin with a neighbour.
 
         The echo of a sonar disc comes from somewhere in a wide cone; it gives no shape and no sure place.
@@ -80,7 +79,7 @@ class Rays:
             np.concatenate((self.hits, other.hits)),
         )
 
-    def where(self, chosen: Truths) -> "Rays":
+    def where(self, chosen: Bools) -> "Rays":
         """Return the chosen rays."""
         return Rays(
             self.origin_x[chosen], self.origin_y[chosen], self.end_x[chosen], self.end_y[chosen], self.hits[chosen]
@@ -92,7 +91,7 @@ class Rays:
         chosen[edge : max(len(chosen) - edge, edge)] = True
         return self.where(chosen)
 
-    def are_in_view(self, x: Floats, y: Floats) -> Truths:
+    def are_in_view(self, x: Floats, y: Floats) -> Bools:
         """Return which places a ray ends at or passes through; of what is hidden a ray shows nothing."""
         along_x, along_y = self.end_x - self.origin_x, self.end_y - self.origin_y
         length = np.hypot(along_x, along_y)
@@ -123,13 +122,13 @@ class Rays:
         return self.where(~np.where(self.hits, is_seen, is_in_cone.sum(axis=1) > 2))
 
 
-def in_odom(pose: tuple[float, float, float], x: float, y: float, heading: float) -> tuple[float, float, float]:
+def in_odom(pose: Pose, x: float, y: float, heading: float) -> Pose:
     """Return the pose in odom of something that is mounted on a robot with this pose."""
     c, s = cos(pose[2]), sin(pose[2])
     return pose[0] + c * x - s * y, pose[1] + s * x + c * y, pose[2] + heading
 
 
-def in_robot(pose: tuple[float, float, float], x: Floats, y: Floats) -> tuple[Floats, Floats]:
+def in_robot(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Return points in odom in the frame of a robot with this pose."""
     c, s = cos(pose[2]), sin(pose[2])
     along, across = x - pose[0], y - pose[1]

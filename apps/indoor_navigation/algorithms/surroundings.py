@@ -5,12 +5,11 @@ robot must not turn as if the frame were gone.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from apps.indoor_navigation.algorithms.legs import Legs
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
-from apps.indoor_navigation.data import Floats
+from apps.indoor_navigation.data import Floats, Ints, Pose
 
 MAX_DISTANCE = 2.5  # m from the robot; goto and avoiding look no farther
 MEMORY_TIME = 60.0  # s for which something out of view is remembered
@@ -58,7 +57,7 @@ class Surroundings:
         echoes = rays.where(~rays.is_of_scanner & rays.hits)
         return seen.followed_by(echoes.unexplained_by(seen.followed_by(remembered)))
 
-    def places(self, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
+    def places(self, pose: Pose) -> tuple[Floats, Floats]:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""
         hits = self._last.hits
         body_x, body_y = self._legs.bodies()
@@ -69,7 +68,7 @@ class Surroundings:
         return x[is_near], y[is_near]
 
 
-def _thinned(x: Floats, y: Floats, indices: NDArray[np.intp]) -> NDArray[np.intp]:
+def _thinned(x: Floats, y: Floats, indices: Ints) -> Ints:
     """Return the indices, in their order, of the last place in each cell of `PLACE_SPACING`.
 
     When the robot stands, the same places leave the view again and again; they must not replace the others.

@@ -23,7 +23,7 @@ MIN_APPROACH = 0.4  # m/s, since people turn round
 APPROACH_MARGIN = 0.5  # m/s, the error that a swinging leg makes
 
 # People who walked and stand.
-STANDING_TIME = 30.0  # s for which a person is believed to stand where the last motion was
+STANDING_TIME = 30.0  # s for which a person counts as standing where the last motion was
 MAX_SHIFT = 0.15  # m between that place and the hits now; people do not walk so near to a wall
 PLACE_SPACING = 0.1  # m between remembered places
 

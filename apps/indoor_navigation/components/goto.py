@@ -1,4 +1,4 @@
-"""Drive to where one is told, round what is in the way."""
+"""The component that drives the robot to a place and round obstacles."""
 
 from dataclasses import dataclass, replace
 from math import pi
@@ -18,29 +18,29 @@ GO, BACK, REST = "go", "back", "rest"
 
 @dataclass(frozen=True, slots=True)
 class GotoParameters:
-    """max_age: s between pose and obstacles, beyond which it stands rather than go by what is old."""
+    """max_age: s between pose and obstacles beyond which the robot stands."""
 
     max_age: float
     attraction: AttractionParameters
 
 
 class Steering(Protocol):
-    """What finds the way from reading to reading."""
+    """A steering method, called with each reading."""
 
     def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
-        """Say how to go on; places are the x and y of obstacles in the robot's frame, m."""
+        """Return the speeds; places are the x and y of obstacles in the robot's frame, m."""
         ...
 
 
 class Goto(Embodied):
-    """Wants the robot at the place that it was told last, with each pose and each reading of obstacles."""
+    """Pushes a command towards the last target, with each odometry and each ObstRead."""
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
     parameters_type = GotoParameters
 
     async def setup(self) -> None:
-        """Know nothing yet."""
+        """Begin without target and readings."""
         self._surroundings = Surroundings()
         self._target: WorldCoord | None = None
         self._odometry: RobotOdometry | None = None
@@ -48,7 +48,7 @@ class Goto(Embodied):
         await super().setup()
 
     def embody(self, outline: Outline, deceleration: float) -> None:
-        """From now on it can steer."""
+        """Create the steering for this robot, forward and backward."""
         parameters: AttractionParameters = self.parameters.attraction
         parameters = replace(parameters, deceleration=min(parameters.deceleration, deceleration))
         self._steering = {
@@ -56,25 +56,25 @@ class Goto(Embodied):
         }
 
     def steering(self, parameters: AttractionParameters, outline: Outline) -> Steering:
-        """What steers a robot with this outline."""
+        """Return the steering method for a robot with this outline."""
         return Attraction(parameters, outline)
 
     @is_told(WorldCoord)
     async def go(self, target: WorldCoord) -> None:
-        """There, unless there was a later order."""
+        """Set the target; ignore it if a newer order was received."""
         if self._target is None or target.order >= self._target.order:
             self._target = target
 
     @hears(ObstRead)
     async def mind(self, obstacles: ObstRead) -> None:
-        """What is in the way now."""
+        """Take the obstacles, and push the command."""
         self._surroundings.see(Perceived.of(obstacles))
         self._seen_at = obstacles.stamp
         self._push()
 
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
-        """The robot is there now."""
+        """Take the pose, and push the command."""
         if self._odometry is not None and odometry.jumps != self._odometry.jumps:
             self._surroundings.forget()
             self._seen_at = float("-inf")
@@ -86,7 +86,7 @@ class Goto(Embodied):
             return
         stamp = max(self._odometry.stamp, self._seen_at)
         if self._target.aim not in self._steering:
-            # While the robot turns that is orienting's; at rest it is to stand, however it is pushed.
+            # While the robot turns, orienting commands it. At rest the command is to stand, against pushes of avoiding.
             self.push(MotionCmd(stamp, self.name.local, 0.0, 0.0, float(self._target.aim == REST)))
             return
         speeds = Speeds()
@@ -95,7 +95,7 @@ class Goto(Embodied):
         self.push(MotionCmd(stamp, self.name.local, speeds.linear, speeds.angular, 1.0))
 
     def _steer(self, odometry: RobotOdometry, target: WorldCoord) -> Speeds:
-        """To go back, it steers as if the robot's rear were its front."""
+        """Return the speeds; to go back, the rear of the robot is taken for its front."""
         sense = -1.0 if target.aim == BACK else 1.0
         heading = odometry.heading if target.aim == GO else wrap_angle(odometry.heading + pi)
         seen = replace(odometry, heading=heading, linear=sense * odometry.linear)

@@ -1,4 +1,4 @@
-"""Keep the robot from touching anything, whatever the others want."""
+"""The component that keeps the robot from touching anything, whatever the other components command."""
 
 from dataclasses import astuple, dataclass, replace
 from math import copysign, inf
@@ -13,27 +13,27 @@ from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
 
-TURNING = 0.03  # rad/s above which the robot turns
-TURN_AGE = 1.0  # s for which it is known that it did
+MIN_TURN_SPEED = 0.03  # rad/s above which the robot turns; below, gyro and odometry drift
+TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop
 
 
 @dataclass(frozen=True, slots=True)
 class _AvoidingParameters:
-    """What it believes, and how it avoids."""
+    """senses: of the perception. avoidance: of the avoiding itself."""
 
     senses: PerceptionParameters
     avoidance: AvoidanceParameters
 
 
 class ObstacleAvoiding(Embodied):
-    """Says with each reading of sonar or laser how to keep clear, and how fast is safe."""
+    """Pushes a command away from obstacles, and limits of the speeds, with each reading of sonar or laser."""
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
     parameters_type = _AvoidingParameters
 
     async def setup(self) -> None:
-        """Know nothing yet."""
+        """Begin without readings."""
         self._perception = Perception(self.parameters.senses)
         self._surroundings = Surroundings()
         self._odometry: RobotOdometry | None = None
@@ -42,30 +42,30 @@ class ObstacleAvoiding(Embodied):
         await super().setup()
 
     def embody(self, outline: Outline, deceleration: float) -> None:
-        """From now on it can avoid."""
+        """Limit the deceleration to what this robot reaches."""
         parameters: AvoidanceParameters = self.parameters.avoidance
         self._avoidance = replace(parameters, deceleration=min(parameters.deceleration, deceleration))
 
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
-        """So fast is the robot now."""
+        """Take pose and speed; forget all places after a jump."""
         if self._odometry is not None and odometry.jumps != self._odometry.jumps:
             self._perception.forget()
             self._surroundings.forget()
             self._walkers.forget()
         self._odometry = odometry
-        if abs(odometry.angular) > TURNING:
+        if abs(odometry.angular) > MIN_TURN_SPEED:
             self._turned, self._turned_at = copysign(1.0, odometry.angular), odometry.stamp
 
     @hears(SonarRead)
     async def listen_around(self, sonar: SonarRead) -> None:
-        """Avoid what the sonar hears."""
+        """Avoid the echoes of the sonar."""
         self._perception.take(sonar)
         self._push()
 
     @hears(LaserRead)
     async def look(self, scan: LaserRead) -> None:
-        """Avoid what the laser sees, and most of all what moves."""
+        """Avoid what the laser hits, and keep farther away from what moves."""
         self._perception.take(scan)
         self._walkers.see(scan.stamp, *self._perception.moved)
         self._push()
@@ -86,7 +86,7 @@ class ObstacleAvoiding(Embodied):
             self._odometry.linear,
             self._odometry.angular,
             approach=self._walkers.approach(pose[:2], self._avoidance.walker),
-            turned=self._turned if self._odometry.stamp - self._turned_at < TURN_AGE else 0.0,
+            turned=self._turned if self._odometry.stamp - self._turned_at < TURN_MEMORY else 0.0,
             has_laser=self._perception.laser is not None,
         )
         self.push(MotionCmd(stamp, self.name.local, *astuple(push)))

@@ -1,4 +1,4 @@
-"""Watch what is in the way, and say what is free."""
+"""The component that reports obstacles and free space."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -12,10 +12,10 @@ from apps.indoor_navigation.data import LaserRead, ObstRead, SonarRead
 
 @dataclass(frozen=True, slots=True)
 class _DetectingParameters:
-    """What it believes and what it calls an obstacle.
+    """senses: of the perception. detection: of obstacles.
 
-    sonar_alone: s after the last scan, from which on it says something with each reading of the sonar. dead_end_after:
-    readings one after the other that find no way on, before it says so.
+    sonar_alone: s after the last scan from which on each reading of the sonar is reported. dead_end_after: consecutive
+    readings without a way on before a dead end is reported.
     """
 
     sonar_alone: float
@@ -25,36 +25,36 @@ class _DetectingParameters:
 
 
 class ObstacleDetecting(Embodied):
-    """Says with each scan, or without scans with each reading of the sonar, what both see."""
+    """Pushes ObstRead with each scan, or without scans with each reading of the sonar."""
 
     role = Role.MONITOR
     gives = (ObstRead,)
     parameters_type = _DetectingParameters
 
     async def setup(self) -> None:
-        """Know nothing yet."""
+        """Begin without readings."""
         self._perception = Perception(self.parameters.senses)
         self._scanned_at = -inf
         self._dead_ends = 0
-        self._said: tuple[str, ...] = ()
+        self._reported: tuple[str, ...] = ()
         await super().setup()
 
     @hears(LaserRead)
     async def look(self, scan: LaserRead) -> None:
-        """The laser has seen something."""
+        """Take a scan, and report."""
         self._perception.take(scan)
         self._scanned_at = scan.stamp
         self._push()
 
     @hears(SonarRead)
     async def listen_around(self, sonar: SonarRead) -> None:
-        """The sonar has heard something."""
+        """Take a reading of the sonar, and report if there are no scans."""
         self._perception.take(sonar)
         if not 0.0 <= sonar.stamp - self._scanned_at < self.parameters.sonar_alone:
             self._push()
 
     def _push(self) -> None:
-        self._say_faults()
+        self._report_faults()
         if self.outline is None:
             return
         perceived = self._perception.perceived()
@@ -65,10 +65,10 @@ class ObstacleDetecting(Embodied):
         is_dead_end = self._dead_ends >= self.parameters.dead_end_after
         self.push(replace(read, is_dead_end=is_dead_end))
 
-    def _say_faults(self) -> None:
-        """Once, though it is found with each reading."""
+    def _report_faults(self) -> None:
+        """Report each fault once, though each reading shows it."""
         faults = tuple(fault for fault in self._perception.faults if not fault.endswith("yet"))
         for fault in faults:
-            if fault not in self._said:
-                self.home.report(self.name, f"{fault}, and is left out; see whether it is switched on and free", None)
-        self._said = faults
+            if fault not in self._reported:
+                self.home.report(self.name, f"{fault}, and is ignored; check whether it is switched on and free", None)
+        self._reported = faults

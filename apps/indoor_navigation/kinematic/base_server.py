@@ -1,4 +1,4 @@
-"""The base of a kinematic robot: it alone knows where the robot is."""
+"""The base of a kinematic robot."""
 
 import asyncio
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ from apps.indoor_navigation.kinematic.plane import Plane
 from apps.indoor_navigation.kinematic.robot import KinematicBody, KinematicRobot
 from geometry import Twist2D, wrap_angle
 
-STEP = 0.02  # s
+STEP = 0.02  # s between two simulation steps
 
 
 @dataclass(frozen=True, slots=True)
 class KinematicBaseParameters(BaseParameters):
-    """Those of every base, and what this robot is.
+    """The parameters of every base, and those of the robot.
 
-    map: a file of ARIA's; a room of its own without one. period: s between two odometries, and two readings of the
-    sonar. discs: of the sonar, evenly on the rim. farthest: m that they see.
+    map: an ARIA map; empty for the built-in room. period: s between two odometries, and two readings of the sonar.
+    discs: number of sonar discs, evenly on the rim. farthest: their range, m.
     """
 
     map: str
@@ -33,14 +33,14 @@ class KinematicBaseParameters(BaseParameters):
 
 
 class KinematicBaseServer(Component):
-    """Rolls as it is told, and says where it is and what its sonar sees."""
+    """Simulates the robot, and pushes its odometry and sonar readings."""
 
     role = Role.HARDWARE
     gives = (RobotOdometry, SonarRead)
     parameters_type = KinematicBaseParameters
 
     async def setup(self) -> None:
-        """Put the robot where its map says."""
+        """Place the robot at the home of its map."""
         parameters = self.parameters
         self.kinematic = KinematicRobot(parameters.body, Plane.read(parameters.map))
         self._headings = np.array([wrap_angle(tau * number / parameters.discs) for number in range(parameters.discs)])
@@ -52,13 +52,13 @@ class KinematicBaseServer(Component):
 
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
-        """Move as the fuser says."""
+        """Take a command of the fuser."""
         if command.is_sound and self.home.wall_time() - command.stamp <= self.parameters.oldest:
             self._wanted, self._commanded_at = Twist2D(command.linear, command.angular), self._now
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:
-        """Name, model, size in m and limits in m/s, rad/s and m/s²."""
+        """Return name, model, size in m and limits in m/s, rad/s and m/s²."""
         body = self.parameters.body
         return {
             "name": self.robot,

@@ -1,4 +1,4 @@
-"""The laser of a kinematic robot: from where its base says that it is, it sees the walls of the same map."""
+"""The laser of a kinematic robot: it scans the walls of the map from the pose that the base pushes."""
 
 from dataclasses import dataclass
 from math import pi
@@ -8,28 +8,28 @@ import numpy as np
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
 from apps.indoor_navigation.component import Component, Role, hears
 from apps.indoor_navigation.components.laser_server import LaserParameters
-from apps.indoor_navigation.data import LaserRead, RobotOdometry
+from apps.indoor_navigation.data import LaserRead, Pose, RobotOdometry
 from apps.indoor_navigation.kinematic.plane import Plane
 from geometry import Pose2D
 
 
 @dataclass(frozen=True, slots=True)
 class _KinematicLaserParameters(LaserParameters):
-    """Those of every laser, and what this one is.
+    """The parameters of every laser, and those of this one.
 
-    map: the same as of the base. period: s between two scans. beams: over half a turn, ahead. farthest: m that it
-    sees. mount: x, y and heading on the robot.
+    map: that of the base. period: s between two scans. beams: number over half a turn ahead. farthest: range, m.
+    mount: x, y and heading on the robot.
     """
 
     map: str
     period: float
     beams: int
     farthest: float
-    mount: tuple[float, float, float]
+    mount: Pose
 
 
 class KinematicLaserServer(Component):
-    """Scans evenly; without odometry it does not know where it is, and says nothing."""
+    """Scans periodically, after the first odometry."""
 
     role = Role.HARDWARE
     gives = (LaserRead,)
@@ -44,7 +44,7 @@ class KinematicLaserServer(Component):
 
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
-        """The base says where it is."""
+        """Take the pose of the robot."""
         self._history.add(odometry)
 
     async def _scan(self) -> None:

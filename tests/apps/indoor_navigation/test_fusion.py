@@ -9,12 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.fusion import (
-    PAUSE,
+    MAX_GAP,
     CommandSource,
     Fusion,
     FusionParameters,
+    InvalidCommand,
     SourceCommand,
-    Unsound,
 )
 from apps.indoor_navigation.data import MotionCmd
 from apps.indoor_navigation.parameters import shipped_parameters
@@ -164,7 +164,7 @@ def test_a_clock_that_is_set_makes_nothing_young_again() -> None:
 )
 def test_nonsense_is_left_out_and_what_was_said_before_stands(wrong: dict[str, Any]) -> None:
     fusion = fed(command("obstacle_avoiding", 0.4))
-    with pytest.raises(Unsound):
+    with pytest.raises(InvalidCommand):
         fusion.hear(replace(command("obstacle_avoiding", 0.1), **wrong), 0.0, EPOCH)
     assert fusion.fuse(0.1, EPOCH + 0.1).linear == 0.4
 
@@ -255,7 +255,7 @@ def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_
                 EPOCH + now,
             )
         fused = fusion.fuse(now, EPOCH + now)
-        if elapsed <= PAUSE:
+        if elapsed <= MAX_GAP:
             assert before.linear - fused.linear <= parameters.braking * elapsed + ROUNDING
             assert abs(before.angular - fused.angular) <= parameters.angular_braking * elapsed + ROUNDING
         before = fused

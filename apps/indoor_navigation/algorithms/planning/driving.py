@@ -1,11 +1,11 @@
-"""What is done while the robot moves: it goes along the way, turns to it, and backs out where it cannot turn.
+"""Orders while the robot moves: it drives along the way, turns to it, and backs out where it cannot turn.
 
-What is on the way is gone round, or waited for as long as a detour would take.
+It drives round an obstacle on the way, or waits for it to go away as long as a detour would take.
 """
 
 from math import copysign, inf, pi
 
-from apps.indoor_navigation.algorithms.planning.guide import spoken
+from apps.indoor_navigation.algorithms.planning.guide import place_text
 from apps.indoor_navigation.algorithms.planning.orders import Order
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import MissionEvent, MissionState
@@ -13,9 +13,9 @@ from apps.indoor_navigation.algorithms.planning.waiting import Waiting
 from apps.indoor_navigation.data import Place
 from geometry import wrap_angle
 
-ASTERN = 1.0  # rad from straight back
-PART = 2.0  # rad of a turn the longer way round that are shown at once
-HELD = 0.5  # m from where it went back in vain, or looked straight ahead, within which it does not do so again
+MAX_BACK_ANGLE = 1.0  # rad between the way back and straight back
+TURN_PART = 2.0  # rad of a turn the longer way round that are ordered at once; below pi, so the side is clear
+RETRY_RANGE = 0.5  # m from where backing out or turning to the target was of no use, within which it is not repeated
 
 
 class Driving:
@@ -29,12 +29,12 @@ class Driving:
         self._progress = situation.progress
         self._back_to = 0  # the breadcrumb
         self._backed_from: Place | None = None
-        self._held_at: Place | None = None  # from where it was of no use to go back
-        self._faced_at: Place | None = None  # where it turned to look straight at what it is to go to
-        self._barred_side = 0.0  # 1 for left, -1 for right: where the present turn came no farther
+        self._held_at: Place | None = None  # where backing out was of no use
+        self._faced_at: Place | None = None  # where it turned to face the target
+        self._barred_side = 0.0  # side of the present turn that is barred: 1 left, -1 right
 
     def turn(self, now: float) -> Order | None:
-        """On its place, to the way, or at the end to the heading that is wanted."""
+        """Turn on the spot, to the way, or at the end to the goal's heading."""
         situation, guide, parameters = self._situation, self._situation.guide, self._parameters
         wanted = situation.goal.heading if situation.is_there else None
         heading = wanted if wanted is not None else guide.heading()
@@ -54,7 +54,7 @@ class Driving:
         return None
 
     def go(self, now: float) -> Order | None:
-        """On the way, and through a door."""
+        """Drive along the way, and through doors."""
         situation, guide, parameters = self._situation, self._situation.guide, self._parameters
         self._barred_side = 0.0
         guide.advance()
@@ -74,13 +74,13 @@ class Driving:
         return Order("go", target.x, target.y, guide.heading(), speed, is_stop, guide.following)
 
     def back(self, now: float) -> Order | None:
-        """To where there is room, as it came."""
+        """Drive back along the path to where there is room to turn."""
         crumbs, guide = self._memory.crumbs, self._situation.guide
         if len(crumbs) - 1 <= self._back_to:
             self._machine.happens(MissionEvent.HAS_BACKED, now, "there is room to turn")
             return None
         x, y = crumbs.towards(self._back_to)
-        if guide.off(guide.direction((x, y)) + pi) > ASTERN:
+        if guide.off(guide.direction((x, y)) + pi) > MAX_BACK_ANGLE:
             self._held_at = self._backed_from
             self._machine.happens(MissionEvent.HAS_BACKED, now, "the way back does not lead straight back")
             return None
@@ -92,9 +92,9 @@ class Driving:
         return Order("back", x, y, speed=self._parameters.back_speed)
 
     def _faces(self, now: float) -> bool:
-        """Where each way on that goto sees bends into something, turn on the spot first: straight on there may be one.
+        """Turn to the target on the spot, once at one place, where goto finds no path.
 
-        Once about one place.
+        Each path of goto bends from the present heading; facing the target, a straight path may be free.
         """
         guide, place = self._situation.guide, self._memory.place
         if self._has_faced() or not self._progress.is_held(guide.pose, now):
@@ -106,22 +106,22 @@ class Driving:
         return True
 
     def _has_faced(self) -> bool:
-        return self._faced_at is not None and self._situation.guide.distance(self._faced_at) < HELD
+        return self._faced_at is not None and self._situation.guide.distance(self._faced_at) < RETRY_RANGE
 
     def _bar_side(self, heading: float) -> None:
-        """The shorter turn to a heading comes no farther: it turns the other way round from now on."""
+        """Turn the other way round from now on, because the shorter turn is barred."""
         self._barred_side = copysign(1.0, wrap_angle(heading - self._situation.guide.pose[2]))
         self._progress.go_on()
         self._situation.note("info", "turning the other way round")
 
     def _round(self, heading: float) -> float:
-        """To which heading to turn at once; to each it is the shorter way round."""
+        """Return the heading to order now, so that the shorter turn is to the free side."""
         present = self._situation.guide.pose[2]
         is_barred = wrap_angle(heading - present) * self._barred_side > 0.0
-        return wrap_angle(present - self._barred_side * PART) if is_barred else heading
+        return wrap_angle(present - self._barred_side * TURN_PART) if is_barred else heading
 
     def _has_arrived(self, now: float) -> bool:
-        """At the goal, or at the end of a way that ends short of it."""
+        """Handle the goal, or the end of a way that ends short; return whether the robot is there."""
         situation, guide = self._situation, self._situation.guide
         if guide.is_at_goal():
             situation.is_there = True
@@ -137,7 +137,7 @@ class Driving:
         return False
 
     def _is_barred(self, now: float) -> bool:
-        """Go round what is on the way, wait for it, or go on while it is far away."""
+        """Handle an obstacle on the way: plan round it, wait, or drive on while it is far; return whether to stop."""
         situation, guide, parameters = self._situation, self._situation.guide, self._parameters
         barrier = guide.barrier(now)
         if barrier is None:
@@ -161,13 +161,13 @@ class Driving:
         return True
 
     def _wait_at_end(self, now: float) -> None:
-        """Of a way that ends short of something, or aside."""
+        """Wait at the end of a way that ends short, or aside."""
         situation, parameters = self._situation, self._parameters
         if (waiting := situation.making_way.waiting) is not None:
             situation.wait_for(now, MissionEvent.WAY_BARRED, waiting.aside(now + parameters.aside))
             return
         place = situation.barred = situation.guide.barred_place()
-        why = f"the only way is barred near {spoken(place)}"
+        why = f"the only way is barred near {place_text(place)}"
         waiting = Waiting(why, now, now + parameters.hope, place=place, is_last_hope=True)
         situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
 
@@ -177,13 +177,13 @@ class Driving:
         if not self._situation.has_tried_enough(now):
             radius = self._parameters.progress.avoid
             self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._parameters.progress.avoid_for)
-            why = f"the robot comes no farther at {spoken(self._memory.place)}"
+            why = f"the robot comes no farther at {place_text(self._memory.place)}"
             if not self._backs(now, self._memory.way_back(self._situation.guide.target.place), why):
                 self._machine.happens(MissionEvent.CAME_NO_FARTHER, now, why)
         return True
 
     def _has_to_turn(self, now: float) -> bool:
-        """Before it goes on; it backs out first where it has no room to turn about."""
+        """Begin a turn if the way leads elsewhere, or back out where there is no room to turn."""
         guide, parameters = self._situation.guide, self._parameters
         if not guide.is_off_way(parameters.door_from if guide.is_before_narrow_door() else parameters.turn_from):
             return False
@@ -196,8 +196,8 @@ class Driving:
         return True
 
     def _backs(self, now: float, way_back: int | None, why: str) -> bool:
-        """Go back, unless that was of no use here."""
-        is_held = self._held_at is not None and self._situation.guide.distance(self._held_at) < HELD
+        """Begin to back out, unless that was of no use here; return whether it did."""
+        is_held = self._held_at is not None and self._situation.guide.distance(self._held_at) < RETRY_RANGE
         if way_back is None or is_held:
             return False
         self._back_to, self._backed_from = way_back, self._memory.place

@@ -220,7 +220,7 @@ def test_where_the_only_door_stays_shut_it_is_said_and_the_robot_stands() -> Non
         ((8.0, 7.0), "in a wall"),
         ((14.0, 7.0), "no way leads to"),  # outside the house
         ((500.0, 7.0), "too far away"),
-        ((nan, 7.0), "is no goal"),
+        ((nan, 7.0), "is not a valid goal"),
     ],
 )
 def test_a_goal_that_cannot_be_reached_is_said_with_the_reason(goal: Place, reason: str) -> None:
@@ -325,7 +325,7 @@ def test_a_new_mission_replaces_the_old_one_and_that_is_said() -> None:
     robot.run(3.0)
     robot.go(3.0, 6.4, mission="m2")
     assert robot.run_to_end() == "done"
-    assert robot.navigator.told()["mission"] == "m2"
+    assert robot.navigator.status()["mission"] == "m2"
     assert "given up, because m2 replaces it" in notes(robot)
     assert hypot(robot.x - 3.0, robot.y - 6.4) <= 0.25
 

@@ -183,7 +183,7 @@ def test_a_fuser_that_is_busy_is_spared(site: Site, others: Others) -> None:
     others.tell(GoalPoint("m1", 2.0, 0.0))
     others.see(0.5)
     assert others.orders[-1].speed == 0.25
-    assert "the fuser works 95% of its time" in others.said()
+    assert "the fuser is busy 95% of its time" in others.said()
 
 
 def test_the_robot_says_how_large_it_is(site: Site, others: Others) -> None:
@@ -231,4 +231,4 @@ def test_a_goal_that_is_none_is_refused_in_words(site: Site, others: Others) -> 
         send_key(ROBOT, "path_planning", GoalPoint), {"mission": "m1", "x": "far", "y": 0.0, "tolerance": 0.2}
     )
     others.see(0.3)
-    assert "error failed: x 'far', y 0.0, heading None, tolerance 0.2 is no goal" in others.said()
+    assert "error failed: x 'far', y 0.0, heading None, tolerance 0.2 is not a valid goal" in others.said()
