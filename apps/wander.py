@@ -1,4 +1,4 @@
-"""Wander about: drive straight on, and turn away from what comes near.
+"""Wander: drive straight on, and turn away from near obstacles.
 
 acromovi run APPLICATION robot=happy speed=0.3
 acromovi promote APPLICATION
@@ -7,18 +7,18 @@ acromovi ask NAME@apps turns
 
 from agents import Team, request
 
-SERVICES = ("wander",)  # what it offers as an agent, for the directory
+SERVICES = ("wander",)  # for the directory, when it runs as an agent
 turns = 0
 
 
 def main(team: Team, robot: str = "", speed: float = 0.2, near: float = 0.7) -> None:
-    """Wander with one robot until stopped, at so many m/s; turn away from what is nearer than so many m."""
+    """Wander with one robot until stopped; speed in m/s, near: m at which it turns away from an obstacle."""
     global turns
     me = team.robot(robot, having="sonar")  # without a name, any robot that has sonar
     was_near = False
     for _ in team.every(0.1):
         seen = me.sonar.read()
-        is_near = seen.nearest < near and abs(seen.bearing) < 1.2  # rad; what lies behind does no harm
+        is_near = seen.nearest < near and abs(seen.bearing) < 1.2  # rad; obstacles behind do not matter
         if is_near:
             me.base.drive(0.0, 0.6)
         else:
@@ -29,5 +29,5 @@ def main(team: Team, robot: str = "", speed: float = 0.2, near: float = 0.7) -> 
 
 @request("turns")
 def how_often() -> int:
-    """How often it has turned away; as an agent, it answers others with this."""
+    """Return how often the robot has turned away; as an agent, it answers requests with this."""
     return turns

@@ -8,8 +8,9 @@ from math import atan2, hypot, pi
 import numpy as np
 
 from apps.indoor_navigation.algorithms.doors import find_doors
-from apps.indoor_navigation.algorithms.opening import DoorNumbers
+from apps.indoor_navigation.algorithms.opening import DoorParameters
 from apps.indoor_navigation.data import Door, LaserRead
+from apps.indoor_navigation.parameters import shipped_parameters
 from benchmarks.door_scans import Case, cases
 from benchmarks.door_scores import Score, score
 from benchmarks.figures import Figure, p50_p99, percentile
@@ -30,7 +31,10 @@ NAIVE_JUMP = 0.5  # m from one beam to the next that begins or ends a gap
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Score both detectors on the same scans, and time ours."""
     scans = list(cases(FIRST_SEED, SCANS))
-    ours, naive = score(lambda scan: find_doors(scan, DoorNumbers()), scans), score(find_gaps, scans)
+    ours, naive = (
+        score(lambda scan: find_doors(scan, shipped_parameters("dle_detecting")), scans),
+        score(find_gaps, scans),
+    )
     _print_table(ours, naive, scans)
     found = ours.found + ours.missed
     figures = [
@@ -53,7 +57,7 @@ def find_gaps(scan: LaserRead) -> tuple[Door, ...]:
 
     What lies between must be a metre farther than the nearer of the two jambs.
     """
-    numbers = DoorNumbers()
+    parameters = shipped_parameters("dle_detecting")
     ranges = np.minimum(scan.ranges, scan.range_max)
     angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
     steps = np.diff(ranges)
@@ -65,7 +69,10 @@ def find_gaps(scan: LaserRead) -> tuple[Door, ...]:
         x1, y1 = ranges[out] * np.cos(angles[out]), ranges[out] * np.sin(angles[out])
         x2, y2 = ranges[back + 1] * np.cos(angles[back + 1]), ranges[back + 1] * np.sin(angles[back + 1])
         width, jamb = hypot(x2 - x1, y2 - y1), min(ranges[out], ranges[back + 1])
-        if not numbers.narrowest <= width <= numbers.widest or ranges[out + 1 : back + 1].min() < jamb + numbers.clear:
+        if (
+            not parameters.narrowest <= width <= parameters.widest
+            or ranges[out + 1 : back + 1].min() < jamb + parameters.clear
+        ):
             continue
         x, y = scanner.transform((x1 + x2) / 2.0, (y1 + y2) / 2.0)
         normal = scanner.heading + atan2(y2 - y1, x2 - x1) - pi / 2.0
@@ -78,16 +85,16 @@ def _times(scans: list[LaserRead]) -> tuple[list[float], list[float]]:
 
     The least is the cost of the computation; what others do on the same core meanwhile disturbs hardly all looks.
     """
-    numbers = DoorNumbers()
+    parameters = shipped_parameters("dle_detecting")
     for scan in scans[:WARM_UP]:
-        find_doors(scan, numbers)
-    looks = [[_time(scan, numbers) for _ in range(LOOKS)] for scan in scans]
+        find_doors(scan, parameters)
+    looks = [[_time(scan, parameters) for _ in range(LOOKS)] for scan in scans]
     return [min(each) for each in looks], [each[0] for each in looks]
 
 
-def _time(scan: LaserRead, numbers: DoorNumbers) -> float:
+def _time(scan: LaserRead, parameters: DoorParameters) -> float:
     began = time.perf_counter()
-    find_doors(scan, numbers)
+    find_doors(scan, parameters)
     return 1e3 * (time.perf_counter() - began)
 
 

@@ -10,7 +10,7 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.attraction import AttractionNumbers, Speeds
+from apps.indoor_navigation.algorithms.attraction import AttractionParameters, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.components.goto import Goto, Steering
 from apps.indoor_navigation.data import Floats, RobotOdometry, WorldCoord
@@ -20,7 +20,7 @@ BLOCKS = 24  # of 15 degrees, about as many as a ring of sonar discs has
 
 
 @dataclass(frozen=True, slots=True)
-class BlockNumbers:
+class BlockParameters:
     """When a block is free, and how the robot turns to it.
 
     free: m beyond the outline for which a block must be empty. angular: rad/s at which it turns. turned: rad that are
@@ -36,24 +36,24 @@ class BlockNumbers:
 class FreeSpaceBlock:
     """Steers by the blocks of one reading; takes the place of `Attraction`."""
 
-    def __init__(self, outline: Outline, numbers: BlockNumbers | None = None) -> None:
+    def __init__(self, outline: Outline, parameters: BlockParameters | None = None) -> None:
         self._outline = outline
-        self._numbers = numbers or BlockNumbers()
+        self._parameters = parameters or BlockParameters()
 
     def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         """Say how to go on; see `Attraction.steer`."""
-        numbers = self._numbers
+        parameters = self._parameters
         x, y = target.x - odometry.x, target.y - odometry.y
         distance = hypot(x, y)
-        if distance <= numbers.there:
+        if distance <= parameters.there:
             return Speeds()
         bearing = wrap_angle(atan2(y, x) - odometry.heading)
         direction = self._nearest_free(bearing, distance, places)
         if direction is None:
-            return Speeds(0.0, numbers.angular)
-        if abs(direction) > numbers.turned:
+            return Speeds(0.0, parameters.angular)
+        if abs(direction) > parameters.turned:
             linear = 0.0 if abs(direction) > pi / 4.0 else target.speed / 2.0
-            return Speeds(linear, numbers.angular if direction > 0.0 else -numbers.angular)
+            return Speeds(linear, parameters.angular if direction > 0.0 else -parameters.angular)
         slow = min(1.0, distance / 0.5) if target.is_last else 1.0
         return Speeds(target.speed * slow, 0.0)
 
@@ -73,13 +73,13 @@ class FreeSpaceBlock:
         x, y = places
         along, across = np.cos(middle) * x + np.sin(middle) * y, np.cos(middle) * y - np.sin(middle) * x
         lane = self._outline.width / 2.0 + 0.05
-        reach = self._outline.front + min(self._numbers.free, distance)
+        reach = self._outline.front + min(self._parameters.free, distance)
         return not ((along > 0.0) & (along < reach) & (np.abs(across) < lane)).any()
 
 
 class BlockGoto(Goto):
     """Goto by that method: `BlockGoto("goto@happy", properties)` in place of the wiring's own."""
 
-    def steering(self, numbers: AttractionNumbers, outline: Outline) -> Steering:
+    def steering(self, parameters: AttractionParameters, outline: Outline) -> Steering:
         """By blocks, and with numbers of its own."""
         return FreeSpaceBlock(outline)

@@ -1,4 +1,4 @@
-"""The processes of a navigation while they run: started, missed on the bus, started again if they are frozen."""
+"""Supervision of the processes of a navigation: start, and restart after a death or a freeze."""
 
 import asyncio
 import json
@@ -13,28 +13,28 @@ from bus.aio import hand_over
 from bus.bus import Closeable
 from bus.secure import WARNING
 
-STARTING_TIME = 60.0  # s in which all must be at work, on a small computer too
-MOST_ENDS = 3  # of one process while they come up; more of the same will not help
-FROZEN_AFTER = 1.0  # s without a turn for a process whose token has gone
+START_TIMEOUT = 60.0  # s for all processes, on a small computer too
+MAX_ENDS = 3  # of one process during the start; more attempts do not help
+FROZEN_AFTER = 1.0  # s without activity of a process whose token is gone
 
 
 class NotUp(Exception):
-    """The navigation has not come up; the message says why in one sentence."""
+    """The navigation could not start."""
 
 
 class NavigationAtWork(Closeable):
-    """Keeps the processes going: starts those again that die or are frozen, and no others."""
+    """Restarts processes that die or are frozen."""
 
     def __init__(
         self, programs: Sequence[PlannedProcess], start: Start, bus: Bus, complain: Callable[[str], None]
     ) -> None:
-        """Make ready; in a running event loop.
+        """Prepare the supervision in a running event loop.
 
         Args:
             programs: One for each process.
-            start: Starts one.
-            bus: Where their containers show their tokens.
-            complain: Says what goes wrong, in one line.
+            start: Starts a process.
+            bus: The bus with the tokens of their containers.
+            complain: Prints an error in one line.
         """
         self.supervisor = Supervisor(start, self)
         self._programs = programs
@@ -44,39 +44,39 @@ class NavigationAtWork(Closeable):
         self._all_serve = asyncio.Event()
         self._failure: str | None = None
         self._missing: dict[str, asyncio.Task[None]] = {}
-        self._cut_off: set[str] = set()  # containers that go on without the bus
+        self._cut_off: set[str] = set()  # containers that run without the bus
         self._watching = bus.watch_alive(ALL_CONTAINERS, self._on_token)
 
     def begin(self) -> None:
-        """Start them."""
+        """Start the processes."""
         for program in self._programs:
             self.supervisor.begin(program)
 
     async def come_up(self) -> None:
-        """Wait until all are at work.
+        """Wait until all containers have reported.
 
         Raises:
-            NotUp: One of them never will be.
+            NotUp: A process could not start in time.
         """
         try:
-            async with asyncio.timeout(STARTING_TIME):
+            async with asyncio.timeout(START_TIMEOUT):
                 await self._all_serve.wait()
         except TimeoutError:
             missing = ", ".join(each.name for each in self._programs if each.container not in self._serving)
-            raise NotUp(f"still missing after {STARTING_TIME:g} s: {missing}") from None
+            raise NotUp(f"still missing after {START_TIMEOUT:g} s: {missing}") from None
         if self._failure is not None:
             raise NotUp(self._failure)
 
     def close(self) -> None:
-        """Watch no more."""
+        """End the supervision."""
         self._watching.close()
         for task in self._missing.values():
             task.cancel()
 
-    # What the processes do, as the supervisor tells it.
+    # Callbacks of the supervisor.
 
     def heard(self, program: PlannedProcess, line: str) -> None:
-        """A line of standard output; the first says that it serves."""
+        """Take a line of standard output; the first one reports that the container runs."""
         try:
             said = json.loads(line)
         except ValueError:
@@ -87,14 +87,14 @@ class NavigationAtWork(Closeable):
                 self._all_serve.set()
 
     def complained(self, program: PlannedProcess, line: str) -> None:
-        """A line of standard error; not what this program itself has printed."""
+        """Print a line of a process's standard error."""
         if line.strip() and not line.startswith(WARNING):
             self._complain(f"{program.name}: {_plain(line)}")
 
     def ended(self, entry: ProcessRow) -> None:
-        """A process has ended unasked."""
+        """Note that a process has ended unexpectedly."""
         self._serving.discard(entry.program.container)
-        if not self._all_serve.is_set() and entry.ends >= MOST_ENDS:
+        if not self._all_serve.is_set() and entry.ends >= MAX_ENDS:
             self._failure = f"{entry.program.name}: {_plain(entry.why)}"
             self._all_serve.set()
         else:
@@ -103,7 +103,7 @@ class NavigationAtWork(Closeable):
     # Tokens.
 
     def _on_token(self, key: str, is_there: bool) -> None:
-        """On the bus's thread."""
+        """Take a token on the thread of the bus."""
         try:
             container = ContainerName.of_key(key)
         except NameNotValid:
@@ -122,9 +122,9 @@ class NavigationAtWork(Closeable):
             self._missing[container] = asyncio.ensure_future(self._look_after(entry))
 
     async def _look_after(self, entry: ProcessRow) -> None:
-        """Start a process again that is frozen; one that goes on has only lost the bus, and comes back by itself."""
+        """Restart a process that is frozen; one that is active has only lost the bus, and reconnects by itself."""
         missed = entry.child
-        assert missed is not None  # it has been heard of
+        assert missed is not None  # its token was seen
         while True:
             turns = missed.turns
             await asyncio.sleep(FROZEN_AFTER)
@@ -138,19 +138,19 @@ class NavigationAtWork(Closeable):
         await self.supervisor.restart(entry)
 
     def _note_cut_off(self, entry: ProcessRow) -> None:
-        if not self._cut_off:  # the others follow
-            self._complain(f"{entry.program.name} goes on, but is not heard of on the bus; see whether its router runs")
+        if not self._cut_off:  # one message for all
+            self._complain(f"{entry.program.name} runs, but is not on the bus; check whether its router runs")
         self._cut_off.add(entry.program.container)
 
     def _note_back(self, container: str) -> None:
         if container in self._cut_off:
             self._cut_off.remove(container)
             if not self._cut_off:
-                self._complain("all are heard of again")
+                self._complain("all processes are on the bus again")
 
 
 def _plain(sentence: str) -> str:
-    """A process's complaint without the name of its program."""
+    """Return an error of a process without the name of its program."""
     name, colon, rest = sentence.partition(": ")
     return rest if colon and name.startswith("acromovi navigate") else sentence
 

@@ -1,4 +1,4 @@
-"""`acromovi navigate cancel`: end a robot's mission."""
+"""`acromovi navigate cancel`: cancel a robot's mission."""
 
 import argparse
 import json
@@ -9,10 +9,10 @@ EPILOG = """\
 example:
   acromovi navigate cancel happy
 
-Whoever began the mission, it ends, and the robot stops. With --json it prints {"mission": NAME}, which is "" where none
-was under way.
+The mission ends whoever began it, and the robot stops. With --json the output is {"mission": NAME}; NAME is "" where no
+mission was active.
 
-Exit codes: 0 done, also where no mission was under way, 1 nobody navigates the robot (the reason is on stderr), 2 wrong
+Exit codes: 0 done, also without an active mission, 1 the navigation does not run (the reason is on stderr), 2 wrong
 usage.
 """
 
@@ -21,12 +21,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask for it once."""
+    """Request it once; return the exit code."""
     from acromovi.navigation.components import ask, expect
     from bus.session import ZenohBus
 
@@ -35,5 +35,5 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(ended))
     else:
-        print(f"{ended['mission']} is cancelled" if ended["mission"] else "no mission was under way; the robot stands")
+        print(f"{ended['mission']} is cancelled" if ended["mission"] else "no mission was active; the robot stands")
     return 0

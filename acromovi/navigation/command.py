@@ -1,27 +1,27 @@
-"""`acromovi navigate`: a robot finds its way through rooms that it does not know."""
+"""`acromovi navigate`: navigation of a robot through unknown rooms."""
 
 import argparse
 from importlib import import_module
 
-# Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
+# Each module has add_arguments(parser) and run(arguments) -> exit code.
 ORDERS = {
-    "up": ("acromovi.navigation.launch", "Start the components for a robot, and end them with Ctrl-C"),
+    "up": ("acromovi.navigation.launch", "Start the navigation of a robot, until Ctrl-C"),
     "go": ("acromovi.navigation.going", "Send a robot to a place"),
-    "cancel": ("acromovi.navigation.cancelling", "End the mission of a robot, which stops"),
-    "state": ("acromovi.navigation.standing", "Say how a robot's mission stands"),
-    "log": ("acromovi.navigation.log", "Print what a robot tells of its missions"),
+    "cancel": ("acromovi.navigation.cancelling", "Cancel the mission of a robot, and stop it"),
+    "state": ("acromovi.navigation.standing", "Print the state of a robot's mission"),
+    "log": ("acromovi.navigation.log", "Print the messages about a robot's missions"),
     "watch": ("acromovi.navigation.watch", "Follow a mission in this terminal: state, map and log"),
-    "picture": ("acromovi.navigation.picture", "Draw the mission as it stands"),
-    "wiring": ("acromovi.navigation.wiring_command", "Draw the components that run, and who tells whom what"),
-    "process": ("acromovi.navigation.one_process", "Run one process of the navigation; `up` starts these"),
+    "picture": ("acromovi.navigation.picture", "Draw the present mission"),
+    "wiring": ("acromovi.navigation.wiring_command", "Draw the running components and their connections"),
+    "process": ("acromovi.navigation.one_process", "Run one process of the navigation (started by `up`)"),
 }
 EPILOG = """\
 examples:
   acromovi navigate up happy                 start the navigation of the robot happy, until Ctrl-C
-  acromovi navigate go happy 6 2.5 --wait    send it, from another terminal, and see how that ends
+  acromovi navigate go happy 6 2.5 --wait    send it, from another terminal, and wait for the end
   acromovi navigate watch happy
   acromovi navigate picture happy now.svg
-  acromovi navigate ORDER --help             more about one of them
+  acromovi navigate ORDER --help             print the options of one of them
 
 Places are in m in the frame `odom`. Its origin, 0 0, is where the robot stood when its gateway first connected, and its
 x axis points to where the robot faced then.
@@ -46,5 +46,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do what is asked for."""
+    """Run the chosen command; return the exit code."""
     return int(import_module(ORDERS[arguments.order][0]).run(arguments))

@@ -1,4 +1,4 @@
-"""The components of a robot's navigation, asked as one who has just come to the bus."""
+"""Requests and queries to the components of a robot's navigation, from a command."""
 
 import asyncio
 from collections.abc import Mapping
@@ -11,20 +11,20 @@ if TYPE_CHECKING:
     from agents.platform.conversations.outcome import Outcome
     from agents.platform.names import AgentName
 
-FACE = "user_interface"  # the component that people talk to
-SERVICE = "navigation"  # what every component offers
-PATIENCE = 2.0  # s for an answer
+USER_INTERFACE = "user_interface"  # the component that answers people's requests
+SERVICE = "navigation"  # every component offers this service
+REPLY_TIMEOUT = 2.0  # s
 
 
 class NobodyNavigates(AgentError, LookupError):
-    """A robot's navigation is asked for, and does not run."""
+    """The navigation of a robot does not run."""
 
 
 def descriptions(bus: Bus, robot: str) -> list[Mapping[str, Any]]:
-    """What those that run say of themselves; none where none does.
+    """Return the descriptions of the components that run.
 
     Raises:
-        KeyNotValid: `robot` cannot name a robot.
+        KeyNotValid: `robot` is not a valid name of a robot.
     """
     from acromovi.known_agents import KnownAgents
     from bus.keys import robot_name
@@ -35,11 +35,11 @@ def descriptions(bus: Bus, robot: str) -> list[Mapping[str, Any]]:
     return [each for each in asyncio.run(_answers(bus, key)) if SERVICE in each.get("services", ())]
 
 
-def expect(bus: Bus, robot: str, component: str = FACE) -> "AgentName":
-    """Wait until a component is there, and say what it is called.
+def expect(bus: Bus, robot: str, component: str = USER_INTERFACE) -> "AgentName":
+    """Wait until a component runs, and return its name.
 
     Raises:
-        NobodyNavigates: It is not; the message says what to do.
+        NobodyNavigates: The component does not run; the message gives the command that starts it.
     """
     from acromovi.known_agents import KnownAgents, NoSuchAgent
     from agents.platform.names import AgentName
@@ -54,37 +54,37 @@ def expect(bus: Bus, robot: str, component: str = FACE) -> "AgentName":
     return name
 
 
-def ask(bus: Bus, component: "AgentName", request: str, within: float = PATIENCE, **given: Any) -> "Outcome":
-    """Ask a component for something, as an agent does."""
+def ask(bus: Bus, component: "AgentName", request: str, within: float = REPLY_TIMEOUT, **given: Any) -> "Outcome":
+    """Send a request to a component, and return the outcome."""
     from acromovi.ask import ask as ask_as_agent
 
     return asyncio.run(ask_as_agent(bus, component, request, given, within))
 
 
 def query(bus: Bus, robot: str, component: str, what: str) -> Mapping[str, Any]:
-    """A component's answer to what other components ask it; nothing where it does not answer, or to us."""
+    """Return the reply of a component to a query; empty where it does not answer, or is not allowed to."""
     from apps.indoor_navigation.component import query_key
     from bus.errors import NoAnswer, NotAllowed, Refused, TimedOut
 
     try:
-        return bus.query(query_key(robot, component, what), {}, PATIENCE)[0].value
+        return bus.query(query_key(robot, component, what), {}, REPLY_TIMEOUT)[0].value
     except (NoAnswer, NotAllowed, Refused, TimedOut):
         return {}
 
 
 async def _answers(bus: Bus, key: str) -> list[Mapping[str, Any]]:
-    """Of all who answer in time."""
+    """Return the replies that arrive in time."""
     from bus.aio import ReplyQueue
     from bus.errors import NoAnswer, Refused, TimedOut
 
     found: list[Mapping[str, Any]] = []
     try:
-        replies = ReplyQueue(PATIENCE)
-        with bus.ask(key, None, replies.put, replies.put, PATIENCE, urgent=True):
+        replies = ReplyQueue(REPLY_TIMEOUT)
+        with bus.ask(key, None, replies.put, replies.put, REPLY_TIMEOUT, urgent=True):
             async for answer in replies:
                 found.append(answer.value)
     except (NoAnswer, Refused, TimedOut, TimeoutError):
-        pass  # those who are silent are missing in what is made of it, and that is told there
+        pass  # the caller reports components that are missing
     return found
 
 

@@ -1,4 +1,4 @@
-"""`acromovi navigate up`: the processes of a robot's navigation, until Ctrl-C."""
+"""`acromovi navigate up`: run the processes of a robot's navigation, until Ctrl-C."""
 
 import argparse
 import asyncio
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
-MEETING_TIME = 0.5  # s in which a navigation that is up already must have been seen
+DISCOVERY_TIME = 0.5  # s within which a navigation that runs already is found
 EPILOG = """\
 examples:
-  acromovi navigate up happy                         what the wiring says, in the processes that it names
+  acromovi navigate up happy                         the processes of the wiring
   acromovi navigate up happy --processes each        ten processes
-  acromovi navigate up happy --processes one         one
+  acromovi navigate up happy --processes one         one process
   acromovi navigate up happy --process hardware --process reactive
-      these two here; the others by the same command on another machine, with a --bus that joins both
-  acromovi navigate up happy --set components.goto.numbers.speed=0.3
+      these two here; run the others by the same command on another machine, with a --bus that connects both
+  acromovi navigate up happy --set components.path_planning.numbers.mission.speed=0.3
   acromovi navigate up happy --wiring mine.toml
 
-A process that dies or is frozen is started again, and the mission goes on. With --json one line is printed once all
-are at work: {"robot": NAME, "processes": {PROCESS: [COMPONENT, ...], ...}}
+A process that dies or is frozen is restarted, and the mission continues. With --json the output is one line once all
+components run: {"robot": NAME, "processes": {PROCESS: [COMPONENT, ...], ...}}
 
-Exit codes: 1 it has not come up (the reason is on stderr, and nothing is left running), 2 wrong usage, 130 stopped by
+Exit codes: 1 a process could not start (the reason is on stderr, and no process is left), 2 wrong usage, 130 stopped by
 Ctrl-C, 143 by SIGTERM.
 """
 
@@ -47,15 +47,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         dest="only",
-        help="this process and no other; repeat for more (default: all)",
+        help="start only this process; repeatable [all]",
     )
-    parser.add_argument("--json", action="store_true", help="print one line of JSON once all are at work")
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--json", action="store_true", help="print one line of JSON once all components run")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Start the processes, keep them going, and end them."""
+    """Run the processes until a signal; return the exit code."""
     from acromovi.navigation.at_work import NotUp
     from bus.keys import robot_name
 
@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def of_names(known: Processes, wanted: list[str]) -> Processes:
-    """Those processes that are wanted; all, where none is named.
+    """Return the wanted processes; all where none is named.
 
     Raises:
         ConfigError: There is no such process.
@@ -137,26 +137,26 @@ def _announce(arguments: argparse.Namespace, chosen: Processes, tell: Any) -> No
 
 
 async def _look_round(bus: "Bus", robot: str, chosen: Processes, tell: Any) -> None:
-    """Refuse to start what is there already, since two of one name would both command; miss the robot aloud.
+    """Check that the components do not run already, because two of one name would both command; look for the robot.
 
     Raises:
-        NotUp: A component that is to run here is on this bus, or may not be under the robot's name.
+        NotUp: A component of this process runs already, or the key does not belong to the robot.
     """
     from acromovi.navigation.at_work import NotUp
     from bus.keys import ALIVE
 
     if bus.own_name not in (None, robot):
         raise NotUp(
-            f"this key speaks for {bus.own_name}, and the components for {robot}; "
-            f"take the robot's, as in --bus secure:keys/robot.{robot}, or an admin's"
+            f"this key belongs to {bus.own_name}, and the components run as {robot}; "
+            f"use the robot's key, --bus secure:keys/robot.{robot}, or an admin's"
         )
     there: set[str] = set()
     keys = {part.agent(robot).alive_key: part.agent(robot) for parts in chosen.values() for part in parts}
     watching = [bus.watch_alive(key, lambda key, is_there: there.add(key)) for key in [*keys, ALIVE.key(robot)]]
-    await asyncio.sleep(MEETING_TIME)
+    await asyncio.sleep(DISCOVERY_TIME)
     for each in watching:
         each.close()
     if taken := sorted(str(agent) for key, agent in keys.items() if key in there):
-        raise NotUp(f"{taken[0]} is on this bus already; end what runs there first, or use another --bus")
+        raise NotUp(f"{taken[0]} is on this bus already; stop it first, or use another --bus")
     if ALIVE.key(robot) not in there:
         tell(f"{robot} is not on this bus yet; its navigation waits for it")

@@ -17,7 +17,7 @@ BETWEEN = 14.0  # px between two things in a row
 
 @dataclass(frozen=True, slots=True)
 class GraphEdge:
-    """From one box to another. label: its width, px."""
+    """A line from one box to another. label: its width, px."""
 
     start: Hashable
     end: Hashable
@@ -26,7 +26,7 @@ class GraphEdge:
 
 @dataclass(slots=True)
 class _Thing:
-    """Something in a row: a box, a label or a passage."""
+    """An item in a row: a box, a label or a passage."""
 
     row: int
     width: float
@@ -49,7 +49,7 @@ class GraphLayout:
 
 
 def lay_out(rows: Sequence[Mapping[Hashable, float]], lines: Sequence[GraphEdge]) -> GraphLayout:
-    """Find places.
+    """Compute the places.
 
     Args:
         rows: From the top, the boxes in each and their widths, px.
@@ -76,7 +76,7 @@ def lay_out(rows: Sequence[Mapping[Hashable, float]], lines: Sequence[GraphEdge]
 
 
 def ranks(names: Iterable[Hashable], before: Iterable[tuple[Hashable, Hashable]]) -> dict[Hashable, int]:
-    """In which row each stands, so that no pair shares one: who comes before another stands above it.
+    """Return the row of each box, so that no connected pair shares one and the first of a pair is above.
 
     A pair that would close a circle with those before it stands the other way round.
     """
@@ -105,7 +105,7 @@ def _sink(rank: dict[Hashable, int], below: Mapping[Hashable, set[Hashable]], na
 
 
 def _way(start: _Thing, end: _Thing, label: float, things: list[list[_Thing]]) -> list[_Thing]:
-    """A line's places, from box to box; the first in between has its label."""
+    """Return the items of a line, from box to box; the first between them has its label."""
     step = 1 if end.row > start.row else -1
     between = [_Thing(row, PASSAGE) for row in range(start.row + step, end.row, step)]
     between[0].width = max(label, PASSAGE)
@@ -119,7 +119,7 @@ def _way(start: _Thing, end: _Thing, label: float, things: list[list[_Thing]]) -
 
 
 def _through(ways: Sequence[Sequence[_Thing]]) -> list[list[tuple[int, float]]]:
-    """Row and x of what the lines pass; at a box they stand side by side."""
+    """Return rows and x of the items that the lines pass; at a box the lines are side by side."""
     found = [[(thing.row, thing.x) for thing in way] for way in ways]
     sides: dict[tuple[int, bool], list[tuple[float, int, int]]] = defaultdict(list)
     for number, way in enumerate(ways):
@@ -141,12 +141,12 @@ def _close_up(row: list[_Thing]) -> None:
 
 
 def _wanted(thing: _Thing) -> float:
-    """Where it would like to stand: in the middle of those that it is joined to."""
+    """Return the preferred place: the middle of the connected items."""
     return sum(each.x for each in thing.near) / len(thing.near) if thing.near else thing.x
 
 
 def _pull(row: list[_Thing]) -> None:
-    """Bring each as near to where it would like to stand as the others of its row let it."""
+    """Move each item as near to its preferred place as the others of its row allow."""
     wanted = [_wanted(thing) for thing in row]
     from_left = _spaced(row, wanted)
     mirrored = _spaced(row[::-1], [-x for x in wanted[::-1]])

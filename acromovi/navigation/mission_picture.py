@@ -1,4 +1,4 @@
-"""A mission as a picture: what the robot has seen, where it went and will go, and what each source wants it to do."""
+"""The picture of a mission: grid, path, plan, doors, and the motion commands of all sources."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import cos, pi, sin
@@ -19,14 +19,14 @@ Points = Sequence[tuple[float, float]]
 UNKNOWN, FREE, OBSTACLE = "#e2e5ea", "#ffffff", "#3d4248"
 TRAVELLED, PLANNED, GOAL, DOOR, WAYS, ROBOT = "#1f6f4a", "#1f77b4", "#b5382f", "#d9730d", "#b9a7d6", "#111827"
 SOURCES = ("#9467bd", "#0f9aa8", "#d4487a", "#8c6239", "#5b6abf", "#7a8a1f")
-AHEAD = 2.0  # s that the motion of a command is drawn
+AHEAD = 2.0  # s of the motion of a command that is drawn
 NEAR = 1.2  # m around the robot in the small panel
-RADIUS = 0.3  # m of an outline when nobody says how large the robot is
+RADIUS = 0.3  # m of the outline of a robot of unknown size
 WIDTH, FLOOR, LOWEST, HIGHEST = 12.3, 8.0, 7.8, 12.0  # inches, of the page and of the floor on it
 
 
 def draw(path: Path, shot: Snapshot) -> None:
-    """Draw an SVG or a PNG, by the ending of `path`; equal snapshots give equal files.
+    """Draw an SVG or a PNG, by the suffix of `path`; equal snapshots give equal files.
 
     Raises:
         ExtraMissing: matplotlib is not installed.
@@ -37,7 +37,7 @@ def draw(path: Path, shot: Snapshot) -> None:
     from matplotlib.figure import Figure  # slow to import, and only needed here
 
     page = Figure(figsize=(WIDTH, height := _height(shot)))
-    # By hand: what is beside the floor is as wide as its texts, and the floor has the rest.
+    # Without an automatic layout: the panels beside the floor are as wide as their texts, and the floor takes the rest.
     axes = page.add_axes((0.8 / WIDTH, 0.6 / height, FLOOR / WIDTH, 1.0 - 1.1 / height), anchor="NW")
     near = page.add_axes(((FLOOR + 1.3) / WIDTH, 2.1 / height, 2.2 / WIDTH, 2.2 / height), anchor="NW")
     _draw_floor(axes, shot.planning.get("grid"))
@@ -63,14 +63,14 @@ def draw(path: Path, shot: Snapshot) -> None:
 
 
 def _height(shot: Snapshot) -> float:
-    """Of the page, inches: as the floor's shape wants it."""
+    """Return the size of the page for the shape of the floor, inches."""
     grid = shot.planning.get("grid") or {}
     rows, columns = grid.get("rows") or 1, grid.get("columns") or 1
     return min(max(FLOOR * rows / columns + 1.2, LOWEST), HIGHEST)
 
 
 def floor_of(grid: Mapping[str, Any] | None) -> NDArray[np.int8]:
-    """What is known of each cell, in rows of rising y: 0 nothing, 1 free, 2 an obstacle."""
+    """Return the cell values in rows of rising y: 0 unknown, 1 free, 2 obstacle."""
     if not grid or not grid["runs"]:
         return np.zeros((0, 0), np.int8)
     runs = np.array(grid["runs"], np.int64)
@@ -93,7 +93,7 @@ def _draw_floor(axes: "Axes", grid: Mapping[str, Any] | None) -> None:
 
 
 def _draw_doors(axes: "Axes", doors: Sequence[Mapping[str, Any]]) -> None:
-    """Each as a bar as wide as it is, with its confidence; dashed while it is not believed."""
+    """Draw each door as a bar of its width, with its confidence; dashed while it is not believed."""
     for number, door in enumerate(doors):
         x, y, normal, half = door["x"], door["y"], door["normal"], door["width"] / 2
         across = half * cos(normal + pi / 2), half * sin(normal + pi / 2)
@@ -146,7 +146,7 @@ def _draw_robot(axes: "Axes", shot: Snapshot) -> None:
 
 
 def _draw_commands(axes: "Axes", shot: Snapshot) -> None:
-    """The robot from above, looking up, and where each source would bring it within `AHEAD`."""
+    """Draw the robot from above, heading up, and the motion of each command within `AHEAD`."""
     xs, ys = zip(*_placed(outline(shot.body), (0.0, 0.0, pi / 2)), strict=True)
     axes.fill(xs, ys, color=ROBOT, alpha=0.15, linewidth=0)
     for name, colour, width, command in _commands(shot):
@@ -167,7 +167,7 @@ def _draw_commands(axes: "Axes", shot: Snapshot) -> None:
 
 
 def outline(body: Mapping[str, Any]) -> Points:
-    """Of the robot about its middle, m, closed; a circle-like one where nobody says."""
+    """Return the closed outline of the robot about its axle, m; a default where its size is unknown."""
     front, rear = float(body.get("front", RADIUS)), float(body.get("rear", RADIUS))
     half = float(body.get("width", 2 * RADIUS)) / 2
     nose = front - half / 2
@@ -175,7 +175,7 @@ def outline(body: Mapping[str, Any]) -> Points:
 
 
 def _commands(shot: Snapshot) -> Iterator[tuple[str, str, float, Mapping[str, Any]]]:
-    """Name, colour, width of the line and the command itself; the fused one last, narrow, on top of what it follows."""
+    """Yield name, colour, line width and command of each source; the fused one last, narrow, on top."""
     for number, (name, command) in enumerate(sorted(shot.commands.get("sources", {}).items())):
         yield name, SOURCES[number % len(SOURCES)], 3.0 + min(2.0, float(command["weight"])), command
     if fused := shot.commands.get("fused"):
@@ -193,7 +193,7 @@ def _said(name: str, command: Mapping[str, Any]) -> str:
 
 
 def _motion(command: Mapping[str, Any]) -> Points:
-    """Where a command brings the robot, in its own frame; a turn on its place is an arc around it."""
+    """Return the motion of a command in the robot's frame; a turn on the spot is an arc around it."""
     if not command["weight"]:
         return [(0.0, 0.0)]
     times = np.linspace(0.0, AHEAD, 20)
@@ -235,5 +235,5 @@ def _wrapped(title: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """Without what would be set as a formula."""
+    """Return a text without the characters that matplotlib sets as a formula."""
     return text.replace("$", r"\$")

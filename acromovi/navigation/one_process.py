@@ -1,4 +1,4 @@
-"""`acromovi navigate process`: the components of one process, in this one."""
+"""`acromovi navigate process`: run the components of one process."""
 
 import argparse
 import asyncio
@@ -21,10 +21,10 @@ EPILOG = """\
 example:
   acromovi navigate process happy reactive
 
-It runs until stopped and is not started again when it dies; `acromovi navigate up happy --process reactive` sees to
-that. With --json it prints one line once its components are at work: {"container": NAME}
+The process runs until it is stopped. It is not restarted when it dies; `acromovi navigate up happy --process reactive`
+does that. With --json the output is one line once the components run: {"container": NAME}
 
-Exit codes: 1 not possible (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM.
+Exit codes: 1 it cannot run (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C, 143 by SIGTERM.
 """
 
 
@@ -32,19 +32,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("process", metavar="PROCESS", help="one of those that the wiring names")
+    parser.add_argument("process", metavar="PROCESS", help="a process of the wiring")
     add_wiring(parser)
-    parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")
+    parser.add_argument("--json", action="store_true", help="print one line of JSON once the components run")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Let the components live until a signal comes."""
+    """Run the components until a signal; return the exit code."""
     from acromovi.container import await_name, ending_in_time, reporter
     from agents.platform import Container
     from bus.session import ZenohBus
 
-    here = processes(arguments)  # loads what the components are made of, before the bus brings anything to do
+    here = processes(arguments)  # imports the components before data arrive from the bus
     if arguments.process not in here:
         raise ConfigError(f"the wiring has no process {arguments.process!r}; choose one of {', '.join(here)}")
     gc.freeze()
@@ -59,14 +59,14 @@ def run(arguments: argparse.Namespace) -> int:
 async def live(
     container: "Container", robot: str, parts: "Sequence[ComponentSpec]", as_json: bool, end: "EndRequest"
 ) -> None:
-    """Let components live until the end; if one of them cannot, that is now."""
+    """Run components until the end, or until one of them cannot start."""
     from acromovi.container import leave_if_second
 
     async with container:
         second = asyncio.ensure_future(leave_if_second(container, end))
         agents = [container.kinds.make(part.kind, part.agent(robot), part.properties) for part in parts]
         if not all(await asyncio.gather(*map(container.start, agents))):
-            end.tell(1)  # which of them and why has been reported
+            end.tell(1)  # the component and the reason were reported
         elif as_json:
             print(json.dumps({"container": container.name}), flush=True)
         else:

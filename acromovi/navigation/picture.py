@@ -1,4 +1,4 @@
-"""`acromovi navigate picture`: the mission as it stands."""
+"""`acromovi navigate picture`: draw the present mission."""
 
 import argparse
 import sys
@@ -16,11 +16,10 @@ examples:
   acromovi navigate picture happy now.svg
   acromovi navigate picture happy now.png
 
-It shows what the robot has seen, the doors with their confidence, the plan with its sub-targets, the path travelled,
-the goal, and what each component wants of the wheels now, with the command that the fuser makes of it. Afterwards it
-shows the last mission.
+The picture shows the grid, the doors with their confidence, the plan with its sub-targets, the path travelled, the
+goal, and the motion commands of all components with the fused one. After a mission it shows the last one.
 
-Exit codes: 0 done, 1 nobody navigates the robot, or the file cannot be written, 2 wrong usage.
+Exit codes: 0 done, 1 the navigation does not run, or the file cannot be written, 2 wrong usage.
 """
 
 
@@ -28,12 +27,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("file", metavar="FILE", type=picture_file, help="what to write: .svg or .png")
+    parser.add_argument("file", metavar="FILE", type=picture_file, help="picture to write, .svg or .png")
     add_bus(parser)
 
 
 def picture_file(text: str) -> Path:
-    """A file that can be written, of a kind that can be drawn."""
+    """Return the path of a writable picture file."""
     path = new_file(text)
     if path.suffix not in (".svg", ".png"):
         raise argparse.ArgumentTypeError(f"{text} ends neither in .svg nor in .png")
@@ -41,7 +40,7 @@ def picture_file(text: str) -> Path:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask once, and draw."""
+    """Query the components once, and draw; return the exit code."""
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
@@ -49,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def take(bus: "Bus", robot: str, path: Path, order: str) -> int:
-    """Draw the mission as it stands; the exit code.
+    """Draw the present mission; return the exit code.
 
     Raises:
         NobodyNavigates, RequestNotDone, ConfigError: As `snapshot` and `draw`.

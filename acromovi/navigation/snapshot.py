@@ -1,4 +1,4 @@
-"""A mission at one moment: what path planning knows, what everybody wants of the wheels, and the robot's outline."""
+"""The data of a picture: path planning's knowledge, the motion commands, and the robot's outline."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,9 +12,9 @@ ENDED = ("done", "failed", "cancelled")
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Answers as they came; empty where nobody answered.
+    """Replies of the components; empty where a component did not answer.
 
-    planning: of path planning's query `picture`. commands: of the fuser's `commands`. body: of the base's `robot`.
+    planning: to path planning's query `picture`. commands: to the fuser's `commands`. body: to the base's `robot`.
     """
 
     robot: str
@@ -24,7 +24,7 @@ class Snapshot:
 
     @property
     def title(self) -> str:
-        """How it stands, in one line."""
+        """State of the mission in one line."""
         told = self.planning
         if not told.get("mission"):
             return f"{self.robot}: no mission yet"
@@ -33,10 +33,10 @@ class Snapshot:
 
 
 def snapshot(bus: "Bus", robot: str) -> Snapshot:
-    """Take one.
+    """Query the components.
 
     Raises:
-        NobodyNavigates: There is no navigation for this robot.
+        NobodyNavigates: The navigation of this robot does not run.
         RequestNotDone: Path planning does not answer.
     """
     from acromovi.navigation.components import ask, expect, query

@@ -1,4 +1,4 @@
-"""`acromovi navigate state`: how a robot's mission stands."""
+"""`acromovi navigate state`: print the state of a robot's mission."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ examples:
 
 STATE is idle, turning, going, passing a door, waiting, re-planning, done, failed or cancelled.
 
-Exit codes: 0 done, whatever the state, 1 nobody navigates the robot (the reason is on stderr), 2 wrong usage.
+Exit codes: 0 done, in any state, 1 the navigation does not run (the reason is on stderr), 2 wrong usage.
 """
 
 
@@ -24,12 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask once."""
+    """Request the state once; return the exit code."""
     from acromovi.navigation.components import ask, expect
     from bus.session import ZenohBus
 
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def lines(told: Mapping[str, Any]) -> Iterator[str]:
-    """It for people."""
+    """Yield the state as lines of text."""
     if not told.get("mission"):
         yield "no mission yet"
         return
@@ -57,6 +57,6 @@ def lines(told: Mapping[str, Any]) -> Iterator[str]:
 
 
 def place(x: float, y: float, heading: float | None = None) -> str:
-    """A place in odom, for people."""
+    """Return a place in odom as text."""
     looks = f", heading {heading:.2f} rad" if heading is not None else ""
     return f"x {x:.2f} m, y {y:.2f} m{looks}"

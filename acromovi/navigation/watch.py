@@ -1,4 +1,4 @@
-"""`acromovi navigate watch`: a mission in a terminal: state, map and log."""
+"""`acromovi navigate watch`: show the state, map and log of a mission in the terminal."""
 
 import argparse
 import asyncio
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
     from bus.bus import Bus
 
-PERIOD = 0.5  # s between two looks
-LOGGED = 6  # messages that are shown
+PERIOD = 0.5  # s between two pictures
+MAX_MESSAGES = 6
 HOME, CLEAR_REST, CLEAR_TO_END_OF_LINE = "\x1b[H", "\x1b[J", "\x1b[K"
-ALTERNATE, NORMAL = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"  # a screen of its own, and the one before
-MARKS = " ·█"  # by what is known of the floor: nothing, free, an obstacle
+ALTERNATE, NORMAL = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"  # alternate screen and the normal one
+MARKS = " ·█"  # by cell value: unknown, free, obstacle
 COMPASS = "→↗↑↖←↙↓↘"
 EPILOG = """\
 example:
   acromovi navigate watch happy
 
-In the map █ is an obstacle, · free floor, an arrow the robot, + a sub-target, D a door, X the goal. It ends with
-Ctrl-C; the mission goes on.
+In the map █ is an obstacle, · free floor, an arrow the robot, + a sub-target, D a door, X the goal. Ctrl-C ends the
+display; the mission continues.
 
-Exit codes: 1 nobody navigates the robot, or no terminal (the reason is on stderr), 130 stopped by Ctrl-C.
+Exit codes: 1 the navigation does not run, or no terminal (the reason is on stderr), 130 stopped by Ctrl-C.
 """
 
 
@@ -43,49 +43,47 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show it until Ctrl-C."""
+    """Show the mission until Ctrl-C; return the exit code."""
     from acromovi.navigation.components import expect
     from bus.session import ZenohBus
 
     if not sys.stdout.isatty():
-        print(
-            "acromovi navigate watch: this needs a terminal, and none is there; state and log do not", file=sys.stderr
-        )
+        print("acromovi navigate watch: this needs a terminal; use state or log without one", file=sys.stderr)
         return 1
     with ZenohBus.open(arguments.bus) as bus:
-        face = expect(bus, arguments.robot)
+        interface = expect(bus, arguments.robot)
         sys.stdout.write(ALTERNATE)
         try:
-            asyncio.run(follow(bus, face))
+            asyncio.run(follow(bus, interface))
         finally:
             sys.stdout.write(NORMAL)
             sys.stdout.flush()
     return 0
 
 
-async def follow(bus: "Bus", face: "AgentName") -> None:
-    """Show it for ever."""
+async def follow(bus: "Bus", interface: "AgentName") -> None:
+    """Show the mission without end."""
     from acromovi.ask import asker
-    from acromovi.navigation.components import PATIENCE
+    from acromovi.navigation.components import REPLY_TIMEOUT
 
-    log: deque[str] = deque(maxlen=LOGGED)
-    async with asker(bus, face) as agent:
-        hearing = asyncio.ensure_future(_hear(agent, face, log))
+    log: deque[str] = deque(maxlen=MAX_MESSAGES)
+    async with asker(bus, interface) as agent:
+        hearing = asyncio.ensure_future(_hear(agent, interface, log))
         try:
             while True:
                 begun = time.monotonic()
-                outcome = await agent.request(face, "picture", reply_within=PATIENCE)
+                outcome = await agent.request(interface, "picture", reply_within=REPLY_TIMEOUT)
                 told = outcome.result if outcome.is_done else {}
                 trouble = "" if outcome.is_done else f"{outcome.ending}: {outcome.why}"
-                _show(page(face.platform, told, log, trouble, shutil.get_terminal_size()))
+                _show(page(interface.platform, told, log, trouble, shutil.get_terminal_size()))
                 await asyncio.sleep(max(PERIOD - (time.monotonic() - begun), 0.1))
         finally:
             hearing.cancel()
             await asyncio.gather(hearing, return_exceptions=True)
 
 
-async def _hear(agent: "Agent", face: "AgentName", log: deque[str]) -> None:
-    async for message in messages(agent, face):
+async def _hear(agent: "Agent", interface: "AgentName", log: deque[str]) -> None:
+    async for message in messages(agent, interface):
         log.append(line(message))
 
 
@@ -95,7 +93,7 @@ def _show(rows: Sequence[str]) -> None:
 
 
 def page(robot: str, told: Mapping[str, Any], log: Sequence[str], trouble: str, size: tuple[int, int]) -> list[str]:
-    """What the terminal shows, no larger than so many columns and rows."""
+    """Return the lines of the display, for a size of so many columns and rows."""
     columns, rows = size
     head = [f"{robot}  {trouble}"] if trouble else [f"{robot}  {next(lines(told))}", *list(lines(told))[1:]]
     room = rows - len(head) - len(log) - 3
@@ -104,14 +102,14 @@ def page(robot: str, told: Mapping[str, Any], log: Sequence[str], trouble: str, 
 
 
 def floor_map(told: Mapping[str, Any], columns: int, rows: int) -> Iterator[str]:
-    """What is known of the floor, as text in so many columns and rows; a letter is twice as high as wide."""
+    """Yield the grid as text in so many columns and rows; a character is twice as high as wide."""
     from acromovi.navigation.mission_picture import floor_of
 
     grid = told.get("grid") or {}
     floor = floor_of(grid)
     if not floor.size or rows < 1:
         return
-    high = max(-(-floor.shape[0] // rows), -(-floor.shape[1] * 2 // max(columns, 1)), 2)  # cells in a letter's height
+    high = max(-(-floor.shape[0] // rows), -(-floor.shape[1] * 2 // max(columns, 1)), 2)  # cells per row of text
     wide = max(high // 2, 1)
     drawn = [
         [MARKS[int(floor[row : row + high, column : column + wide].max())] for column in range(0, floor.shape[1], wide)]
@@ -126,7 +124,7 @@ def floor_map(told: Mapping[str, Any], columns: int, rows: int) -> Iterator[str]
 
 
 def _marks(told: Mapping[str, Any]) -> Iterator[tuple[str, float, float]]:
-    """The last one is on top."""
+    """Yield marks and their places; the last one is on top."""
     yield from (("D", door["x"], door["y"]) for door in told.get("doors", ()) if door.get("is_believed", True))
     yield from (("+", x, y) for x, y in (told.get("route") or ())[1:])
     goal = told.get("goal") or {}

@@ -1,4 +1,4 @@
-"""Which components run in which process, as the wiring file and the command line say."""
+"""The processes of a navigation and their components, from the wiring file and the command line."""
 
 import argparse
 import json
@@ -12,16 +12,16 @@ from configs.loader import ConfigError
 if TYPE_CHECKING:
     from apps.indoor_navigation.wiring import ComponentSpec
 
-ONE = "navigation"  # the process when there is only one
+ONE = "navigation"  # name of the process with `--processes one`
 GROUPINGS = ("file", "each", "one")
 
 Processes = Mapping[str, Sequence["ComponentSpec"]]
-"""By the name of a process, what runs in it."""
+"""The components of each process, by its name."""
 
 
 def add_wiring(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say what runs where."""
-    parser.add_argument("--wiring", metavar="FILE", type=Path, help="another wiring than the application's own")
+    """Add the options that choose components and processes."""
+    parser.add_argument("--wiring", metavar="FILE", type=Path, help="wiring file [the application's own]")
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -29,24 +29,24 @@ def add_wiring(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         dest="changes",
-        help="change something of the wiring, as components.goto.numbers.speed=0.3; repeat for more",
+        help="change a value of the wiring, components.path_planning.numbers.mission.speed=0.3 for example; repeatable",
     )
     parser.add_argument(
         "--processes",
         choices=GROUPINGS,
         default="file",
-        help="where components run: as the wiring's `process` entries say, each in a process of its own, or all in one "
-        "(default: %(default)s)",
+        help="processes of the components: those of the wiring, one for each component, or one for all [%(default)s]",
     )
 
 
 def processes(arguments: argparse.Namespace) -> Processes:
-    """What is to run where.
+    """Return the components of each process.
 
     Raises:
-        ConfigError: The wiring cannot be used; says why.
+        ConfigError: The wiring file cannot be used.
     """
-    from apps.indoor_navigation.wiring import WIRING, load_wiring
+    from apps.indoor_navigation.parameters import WIRING
+    from apps.indoor_navigation.wiring import load_wiring
 
     parts = load_wiring(arguments.wiring or WIRING, nested(arguments.changes)).parts
     grouped: dict[str, list[ComponentSpec]] = {}
@@ -57,7 +57,7 @@ def processes(arguments: argparse.Namespace) -> Processes:
 
 
 def words(arguments: argparse.Namespace) -> list[str]:
-    """The same options again, for a command line."""
+    """Return the same options as words of a command line."""
     given = ["--processes", arguments.processes]
     given += ["--wiring", str(arguments.wiring.absolute())] if arguments.wiring else []
     for key, value in arguments.changes:
@@ -66,10 +66,10 @@ def words(arguments: argparse.Namespace) -> list[str]:
 
 
 def nested(changes: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """`a.b.c=1` as a table of tables.
+    """Return changes such as `a.b.c=1` as nested tables.
 
     Raises:
-        ConfigError: One is said of something that another makes a value.
+        ConfigError: A key is given a value and has keys inside as well.
     """
     table: dict[str, Any] = {}
     for key, value in changes:
@@ -84,5 +84,5 @@ def nested(changes: Iterable[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def container_name(robot: str, process: str) -> str:
-    """What the container of a process is called."""
+    """Return the name of the container of a process."""
     return f"{robot}-{process}"

@@ -1,4 +1,4 @@
-"""`acromovi navigate wiring`: who tells whom what, drawn from the components that run."""
+"""`acromovi navigate wiring`: draw the running components and their connections."""
 
 import argparse
 import json
@@ -11,11 +11,11 @@ from acromovi.sniff import new_file
 EPILOG = """\
 examples:
   acromovi navigate wiring happy wiring.svg
-  acromovi navigate wiring happy wiring.svg --json      and print what each component says of itself
+  acromovi navigate wiring happy wiring.svg --json      and print the description of each component
 
-The drawing shows what runs now: a component that has died is missing, and named below.
+The drawing shows the components that run now; others that are wired are named below it.
 
-Exit codes: 0 done, 1 nobody navigates the robot, or the file cannot be written, 2 wrong usage.
+Exit codes: 0 done, 1 the navigation does not run, or the file cannot be written, 2 wrong usage.
 """
 
 
@@ -24,12 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("file", metavar="FILE", type=new_file, help="the SVG to write")
-    parser.add_argument("--json", action="store_true", help="print what the components say of themselves as one object")
+    parser.add_argument("--json", action="store_true", help="print the descriptions as one JSON object")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Look once, and draw."""
+    """Query the components once, and draw; return the exit code."""
     from acromovi.navigation.components import NobodyNavigates, descriptions
     from acromovi.navigation.wiring_picture import Seen, svg
     from bus.session import ZenohBus
@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def write(path: Path, text: str, order: str) -> int:
-    """Write a file; the exit code."""
+    """Write a file; return the exit code."""
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as err:

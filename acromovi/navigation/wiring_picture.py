@@ -1,4 +1,4 @@
-"""The wiring of a navigation as SVG: components in their layers, processes as shades, and who tells whom what."""
+"""The wiring of a navigation as SVG: components in their layers, processes as shades, and connections as arrows."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -31,14 +31,14 @@ NARROWEST = 560.0  # px
 OWN = ".small{font-size:9px;fill:#475569}.layer{font-weight:600;fill:#64748b}"
 
 Wire = tuple[str, str, str]
-"""From whom, to whom, by which pattern."""
+"""Sender, receiver and pattern of a connection."""
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """A component that runs, as it describes itself.
+    """A running component, from its description.
 
-    hears: source and kind of data. tells: kind of data to receivers. asks: what, to the one who answers.
+    hears: source and kind of data. tells: kind of data to receivers. asks: query to the component that answers.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Seen:
 
     @classmethod
     def from_description(cls, told: Mapping[str, Any]) -> Self:
-        """As the directory has it.
+        """Build from a description of the directory.
 
         Raises:
             LookupError, TypeError, ValueError: It is no component's.
@@ -68,14 +68,14 @@ class Seen:
         )
 
     def wires(self) -> Iterator[tuple[Wire, str]]:
-        """What joins it to others, and what flows there."""
+        """Yield its connections, with the data of each."""
         yield from (((source, self.name, "push"), what) for source, what in self.hears)
         yield from (((self.name, to, "send"), what) for what, receivers in self.tells.items() for to in receivers)
         yield from (((self.name, answerer, "query"), what) for what, answerer in self.asks.items())
 
 
 def svg(robot: str, components: Iterable[Seen]) -> str:
-    """The wiring as an SVG document."""
+    """Return the wiring as an SVG document."""
     seen = {each.name: each for each in sorted(components, key=lambda each: each.name)}
     wires = _wires(seen.values())
     drawn = {wire: what for wire, what in wires.items() if wire[0] in seen and wire[1] in seen and wire[0] != wire[1]}
@@ -103,7 +103,7 @@ def svg(robot: str, components: Iterable[Seen]) -> str:
 
 
 def _wires(components: Iterable[Seen]) -> dict[Wire, str]:
-    """All that joins two of them, with the kinds of what flows there."""
+    """Return all connections, with the kinds of their data."""
     found: dict[Wire, list[str]] = {}
     for wire, what in (each for component in components for each in component.wires()):
         found.setdefault(wire, []).append(what)
@@ -111,7 +111,7 @@ def _wires(components: Iterable[Seen]) -> dict[Wire, str]:
 
 
 def _rows(seen: Mapping[str, Seen], wires: Collection[Wire]) -> list[tuple[str, list[str]]]:
-    """From the top, each row's layer and its boxes; in a layer, who is pushed something stands below who pushes it."""
+    """Return each row's layer and boxes, from the top; in a layer, receivers of pushed data are below the senders."""
     rows = []
     for layer in sorted({each.role for each in seen.values()}, key=lambda role: (*LAYERS, role).index(role)):
         names = [name for name, each in seen.items() if each.role == layer]
@@ -124,7 +124,7 @@ def _rows(seen: Mapping[str, Seen], wires: Collection[Wire]) -> list[tuple[str, 
 
 
 def _bands(rows: Sequence[tuple[str, Sequence[str]]], width: float) -> Iterator[str]:
-    """A band behind each layer, with its name."""
+    """Yield a band behind each layer, with its name."""
     layers = [layer for layer, _ in rows]
     for number, layer in enumerate(dict.fromkeys(layers)):
         first, last = layers.index(layer), len(layers) - 1 - layers[::-1].index(layer)
@@ -189,12 +189,12 @@ def _legend(shades: Mapping[str, str], complaint: str, y: float) -> Iterator[str
 
 
 def _box_width(component: Seen, wires: Iterable[Wire]) -> float:
-    """px; as wide as its texts, and as the arrows that meet it want."""
+    """Return the width of a box, px, for its texts and arrows."""
     ends = sum(component.name in wire[:2] for wire in wires)
     text = max(width_of(component.name) * 1.08, width_of(_below(component)) * 0.85)
     return max(text + 20, 16.0 * ends)
 
 
 def _y(row: int) -> float:
-    """Of the upper edge of a row, px; rows of boxes and rows of labels alternate."""
+    """Return the upper edge of a row, px; rows of boxes and rows of labels alternate."""
     return TOP + BAND + row * (BOX + LABELS) / 2

@@ -1,5 +1,5 @@
-"""Indoor navigation by ten components, after the architecture of OROCOS@KTH.
+"""Indoor navigation by ten components, in the architecture of OROCOS@KTH.
 
-`wiring.toml` says which components there are, in which processes they run, who hears whom, and every number. What flows
-is in `data.py`. `components/` are the agents, `algorithms/` what they reckon with: pure functions of readings and time.
+`wiring.toml` gives the components, their processes, connections and parameters. The data that they exchange are in
+`data.py`. `components/` are the agents; `algorithms/` are pure functions of readings and time.
 """

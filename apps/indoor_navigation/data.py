@@ -1,4 +1,4 @@
-"""What flows between the components of the navigation.
+"""Data that the components of the navigation exchange.
 
 Lengths in m, angles in rad, counter-clockwise, speeds in m/s and rad/s, stamps in s since 1970. Unless said otherwise,
 places are in the robot's `odom` frame. Its origin is where the robot stood when its gateway first connected, and its x
@@ -16,14 +16,17 @@ from numpy.typing import NDArray
 from bus import MessageError
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.intp]
 Place = tuple[float, float]
+Pose = tuple[float, float, float]  # x, y, heading
 
-MILLIMETRES = 3  # digits that ranges are sent with; no sensor here measures finer
+DIGITS = 3  # decimal places of lengths on the bus, in m; the sensors have no finer resolution
 
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """Anything that flows. On the bus it is a JSON object of its fields; an array is a list, its infinities null."""
+    """Base class of the data. On the bus it is a JSON object of its fields; arrays are lists, null is infinity."""
 
     bus_name: ClassVar[str]  # in keys and wiring files
     arrays: ClassVar[frozenset[str]] = frozenset()
@@ -34,7 +37,7 @@ class Data:
             cls.bus_name = cls.__name__
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Return the JSON object for the bus."""
         told: dict[str, Any] = {}
         for each in fields(self):
             value = getattr(self, each.name)
@@ -48,15 +51,15 @@ class Data:
 
     @classmethod
     def from_json(cls, told: Mapping[str, Any]) -> Self:
-        """As it has come.
+        """Build from a JSON object.
 
         Raises:
-            MessageError: It is not of this kind.
+            MessageError: The object is not of this kind.
         """
         arrays, parts = cls.arrays, cls.parts
         try:
             if not arrays and not parts and list not in map(type, told.values()):
-                return cls(**told)  # so it is with commands, which come most often
+                return cls(**told)  # the usual case: commands, the most frequent data
             given = {
                 name: _array(value)
                 if name in arrays
@@ -69,11 +72,11 @@ class Data:
             }
             return cls(**given)
         except (TypeError, ValueError) as err:
-            raise MessageError(f"this is no {cls.bus_name}: {err}") from err
+            raise MessageError(f"this is not a valid {cls.bus_name}: {err}") from err
 
 
 def _listed(values: Floats) -> list[Any]:
-    return [value if isfinite(value) else None for value in np.round(values, MILLIMETRES).tolist()]
+    return [value if isfinite(value) else None for value in np.round(values, DIGITS).tolist()]
 
 
 def _array(values: list[Any]) -> Floats:
@@ -87,10 +90,10 @@ def _array(values: list[Any]) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class GoalPoint(Data):
-    """Where a person wants the robot to be.
+    """The goal of a mission.
 
-    mission: its name. heading: at the end; None where any will do. tolerance: how near is there. A mission without a
-    place is cancelled: the robot stops.
+    mission: its name. heading: at the end; None for any. tolerance: distance that counts as reached. A goal without a
+    place cancels the mission, and the robot stops.
     """
 
     mission: str
@@ -99,10 +102,17 @@ class GoalPoint(Data):
     heading: float | None = None
     tolerance: float = 0.25
 
+    @property
+    def is_sound(self) -> bool:
+        """Whether all values are finite numbers and the tolerance is above 0."""
+        numbers = [self.x, self.y, self.tolerance, 0.0 if self.heading is None else self.heading]
+        sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
+        return all(sound) and self.tolerance > 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class LogMessage(Data):
-    """Something that a person may want to know. level: `info`, `warning` or `error`."""
+    """A message for people. level: `info`, `warning` or `error`."""
 
     stamp: float
     component: str
@@ -113,11 +123,11 @@ class LogMessage(Data):
 
 @dataclass(frozen=True, slots=True)
 class WorldCoord(Data):
-    """Where the reactive components are to bring the robot.
+    """A target of the reactive components.
 
-    order: rising; whoever has a higher one knows that this is old. aim: `go` there, `back` there with the rear ahead,
-    `turn` towards `heading`, or `rest`, when nobody is to move it. speed: at most. is_last: it is to stop there, not
-    to pass. then: x and y of where it will be sent next, if that is known.
+    order: rising number; a component ignores a target with a lower order than its last. aim: `go` to the place, go
+    `back` to it with the rear ahead, `turn` to `heading`, or `rest`. speed: upper limit. is_last: the robot stops at
+    the place; otherwise it passes. then: x and y of the next target, if it is known.
     """
 
     stamp: float
@@ -136,7 +146,7 @@ class WorldCoord(Data):
 
 @dataclass(frozen=True, slots=True)
 class RobotOdometry(Data):
-    """Pose and speed. jumps: counts how often the pose was set anew, and what was known of places is void."""
+    """Pose and speed. jumps: how often odom was set anew; after a jump all earlier places are invalid."""
 
     bus_name: ClassVar[str] = "Odometry"
     stamp: float
@@ -150,7 +160,7 @@ class RobotOdometry(Data):
 
 @dataclass(frozen=True, slots=True)
 class SonarRead(Data):
-    """All sonar discs at once, in the robot's frame.
+    """The ranges of all sonar discs, in the robot's frame.
 
     pose: of the robot, x, y and heading in odom. places_x, places_y, headings: of the discs. ranges: infinite where
     there was no echo.
@@ -159,7 +169,7 @@ class SonarRead(Data):
     arrays: ClassVar[frozenset[str]] = frozenset({"places_x", "places_y", "headings", "ranges"})
 
     stamp: float
-    pose: tuple[float, float, float]
+    pose: Pose
     places_x: Floats
     places_y: Floats
     headings: Floats
@@ -177,23 +187,27 @@ class LaserRead(Data):
     arrays: ClassVar[frozenset[str]] = frozenset({"ranges"})
 
     stamp: float
-    pose: tuple[float, float, float]
-    mount: tuple[float, float, float]
+    pose: Pose
+    mount: Pose
     angle_min: float
     angle_increment: float
     range_max: float
     ranges: Floats
 
+    @property
+    def is_hit(self) -> Bools:
+        """Which beams hit something. Some scanners give their maximum range where there was no echo."""
+        return np.asarray(self.ranges < self.range_max)
 
-# What is seen in them.
+
+# Results of perception.
 
 
 @dataclass(frozen=True, slots=True)
 class Door(Data):
-    """A door-like exit: a place where one can leave.
+    """A door-like exit.
 
-    x, y: its centre. width. normal: where one looks who goes through it, away from where it was seen. confidence: 0 to
-    1.
+    x, y: its centre. width. normal: direction through it, away from the scanner. confidence: 0 to 1.
     """
 
     x: float
@@ -210,18 +224,18 @@ class DLEData(Data):
     parts: ClassVar[Mapping[str, type[Data]]] = {"doors": Door}
 
     stamp: float
-    pose: tuple[float, float, float]
+    pose: Pose
     doors: tuple[Door, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ObstRead(Data):
-    """What is in the way, and what is free, as far as the sensors see now.
+    """Obstacles and free space that the sensors show now.
 
-    nearest: distance from the robot's outline, None where nothing is near. bearing: of it, in the robot's frame.
-    origin_x, origin_y: of each ray, in odom; end_x, end_y: how far it is known to be free. hits: 1 where an obstacle
-    is at its end, 0 where the ray only ends. is_dead_end: one cannot go on towards where it goes. people_x, people_y:
-    places in odom about whoever walked and stands now, where the rest of them is whose legs are seen.
+    nearest: distance of the nearest obstacle from the robot's outline; None where none is near. bearing: of it, in the
+    robot's frame. origin_x, origin_y: of each ray, in odom. end_x, end_y: the end of its free part. hits: 1 where an
+    obstacle is at the end, 0 where there is none. is_dead_end: no lane leads on ahead. people_x, people_y: places in
+    odom about the legs of people who walked and stand now, where their bodies are.
     """
 
     arrays: ClassVar[frozenset[str]] = frozenset(
@@ -229,7 +243,7 @@ class ObstRead(Data):
     )
 
     stamp: float
-    pose: tuple[float, float, float]
+    pose: Pose
     nearest: float | None
     bearing: float
     origin_x: Floats
@@ -244,11 +258,11 @@ class ObstRead(Data):
 
 @dataclass(frozen=True, slots=True)
 class MotionCmd(Data):
-    """How a component wants the robot to move.
+    """A motion command of one component.
 
-    stamp: of the reading from which it follows; the fuser uses it so long as its age limit says. source: who wants it.
-    weight: beside what others want; at zero it wants nothing. limit: the fastest forward that it allows, whatever
-    others want. back, left, right: likewise backward, and the fastest turns to either side; all 0 and above.
+    stamp: of the reading that the command results from; the fuser ignores commands above an age. source: the component.
+    weight: in the mean of all commands; 0 leaves the speeds out. limit: maximum forward speed for all components.
+    back, left, right: likewise backward, and for turns to either side; all 0 or above.
     """
 
     stamp: float
@@ -260,3 +274,9 @@ class MotionCmd(Data):
     back: float | None = None
     left: float | None = None
     right: float | None = None
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether stamp and speeds are finite numbers; limits and weights are checked by the fuser."""
+        numbers = (self.stamp, self.linear, self.angular)
+        return all(isinstance(number, int | float) and isfinite(number) for number in numbers)

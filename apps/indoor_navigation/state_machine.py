@@ -1,8 +1,7 @@
-"""A state machine for components: a table of what follows what, and no time or task of its own.
+"""A state machine for components: a transition table without tasks or a clock.
 
-The platform's `FiniteStateMachine` is a behaviour: each of its states is a coroutine that runs until it says what has
-happened. What a component hears comes when it comes, whatever the state, and has to be answered at once. Here the table
-is the machine, and whoever has it says what happens.
+In the platform's `FiniteStateMachine` each state is a coroutine that runs until an event ends it. A component receives
+data at any time and must react at once, whatever the state. So its owner calls this machine with each event.
 
     machine = StateMachine({("shut", "push"): "open", **from_each(("shut", "open"), "kick", "broken")}, "shut")
     machine.happens("push", now=3.0)
@@ -18,12 +17,12 @@ E = TypeVar("E", bound=str)
 
 
 class TransitionMissing(LookupError):
-    """Nothing follows this event in this state."""
+    """The table has no transition for an event in the present state."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change(Generic[S, E]):
-    """One state has followed another. at: s. why: in words."""
+    """A change of state. at: s. why: the reason in words."""
 
     before: S
     event: E
@@ -33,20 +32,20 @@ class Change(Generic[S, E]):
 
 
 class StateMachine(Generic[S, E]):
-    """In one state at a time.
+    """The present state and how the machine came to it.
 
-    state: the present one. since: when it came to be, s. why: in words.
+    since: time of the last change, s. why: its reason in words.
     """
 
     def __init__(
         self, transitions: Mapping[tuple[S, E], S], start: S, on_change: Callable[[Change[S, E]], None] | None = None
     ) -> None:
-        """Begin.
+        """Enter the first state.
 
         Args:
-            transitions: State and event to the state that follows.
+            transitions: From state and event to the next state.
             start: The first state.
-            on_change: Told of each event that is followed by another state.
+            on_change: Called with each change of state.
         """
         self._transitions = dict(transitions)
         self._on_change = on_change
@@ -55,17 +54,17 @@ class StateMachine(Generic[S, E]):
         self.why = ""
 
     def knows(self, event: E) -> bool:
-        """Whether something follows this event now."""
+        """Return whether there is a transition for an event in the present state."""
         return (self.state, event) in self._transitions
 
     def happens(self, event: E, now: float, why: str = "") -> S:
-        """Go on to the state that follows, and return it; an event that leads to the same state changes nothing.
+        """Change to the next state, and return it; an event that leads to the same state changes nothing.
 
         Raises:
-            NoTransition: Nothing follows; the state stays as it is.
+            TransitionMissing: There is no transition; the state stays.
         """
         if not self.knows(event):
-            raise TransitionMissing(f"nothing follows {_word(event)!r} in the state {_word(self.state)!r}")
+            raise TransitionMissing(f"the state {_word(self.state)!r} has no transition for {_word(event)!r}")
         before, after = self.state, self._transitions[self.state, event]
         if after != before:
             self.state, self.since, self.why = after, now, why
@@ -75,7 +74,7 @@ class StateMachine(Generic[S, E]):
 
 
 def from_each(states: Iterable[S], event: E, after: S) -> dict[tuple[S, E], S]:
-    """Rows of a table: the event leads from each of these states to the same one."""
+    """Return rows of a table: the event leads from each of these states to the same one."""
     return {(state, event): after for state in states}
 
 

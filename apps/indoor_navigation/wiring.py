@@ -1,4 +1,4 @@
-"""The wiring: which components there are, where they run, who hears whom, and every number; read from one file."""
+"""The wiring: components, their processes, connections and parameters, read from one TOML file."""
 
 import difflib
 from collections.abc import Mapping
@@ -9,16 +9,13 @@ from typing import Any
 import configs
 from agents.platform import AgentName, Kinds
 from apps.indoor_navigation.component import Component, heard
+from apps.indoor_navigation.parameters import WIRING, Table, build_parameters, laid_over, read_wiring
 from configs import ConfigError
-
-WIRING = Path(__file__).with_name("wiring.toml")
-
-Table = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class ComponentEntry:
-    """A component, as the file has it.
+class _ComponentEntry:
+    """A component in the file.
 
     kind: `module:Class`. process: where it runs. hears: `component.Data`, each of which it is pushed. tells: kind of
     data to the components that it is sent to. asks: query to the component that answers it. numbers: its own.
@@ -33,16 +30,16 @@ class ComponentEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class WiringFile:
-    """The file as it stands. about: for people."""
+class _WiringFile:
+    """A wiring file. about: a description for people."""
 
-    components: dict[str, ComponentEntry]
+    components: dict[str, _ComponentEntry]
     about: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentSpec:
-    """One component, ready to be started. properties: what its agent is given."""
+    """One component, ready to be started. properties: those of its agent."""
 
     local: str
     kind: str
@@ -50,22 +47,22 @@ class ComponentSpec:
     properties: Mapping[str, Any]
 
     def agent(self, robot: str) -> AgentName:
-        """What it is called for a robot."""
+        """Return its agent name for a robot."""
         return AgentName(self.local, robot)
 
 
 class Wiring:
-    """Checked: whoever hears something is pushed it by somebody who gives it."""
+    """A checked wiring: each input of a component is published by another one."""
 
-    def __init__(self, file: WiringFile, source: str, kinds: Kinds | None = None) -> None:
-        """Check a file.
+    def __init__(self, file: _WiringFile, source: str, kinds: Kinds | None = None) -> None:
+        """Check a wiring file.
 
         Args:
-            file: As it was read.
-            source: Named in messages.
+            file: The parsed file.
+            source: Named in error messages.
             kinds: Where the classes of components are looked for.
         Raises:
-            ConfigError: Something does not fit; says what.
+            ConfigError: A component, a connection or a parameter does not fit.
         """
         self._source = source
         self._file = file
@@ -79,11 +76,11 @@ class Wiring:
 
     @property
     def processes(self) -> tuple[str, ...]:
-        """In the order in which they are named first."""
+        """The processes, in the order of the file."""
         return tuple(dict.fromkeys(part.process for part in self.parts))
 
     def of_process(self, process: str) -> tuple[ComponentSpec, ...]:
-        """The components that run in a process.
+        """Return the components of a process.
 
         Raises:
             ConfigError: There is no such process.
@@ -92,17 +89,17 @@ class Wiring:
             raise self._error(f"there is no process {process!r}; {_choose(process, self.processes)}")
         return tuple(part for part in self.parts if part.process == process)
 
-    def _class(self, name: str, entry: ComponentEntry, kinds: Kinds) -> type[Component]:
+    def _class(self, name: str, entry: _ComponentEntry, kinds: Kinds) -> type[Component]:
         try:
             found = kinds.find(entry.kind)
         except LookupError as err:
             raise self._error(f"components.{name}.kind: {err}") from err
         if not issubclass(found, Component):
             raise self._error(f"components.{name}.kind: {entry.kind} is no component of the navigation")
-        configs.build(found.numbers_type, entry.numbers, f"{self._source}: components.{name}.numbers")
+        build_parameters(found.parameters_type, entry.numbers, f"{self._source}: components.{name}.numbers")
         return found
 
-    def _check(self, name: str, entry: ComponentEntry) -> None:
+    def _check(self, name: str, entry: _ComponentEntry) -> None:
         heard_here = {kind.bus_name for kind in heard(self._classes[name])}
         for connection in entry.hears:
             source, what = _split(connection)
@@ -132,33 +129,19 @@ class Wiring:
 
 
 def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
-    """Read and check a wiring.
+    """Read and check a wiring file.
 
     Args:
-        path: The file; one that says `over = "wiring.toml"` has only what differs from that file beside it.
-        changes: Tables laid over the file's, as `{"components": {"goto": {"numbers": {"speed": 0.3}}}}`.
+        path: The file; with `over = "wiring.toml"` it has only changes of that file beside it.
+        changes: Tables laid over the file's, `{"components": {"goto": {"numbers": {"max_age": 0.3}}}}` for example.
     Raises:
-        ConfigError: It cannot be used; says why.
+        ConfigError: The file cannot be read, or something in it does not fit.
     """
-    table = _laid_over(_read(path), changes or {})
-    return Wiring(configs.build(WiringFile, table, str(path)), str(path))
+    table = laid_over(read_wiring(path), changes or {})
+    return Wiring(configs.build(_WiringFile, table, str(path)), str(path))
 
 
-def _read(path: Path) -> Table:
-    table = configs.read(path)
-    below = table.pop("over", None)
-    return table if below is None else _laid_over(configs.read(path.with_name(str(below))), table)
-
-
-def _laid_over(table: Table, changes: Table) -> dict[str, Any]:
-    merged = dict(table)
-    for key, value in changes.items():
-        below = table.get(key)
-        merged[key] = _laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
-    return merged
-
-
-def _properties(entry: ComponentEntry) -> dict[str, Any]:
+def _properties(entry: _ComponentEntry) -> dict[str, Any]:
     return {
         "hears": [list(_split(connection)) for connection in entry.hears],
         "tells": {what: list(receivers) for what, receivers in entry.tells.items()},

@@ -1,4 +1,4 @@
-"""The law that turns a pose and a list of waypoints into a twist. No bus, no clock."""
+"""Waypoint following: from a pose and a list of waypoints to a twist. No bus, no clock."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ HALT = Twist2D(0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class FollowerLimits:
-    """How a follower drives.
+    """Limits and gains of a follower.
 
     linear: m/s along a leg. angular: rad/s. braking: m/s² with which it slows down towards a waypoint.
     reach: m from a waypoint at which it counts as passed. look_ahead: m along the leg of the point it steers for.
@@ -30,10 +30,10 @@ class FollowerLimits:
 
 
 class Follower:
-    """Leads a robot from waypoint to waypoint along straight legs, turning on the spot at the corners."""
+    """Drives a robot from waypoint to waypoint along straight legs, and turns it on the spot at the corners."""
 
     def __init__(self, waypoints: Sequence[tuple[float, float]], limits: FollowerLimits | None = None) -> None:
-        """Waypoints are (x, y) in m, in the frame of the poses that `steer` is given."""
+        """waypoints: (x, y) in m, in the frame of the poses for `steer`. limits: the defaults if None."""
         self._waypoints = list(waypoints)
         self._limits = limits or FollowerLimits()
         self._leg_start: tuple[float, float] | None = None
@@ -49,7 +49,7 @@ class Follower:
         """Choose the twist for this moment.
 
         Args:
-            pose: Where the robot is: m, m, rad.
+            pose: Of the robot: m, m, rad.
         Returns:
             Body velocity; zero once done.
         """
@@ -71,24 +71,24 @@ class Follower:
         return Twist2D(speed * math.cos(error), angular)
 
     def _leg(self) -> tuple[float, float, float]:
-        """Length (m) and unit vector of the present leg; a leg of no length points nowhere."""
+        """Return length (m) and unit vector of the present leg; zeros for a leg without length."""
         assert self._leg_start is not None
         (x1, y1), (x2, y2) = self._leg_start, self._waypoints[self.passed]
         length = math.hypot(x2 - x1, y2 - y1)
         return (length, (x2 - x1) / length, (y2 - y1) / length) if length else (0.0, 0.0, 0.0)
 
     def _along(self, pose: Pose2D) -> float:
-        """How far along the present leg the robot is, m."""
+        """Return the robot's distance along the present leg, m."""
         assert self._leg_start is not None
         _, ux, uy = self._leg()
         return (pose.x - self._leg_start[0]) * ux + (pose.y - self._leg_start[1]) * uy
 
     def _remaining(self, pose: Pose2D) -> float:
-        """What is left of the present leg, m; zero behind its end."""
+        """Return the rest of the present leg, m; 0 behind its end."""
         return max(0.0, self._leg()[0] - self._along(pose))
 
     def _aim(self, pose: Pose2D) -> tuple[float, float]:
-        """The point to steer for: a little ahead on the line of the leg, beyond its end too."""
+        """Return the point to steer to: ahead on the line of the leg, also beyond its end."""
         assert self._leg_start is not None
         _, ux, uy = self._leg()
         ahead = self._along(pose) + self._limits.look_ahead

@@ -227,7 +227,7 @@ def test_who_may_not_speak_for_a_robot_is_told_so_before_its_navigation_is_start
 ) -> None:
     code, _, complaint = as_owner(owner, "navigate", "up", "happy")
     assert code == 1
-    assert f"this key speaks for {owner.partition('.')[2]}, and the components for happy" in complaint
+    assert f"this key belongs to {owner.partition('.')[2]}, and the components run as happy" in complaint
     assert complaint.count("\n") == 1
 
 

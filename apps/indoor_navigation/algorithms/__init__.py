@@ -1,1 +1,1 @@
-"""What the components reckon with: pure functions of readings and time. No bus, no clock, no asyncio."""
+"""The algorithms of the components: pure functions of readings and time, without bus, clock and asyncio."""

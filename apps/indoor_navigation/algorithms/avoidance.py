@@ -1,4 +1,4 @@
-"""Keep clear of all there is, whatever the others want: a push away from it, and a speed that is safe."""
+"""Avoidance of all obstacles: a push away from them, and limits of the speeds."""
 
 from dataclasses import dataclass
 from math import inf, isfinite
@@ -9,49 +9,51 @@ from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline, arc
 from apps.indoor_navigation.data import Floats
 
-# Ways ahead, m, that are looked at: close together near by.
-WAYS = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.23, 0.29, 0.36, 0.44, 0.53, 0.63, 0.75, 0.9, 1.1, 1.3])
-COURSES = np.array([-0.15, 0.0, 0.15])  # 1/m, beside the one it is on
-TIGHTEST = 3.0  # 1/m; tighter, it turns on the spot
-# Turns on the spot, rad, that are looked at, and curves, 1/m, with the ways along them, m.
+# Distances ahead that are checked, m: dense near the robot.
+DISTANCES = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.23, 0.29, 0.36, 0.44, 0.53, 0.63, 0.75, 0.9, 1.1, 1.3])
+COURSES = np.array([-0.15, 0.0, 0.15])  # 1/m, relative to the present curvature, which may still change
+MAX_CURVATURE = 3.0  # 1/m; above, the robot turns on the spot
+# Turns on the spot that are checked, rad, and curves, 1/m, with the distances along them, m.
 TURNS = np.array([0.02, 0.05, 0.09, 0.14, 0.2, 0.28, 0.38, 0.5, 0.7, 1.0, 1.4])
 CURVES = np.array([0.1, 0.25, 0.5, 1.0, 2.0])
-CURVE = np.array([0.05, 0.1, 0.2, 0.3, 0.45, 0.6])
-CREEP = 0.08  # m/s, away from what it would touch by turning
-STUCK = 0.1  # rad/s; a slower turn is not worth the wait
-STEADY = 0.05  # m/s below which a robot stands
-PERSON = 0.2  # m that a body may reach beyond the leg that the laser sees
-TOUCHING = 0.035  # m
-HAND = 0.1  # m
-UNSEEN = 0.06  # m that must be free about its rear, where little is seen, for a robot that goes back
-BEHIND = -0.3  # m; walkers farther behind the axle than that are theirs to mind
+CURVE_DISTANCES = np.array([0.05, 0.1, 0.2, 0.3, 0.45, 0.6])
+CREEP_SPEED = 0.08  # m/s, away from an obstacle that bars a turn
+MIN_TURN = 0.1  # rad/s; the robot creeps to more room where it may not turn faster
+STANDING = 0.05  # m/s below which a robot counts as standing
+BODY_REACH = 0.2  # m that a body may reach beyond the leg that the laser sees
+TURN_MARGIN = 0.035  # m that stay free in turns; less than the margin, or a robot could not turn in a door
+CREEP_DISTANCE = 0.1  # m that must be free to creep, and that are added to the reach of a turn
+REAR_MARGIN = 0.06  # m that must be free around the rear to creep back, because few sensors look there
+FULL_PUSH_SPEED = 0.3  # m/s from which on the push has its full strength
+WALKER_REAR = -0.3  # m; walkers farther behind the axle do not slow the robot
 
 
 @dataclass(frozen=True, slots=True)
-class AvoidanceNumbers:
-    """When and how strongly it pushes.
+class AvoidanceParameters:
+    """Margins, braking and strength of the push.
 
-    margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that are counted on. reaction:
-    s from what a sensor sees until the wheels begin to slow down. walker: m/s at which people may come. reach: m within
-    which things push. push: rad/s of the strongest push. weight: its, beside goto's 1. guard_weight: when turning would
-    touch something. blind: m/s at most where no laser looks, which is behind the robot, everywhere without one.
+    margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that the robot reaches.
+    reaction: s from a reading until the wheels begin to slow down. walker: maximum m/s at which people approach. reach:
+    m within which obstacles push. push: maximum, rad/s. weight: of the push, beside goto's 1. guard_weight: of a
+    command when a turn would touch an obstacle. blind: maximum m/s where no laser looks: backward, and without a laser
+    in all directions.
     """
 
-    margin: float = 0.045
-    deceleration: float = 0.28
-    angular_deceleration: float = 1.5
-    reaction: float = 0.35
-    walker: float = 1.2
-    reach: float = 0.5
-    push: float = 0.5
-    weight: float = 0.5
-    guard_weight: float = 50.0
-    blind: float = 0.2
+    margin: float
+    deceleration: float
+    angular_deceleration: float
+    reaction: float
+    walker: float
+    reach: float
+    push: float
+    weight: float
+    guard_weight: float
+    blind: float
 
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """What avoidance wants: as in `MotionCmd`."""
+    """The command of avoiding, with the fields of `MotionCmd`."""
 
     linear: float
     angular: float
@@ -63,7 +65,7 @@ class Push:
 
 
 def avoid(
-    numbers: AvoidanceNumbers,
+    parameters: AvoidanceParameters,
     outline: Outline,
     places: tuple[Floats, Floats],
     walkers: tuple[Floats, Floats],
@@ -74,125 +76,128 @@ def avoid(
     turned: float = 0.0,
     has_laser: bool = True,
 ) -> Push:
-    """Say how to keep clear.
+    """Return the command that keeps the robot clear of obstacles.
 
     Args:
-        numbers: When and how strongly.
+        parameters: Margins, braking and strength.
         outline: Of the robot.
         places: x and y of all obstacles in the robot's frame, m.
-        walkers: Of those that move by themselves.
-        linear: Present speed, m/s.
-        angular: Likewise, rad/s.
-        approach: How fast walkers come, m/s; by default as fast as they may.
-        turned: To which side it has turned lately, 1 or -1; 0 where it has not.
-        has_laser: Sonar alone misses what throws its sound away, and is not trusted with full speed.
+        walkers: x and y of people who walk.
+        linear: The present speed, m/s.
+        angular: The present turn speed, rad/s.
+        approach: Speed at which walkers approach, m/s; the maximum by default.
+        turned: The side of the last turn, 1 or -1; 0 without a recent turn.
+        has_laser: Whether the laser works; sonar alone misses surfaces that deflect sound, so the speed is limited.
     """
     places = outline.outside(places)
-    course = float(np.clip(angular / linear, -TIGHTEST, TIGHTEST)) if abs(linear) > STEADY else 0.0
-    coming = numbers.walker if approach is None else approach
-    on, back = (_way(numbers, outline, places, course, sense) for sense in (1.0, -1.0))
+    course = float(np.clip(angular / linear, -MAX_CURVATURE, MAX_CURVATURE)) if abs(linear) > STANDING else 0.0
+    coming = parameters.walker if approach is None else approach
+    on, back = (_way(parameters, outline, places, course, sense) for sense in (1.0, -1.0))
     limit = min(
-        inf if has_laser else numbers.blind,
-        safe_speed(on, numbers.deceleration, numbers.reaction),
-        safe_speed(_walkers_way(outline, walkers), numbers.deceleration, numbers.reaction, coming),
+        inf if has_laser else parameters.blind,
+        safe_speed(on, parameters.deceleration, parameters.reaction),
+        safe_speed(_walkers_way(outline, walkers), parameters.deceleration, parameters.reaction, coming),
     )
-    limit_back = min(numbers.blind, safe_speed(back, numbers.deceleration, numbers.reaction))
-    rolls = linear * numbers.reaction + linear * abs(linear) / (2.0 * numbers.deceleration)
-    near = _within_sweep(numbers, outline, places, rolls)
-    turns = [_turning(numbers, outline, near, side, linear, rolls) for side in (1.0, -1.0)]
+    limit_back = min(parameters.blind, safe_speed(back, parameters.deceleration, parameters.reaction))
+    rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
+    near = _within_sweep(parameters, outline, places, rolls)
+    turns = [_turning(parameters, outline, near, side, linear, rolls) for side in (1.0, -1.0)]
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
-    is_held = abs(linear) < STEADY and turned != 0.0 and turns[turned < 0.0] < STUCK
+    is_held = abs(linear) < STANDING and turned != 0.0 and turns[turned < 0.0] < MIN_TURN
     if is_held and (creep := _to_more_room(outline, *near, limit)):
-        return Push(creep, 0.0, numbers.guard_weight, *told)
-    left, right = _nearness(numbers, outline, places)
-    # A robot that turns on the spot goes nowhere, and is not pushed off the heading that it turns to.
-    briskness = min(1.0, max(linear, 0.0) / 0.3)
+        return Push(creep, 0.0, parameters.guard_weight, *told)
+    left, right = _nearness(parameters, outline, places)
+    # A robot that turns on the spot is not pushed away from the heading that it turns to.
+    briskness = min(1.0, max(linear, 0.0) / FULL_PUSH_SPEED)
     nearer = max(left, right)
-    turn = numbers.push * (right - left) / nearer * briskness if nearer else 0.0
-    return Push(min(linear, limit), turn, numbers.weight * abs(left - right) * briskness, *told)
+    turn = parameters.push * (right - left) / nearer * briskness if nearer else 0.0
+    return Push(min(linear, limit), turn, parameters.weight * abs(left - right) * briskness, *told)
 
 
 def _within_sweep(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], rolls: float
+    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], rolls: float
 ) -> tuple[Floats, Floats]:
-    """Places that the robot may come near to by turning, here or until it has come to a stand so many m on."""
+    """Return the places that a turn may touch, here or until the robot has stopped so many m ahead."""
     x, y = places
-    is_near = np.hypot(x - np.clip(x, min(rolls, 0.0), max(rolls, 0.0)), y) < outline.sweep + numbers.margin + HAND
+    is_near = (
+        np.hypot(x - np.clip(x, min(rolls, 0.0), max(rolls, 0.0)), y)
+        < outline.sweep + parameters.margin + CREEP_DISTANCE
+    )
     return x[is_near], y[is_near]
 
 
 def _way(
-    numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
+    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
 ) -> float:
-    """How far the robot may go, on where sense is 1 and back where it is -1, on its course or one beside it, m."""
-    touches = outline.runs_into(arc(course + COURSES, sense * WAYS), *places, numbers.margin)
-    first = np.where(touches.any(axis=1), touches.argmax(axis=1), len(WAYS))
-    return float(np.concatenate(([0.0], WAYS[:-1], [inf]))[first.min()])
+    """Return how far the robot may drive on its course or one beside it, m; sense: 1 forward, -1 backward."""
+    touches = outline.runs_into(arc(course + COURSES, sense * DISTANCES), *places, parameters.margin)
+    first = np.where(touches.any(axis=1), touches.argmax(axis=1), len(DISTANCES))
+    return float(np.concatenate(([0.0], DISTANCES[:-1], [inf]))[first.min()])
 
 
 def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
-    """m to the nearest who moves and is not behind."""
+    """Return the distance to the nearest walker who is not behind the robot, m."""
     x, y = walkers
-    is_ahead = x > BEHIND
+    is_ahead = x > WALKER_REAR
     if not is_ahead.any():
         return inf
-    return float(outline.distance(x[is_ahead], y[is_ahead]).min()) - PERSON
+    return float(outline.distance(x[is_ahead], y[is_ahead]).min()) - BODY_REACH
 
 
 def _turning(
-    numbers: AvoidanceNumbers,
+    parameters: AvoidanceParameters,
     outline: Outline,
     places: tuple[Floats, Floats],
     side: float,
     linear: float,
     rolls: float,
 ) -> float:
-    """The fastest turn to one side, 1 or -1, rad/s, that can be ended before the robot's corners touch anything.
+    """Return the maximum turn to one side, 1 or -1, rad/s, that ends before the robot's corners touch anything.
 
-    One that drives is told to turn where it is, and turns where it comes to a stand. It leads its tail away meanwhile,
-    and may at least go on a curve that is free.
+    A turn that is commanded while the robot drives may take place anywhere until it has stopped. Meanwhile the tail
+    moves on, and a curve that is free is allowed in any case.
     """
     x, y = places
     free = min(_free_turn(outline, places, side, way) for way in (0.0, rolls / 2.0, rolls))
     if free == inf:
         return inf
-    on_the_spot = safe_speed(free, numbers.angular_deceleration, numbers.reaction)
-    if linear < STEADY:
+    on_the_spot = safe_speed(free, parameters.angular_deceleration, parameters.reaction)
+    if linear < STANDING:
         return on_the_spot
-    barred = outline.runs_into(arc(side * CURVES, CURVE), x, y, TOUCHING).any(axis=1)
+    barred = outline.runs_into(arc(side * CURVES, CURVE_DISTANCES), x, y, TURN_MARGIN).any(axis=1)
     widest = float(CURVES[: barred.argmax() if barred.any() else len(CURVES)].max(initial=0.0))
     return max(on_the_spot, linear * widest)
 
 
 def _free_turn(outline: Outline, places: tuple[Floats, Floats], side: float, way: float) -> float:
-    """How far the robot may turn to one side so many m ahead, rad."""
+    """Return how far the robot may turn to one side so many m ahead, rad; infinite if nothing bars the turn."""
     still = np.zeros(len(TURNS))
-    touches = outline.runs_into((still + way, still, side * TURNS), *places, TOUCHING)
+    touches = outline.runs_into((still + way, still, side * TURNS), *places, TURN_MARGIN)
     if not touches.any():
         return inf
     return float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
 
 
 def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:
-    """The speed at which to creep on or back, m/s, rather to where obstacles are farther from the axle; 0 if barred."""
-    on, back = (np.hypot(x - way, y).min(initial=inf) for way in (HAND, -HAND))
-    may_on, may_back = limit > 0.0, _may_creep(outline, x, y, -HAND)
+    """Return the speed to creep to where obstacles are farther from the axle, m/s; negative: back; 0 if barred."""
+    on, back = (np.hypot(x - way, y).min(initial=inf) for way in (CREEP_DISTANCE, -CREEP_DISTANCE))
+    may_on, may_back = limit > 0.0, _may_creep(outline, x, y, -CREEP_DISTANCE)
     if may_on and (on >= back or not may_back):
-        return min(CREEP, limit)
-    return -CREEP if may_back else 0.0
+        return min(CREEP_SPEED, limit)
+    return -CREEP_SPEED if may_back else 0.0
 
 
 def _may_creep(outline: Outline, x: Floats, y: Floats, way: float) -> bool:
-    """Whether so much is free ahead, m, or behind where it is below zero; as far as one knows."""
-    if way < 0.0 and ((x < 0.0) & (outline.distance(x, y) < UNSEEN)).any():
+    """Return whether so many m are free ahead, or behind if negative, as far as the sensors show."""
+    if way < 0.0 and ((x < 0.0) & (outline.distance(x, y) < REAR_MARGIN)).any():
         return False
     still = np.zeros(1)
-    return not outline.runs_into((still + way, still, still), x, y, TOUCHING).any()
+    return not outline.runs_into((still + way, still, still), x, y, TURN_MARGIN).any()
 
 
-def _nearness(numbers: AvoidanceNumbers, outline: Outline, places: tuple[Floats, Floats]) -> tuple[float, float]:
-    """How near things are on the left and on the right, 0 to 1 each; those ahead count more than those beside."""
+def _nearness(parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats]) -> tuple[float, float]:
+    """Return how near obstacles are on the left and the right, 0 to 1; those ahead count more than those beside."""
     x, y = places
-    near = np.clip(1.0 - outline.distance(x, y) / numbers.reach, 0.0, 1.0) ** 2
+    near = np.clip(1.0 - outline.distance(x, y) / parameters.reach, 0.0, 1.0) ** 2
     weighted = near * np.clip(0.5 + 0.5 * np.cos(np.arctan2(y, x)), 0.0, 1.0)
     return float(weighted[y > 0.0].max(initial=0.0)), float(weighted[y < 0.0].max(initial=0.0))

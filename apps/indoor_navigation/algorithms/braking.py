@@ -1,16 +1,16 @@
-"""How fast one may be, to come to a stand in time."""
+"""The speed from which a robot can stop in time."""
 
 from math import sqrt
 
 
 def safe_speed(way: float, deceleration: float, reaction: float, approach: float = 0.0) -> float:
-    """The fastest at which the robot stands before it meets something, m/s; zero where it is there already.
+    """Return the maximum speed from which the robot stops before an obstacle, m/s; 0 where there is no room.
 
     Args:
-        way: m to it.
+        way: m to the obstacle.
         deceleration: m/s² of the robot.
-        reaction: s from what sensors see until the wheels begin to slow down.
-        approach: m/s at which it may come the robot's way meanwhile.
+        reaction: s from the reading until the wheels begin to slow down.
+        approach: m/s at which the obstacle may approach meanwhile.
     """
     # way = (speed + approach) * reaction + speed² / (2 deceleration) + approach * speed / deceleration
     left = way - approach * reaction

@@ -1,12 +1,12 @@
 """Door-like exits in one laser scan: openings in walls, and the ends of corridors.
 
-A door is told from other gaps by its wall. Straight segments are found in the scan, and those in one line make a wall's
-line. Each beam crosses that line somewhere; where the beams between two pieces of wall go on behind it for a metre,
-there is a door. So a leg before the door, or a leaf that stands open, hides a part of it and no more.
+A door differs from other gaps by its wall. Straight segments of the scan that are in line form the line of a wall. Each
+beam crosses that line somewhere; where the beams between two pieces of wall pass it by a metre, there is a door. So a
+leg in front of the door, or an open leaf, hides only a part of it.
 
-Two pieces of furniture with a gap between are in line, too, but they end in the open: beyond their outer ends one sees
-on behind the line, where a wall goes on to the next corner. Or their sides are seen beside the gap, deeper than a wall
-is thick. Hence such a piece counts only where it is long.
+Two pieces of furniture with a gap between them may be in line as well. But they end in the open: beyond their outer
+ends the scan shows places behind the line, where a wall continues to the next corner. Or their sides are seen beside
+the gap, deeper than a wall is thick. So such a piece counts only where it is long.
 """
 
 from dataclasses import dataclass
@@ -15,30 +15,30 @@ from math import atan2, hypot
 import numpy as np
 
 from apps.indoor_navigation.algorithms.corridor_ends import find_corridor_ends
-from apps.indoor_navigation.algorithms.opening import DoorNumbers, Opening
-from apps.indoor_navigation.algorithms.segments import Beams, Bools, Ints, Segments, find_segments, fit
-from apps.indoor_navigation.data import Door, Floats, LaserRead
+from apps.indoor_navigation.algorithms.opening import DoorParameters, Opening
+from apps.indoor_navigation.algorithms.segments import Beams, Segments, find_segments, fit
+from apps.indoor_navigation.data import Bools, Door, Floats, Ints, LaserRead
 from geometry import Pose2D, wrap_angle
 
-SEED = 0.22  # m of the shortest segment of which a line is made
-MOST_LINES = 14
-IN_LINE = 0.045  # m that a segment may be off another's line,
-IN_LINE_RISE = 0.01  # m² more with each m between them, and each 1/m of the other: short ones have no sure direction
-ON_WALL = 0.07  # m that a beam's end may be off its wall's line
-REVEAL = 0.35  # m: a wall may be as thick
-IN_FRONT = 0.25  # m before the line: what is nearer to it, as a leaf at its hinge, shows where the jamb is
-HIDDEN = 0.18  # m beside a jamb that something may hide
-SHADOW = 1.5  # m of wall that a leaf may hide beside an opening
-GRAZING = 0.12  # cosine: lines seen more from the side are not looked at
-OFF_LINE = 0.1  # m before or behind a line: what is there tells how the line ends
-LOOK = 8  # beams beyond the end of a line that are looked at for that
-SURELY_ON = 0.02  # m that the ends of two beams side by side may be off a line to be of its wall,
-STEP = 0.02  # and m that they are apart along it at least: those on a wall across are not
-MIDST, BLOCKING = 0.15, 2  # m from the jambs, and beams that end on the line there at least: it is no opening
-FACE_STEP, OFF_FACE = 0.2, 0.08  # m that points of a jamb's face may be apart, and off the jamb
-THICKEST, DEEPEST = 0.27, 0.7  # m: between these, a jamb is as deep as a cupboard
-WHOLE = 0.3  # m: points of a wall that are farther apart have no wall between
-MANY = 15  # beams through: more are no better
+MIN_SEED = 0.22  # m, length of the shortest segment that starts a line
+MAX_LINES = 14  # that are examined; the longest segments first, which bounds the time for a scan
+LINE_OFFSET = 0.045  # m of a segment from the line of another, if they touch
+OFFSET_GROWTH = 0.01  # m more per m between them and per 1/m of the other's length: short ones have no sure direction
+WALL_OFFSET = 0.07  # m of a beam's end from the line of its wall
+MAX_THICKNESS = 0.35  # m of a wall
+MAX_IN_FRONT = 0.25  # m before the line; an object nearer to it, such as a leaf at its hinge, shows the jamb
+MAX_HIDDEN = 0.18  # m beside a jamb that an object may hide
+MAX_SHADOW = 1.5  # m of wall that a leaf may hide beside an opening
+MIN_COSINE = 0.12  # between beam and normal; a line seen at a more grazing angle is not examined
+END_OFFSET = 0.1  # m before or behind a line, beyond which a hit shows how the line ends
+END_BEAMS = 8  # beams beyond the end of a line that are examined for that
+STUB_OFFSET = 0.02  # m of two neighbouring hits from a line, to belong to a stub that is too short for a segment
+MIN_STEP = 0.02  # m between them along the line; on a wall across it they are nearer
+MIDDLE_MARGIN, MIN_BLOCKING = 0.15, 2  # m from the jambs, and hits on the line between: then it is not an opening
+FACE_STEP, FACE_OFFSET = 0.2, 0.08  # m between points of a jamb's face, and of a point from the jamb
+MIN_DEEP, MAX_DEEP = 0.27, 0.7  # m; between these, a jamb is as deep as a cupboard
+MAX_GAP = 0.3  # m between points of a wall that counts as closed between them
+ENOUGH_BEAMS = 15  # through an opening; more do not increase the confidence
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +59,13 @@ class Lines:
     is_hit: Bools
 
 
-def find_doors(scan: LaserRead, numbers: DoorNumbers) -> tuple[Door, ...]:
-    """The door-like exits in a scan, in odom, the nearest first."""
+def find_doors(scan: LaserRead, parameters: DoorParameters) -> tuple[Door, ...]:
+    """Return the door-like exits in a scan, in odom, the nearest first."""
     beams = Beams.of(scan)
     segments = find_segments(beams)
     if segments is None:
         return ()
-    found = _find_in_walls(beams, segments, numbers) + find_corridor_ends(beams, segments, numbers)
+    found = _find_in_walls(beams, segments, parameters) + find_corridor_ends(beams, segments, parameters)
     scanner = Pose2D(*scan.pose).compose(Pose2D(*scan.mount))
     kept: list[Opening] = []
     for opening in sorted(found, key=lambda each: -each.confidence):
@@ -76,7 +76,7 @@ def find_doors(scan: LaserRead, numbers: DoorNumbers) -> tuple[Door, ...]:
 
 
 def _apart(one: Opening, other: Opening) -> bool:
-    """Whether two openings are two; beside a corner of a room, doors are nearer to each other than they are wide."""
+    """Return whether two openings differ; doors on both sides of a corner may be nearer than they are wide."""
     (x, y), (u, v) = one.centre, other.centre
     return hypot(x - u, y - v) > max(one.width, other.width) / 2.0
 
@@ -87,28 +87,32 @@ def _door(opening: Opening, scanner: Pose2D) -> Door:
     return Door(x, y, opening.width, normal, opening.confidence)
 
 
-def _find_in_walls(beams: Beams, segments: Segments, numbers: DoorNumbers) -> list[Opening]:
-    """Openings between two pieces of one wall."""
+def _find_in_walls(beams: Beams, segments: Segments, parameters: DoorParameters) -> list[Opening]:
+    """Return the openings between two pieces of one wall."""
     lines = _find_lines(beams, segments)
     if lines is None:
         return []
     line, beam = np.nonzero(lines.wall)
     at = lines.crossing[line, beam]
     gap = at[1:] - at[:-1]
-    is_wide = (line[1:] == line[:-1]) & (gap >= numbers.narrowest - numbers.slack) & (gap <= numbers.widest + SHADOW)
-    through = np.cumsum(lines.depth >= numbers.clear - numbers.slack, axis=1)
-    is_open = through[line[1:], beam[1:]] - through[line[:-1], beam[:-1]] >= numbers.beams
+    is_wide = (
+        (line[1:] == line[:-1])
+        & (gap >= parameters.narrowest - parameters.slack)
+        & (gap <= parameters.widest + MAX_SHADOW)
+    )
+    through = np.cumsum(lines.depth >= parameters.clear - parameters.slack, axis=1)
+    is_open = through[line[1:], beam[1:]] - through[line[:-1], beam[:-1]] >= parameters.beams
     found = (
-        _opening(lines, int(line[k]), int(beam[k]), int(beam[k + 1]), numbers)
+        _opening(lines, int(line[k]), int(beam[k]), int(beam[k + 1]), parameters)
         for k in np.flatnonzero(is_wide & is_open)
     )
     return [opening for opening in found if opening is not None]
 
 
 def _find_lines(beams: Beams, segments: Segments) -> Lines | None:
-    """The lines of the longest segments, each made of all segments that are in line with it."""
-    seeds = np.argsort(-segments.lengths, kind="stable")[:MOST_LINES]
-    seeds = seeds[segments.lengths[seeds] >= SEED]
+    """Return the lines of the longest segments, each with all segments that are in line with it."""
+    seeds = np.argsort(-segments.lengths, kind="stable")[:MAX_LINES]
+    seeds = seeds[segments.lengths[seeds] >= MIN_SEED]
     if not len(seeds):
         return None
     is_part = _in_line(segments.normals[:, seeds], segments.distances[seeds], segments, seeds)
@@ -119,21 +123,21 @@ def _find_lines(beams: Beams, segments: Segments) -> Lines | None:
     closing = normals.T @ beams.rays
     sliding = normals[0][:, None] * beams.rays[1] - normals[1][:, None] * beams.rays[0]
     depth = beams.ranges * closing - distances[:, None]
-    meets = closing > GRAZING
+    meets = closing > MIN_COSINE
     owners = np.concatenate((is_part, np.zeros((len(is_part), 1), dtype=bool)), axis=1)
-    wall = owners[:, segments.of_beam] & meets & (np.abs(depth) < ON_WALL)
+    wall = owners[:, segments.of_beam] & meets & (np.abs(depth) < WALL_OFFSET)
     along = beams.ranges * sliding
-    in_line = meets & (np.abs(depth) < SURELY_ON)  # as on a stub beside a door, too short to be a segment
+    in_line = meets & (np.abs(depth) < STUB_OFFSET)  # a stub beside a door, too short for a segment
     step = along[:, 1:] - along[:, :-1]
-    pairs = in_line[:, 1:] & in_line[:, :-1] & (step > STEP) & (step < WHOLE)
+    pairs = in_line[:, 1:] & in_line[:, :-1] & (step > MIN_STEP) & (step < MAX_GAP)
     wall[:, 1:] |= pairs
     wall[:, :-1] |= pairs
-    crossing = distances[:, None] * sliding / np.where(meets, closing, GRAZING)
+    crossing = distances[:, None] * sliding / np.where(meets, closing, MIN_COSINE)
     return Lines(normals, distances, wall, crossing, along, np.where(meets, depth, -np.inf), beams.is_hit)
 
 
 def _first_of_each(has: list[list[bool]]) -> list[int]:
-    """Of lines, each of which has the seeds of others, those whose seeds no earlier one of them has."""
+    """Return the lines whose seed no earlier chosen line has; each row tells which seeds a line has."""
     chosen: list[int] = []
     for number in range(len(has)):
         if not any(has[earlier][number] for earlier in chosen):
@@ -142,22 +146,22 @@ def _first_of_each(has: list[list[bool]]) -> list[int]:
 
 
 def _in_line(normals: Floats, distances: Floats, segments: Segments, seeds: Ints | None) -> Bools:
-    """Which segments have both ends on which lines."""
+    """Return which segments have both ends on which lines."""
     off = np.maximum(
         np.abs(normals.T @ segments.starts - distances[:, None]), np.abs(normals.T @ segments.ends - distances[:, None])
     )
     if seeds is None:
-        return np.asarray(off < IN_LINE)
+        return np.asarray(off < LINE_OFFSET)
     middles = (segments.starts + segments.ends) / 2.0
     away = np.abs(
         normals[0][:, None] * (middles[1] - middles[1][seeds][:, None])
         - normals[1][:, None] * (middles[0] - middles[0][seeds][:, None])
     )
-    return np.asarray(off < IN_LINE + IN_LINE_RISE / segments.lengths[seeds][:, None] * away)
+    return np.asarray(off < LINE_OFFSET + OFFSET_GROWTH / segments.lengths[seeds][:, None] * away)
 
 
-def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumbers) -> Opening | None:
-    """The opening between two beams that end on a wall; None where it is no exit."""
+def _opening(lines: Lines, line: int, first: int, last: int, parameters: DoorParameters) -> Opening | None:
+    """Return the opening between two beams that end on a wall; None where it is not an exit."""
     part = slice(first, last + 1)
     crossing, along, depth = lines.crossing[line, part], lines.along[line, part], lines.depth[line, part]
     right = _jamb(crossing, along, depth, lines.is_hit[part])
@@ -165,57 +169,57 @@ def _opening(lines: Lines, line: int, first: int, last: int, numbers: DoorNumber
     if right is None or left is None:
         return None
     left = -left
-    if not numbers.narrowest - numbers.slack <= left - right <= numbers.widest:
+    if not parameters.narrowest - parameters.slack <= left - right <= parameters.widest:
         return None
     within = (crossing > right) & (crossing < left)
-    is_through = within & (depth >= numbers.clear - numbers.slack)
+    is_through = within & (depth >= parameters.clear - parameters.slack)
     through, echoes = int(is_through.sum()), int((is_through & lines.is_hit[part]).sum())
-    share = through / max(1, int((within & (depth > -IN_FRONT)).sum()))
-    if through < numbers.beams or share < numbers.share or echoes < numbers.echoes * through:
+    share = through / max(1, int((within & (depth > -MAX_IN_FRONT)).sum()))
+    if through < parameters.beams or share < parameters.share or echoes < parameters.echoes * through:
         return None
-    in_midst = (np.abs(depth) < ON_WALL) & (along > right + MIDST) & (along < left - MIDST)
-    if int(in_midst.sum()) >= BLOCKING:  # as the hinge of a leaf, which hides the wall beside
+    in_midst = (np.abs(depth) < WALL_OFFSET) & (along > right + MIDDLE_MARGIN) & (along < left - MIDDLE_MARGIN)
+    if int(in_midst.sum()) >= MIN_BLOCKING:  # for example the hinge of a leaf, which hides the wall
         return None
-    support = _support(lines, line, first, last, left - right, numbers)
+    support = _support(lines, line, first, last, left - right, parameters)
     if not support:
         return None
     normal = lines.normals[:, line]
     foot = normal * lines.distances[line]
     tangent = np.array([-normal[1], normal[0]])
     (rx, ry), (lx, ly) = (foot + right * tangent).tolist(), (foot + left * tangent).tolist()
-    confidence = share * min(1.0, through / MANY) * min(1.0, support / (2.0 * numbers.wall))
+    confidence = share * min(1.0, through / ENOUGH_BEAMS) * min(1.0, support / (2.0 * parameters.wall))
     return Opening((lx, ly), (rx, ry), (float(normal[0]), float(normal[1])), confidence)
 
 
 def _jamb(crossing: Floats, along: Floats, depth: Floats, is_hit: Bools) -> float | None:
-    """Where the opening begins after the beam at index 0, which ends on the wall; None where that is hidden."""
-    is_behind = depth > ON_WALL
+    """Return where the opening begins after beam 0, which ends on the wall; None where that is hidden."""
+    is_behind = depth > WALL_OFFSET
     behind = int(np.argmax(is_behind[:-1] & (is_behind[1:] | is_hit[:-1])))
-    if behind > 1 and depth[behind - 1] < -IN_FRONT:
-        if crossing[behind] - along[0] > HIDDEN:
+    if behind > 1 and depth[behind - 1] < -MAX_IN_FRONT:
+        if crossing[behind] - along[0] > MAX_HIDDEN:
             return None
         return float(along[0] + crossing[behind]) / 2.0
-    if depth[behind] < REVEAL:
+    if depth[behind] < MAX_THICKNESS:
         return float(along[behind])
     return float(along[behind - 1] + crossing[behind]) / 2.0
 
 
-def _support(lines: Lines, line: int, first: int, last: int, width: float, numbers: DoorNumbers) -> float:
-    """How much wall is in view beside an opening, m; nothing where that is too little to be a wall's."""
+def _support(lines: Lines, line: int, first: int, last: int, width: float, parameters: DoorParameters) -> float:
+    """Return the length of wall in view beside an opening, m; 0 where it is too short for a wall."""
     wall, along, depth = np.flatnonzero(lines.wall[line]), lines.along[line], lines.depth[line]
     steps = np.diff(along[wall])
-    steps = np.where(steps < WHOLE, steps, 0.0)
+    steps = np.where(steps < MAX_GAP, steps, 0.0)
     split = int(np.searchsorted(wall, first))
     right, left = float(steps[:split].sum()), float(steps[split + 1 :].sum())
-    longest, is_mouth = max(right, left), width > numbers.usual
-    if right + left < max(numbers.wall, numbers.wall_share * width):
+    longest, is_mouth = max(right, left), width > parameters.usual
+    if right + left < max(parameters.wall, parameters.wall_share * width):
         return 0.0
-    if min(right, left) < (numbers.mouth_wall if is_mouth else numbers.least_wall):
+    if min(right, left) < (parameters.mouth_wall if is_mouth else parameters.least_wall):
         return 0.0
     open_ends = _is_open(depth, lines.is_hit, wall[0], -1) + _is_open(depth, lines.is_hit, wall[-1], 1)
-    if open_ends and (is_mouth or longest < (numbers.open_wall if open_ends == 1 else numbers.free_wall)):
+    if open_ends and (is_mouth or longest < (parameters.open_wall if open_ends == 1 else parameters.free_wall)):
         return 0.0
-    if longest < numbers.deep_wall:
+    if longest < parameters.deep_wall:
         along, depth, is_hit = along[first : last + 1], depth[first : last + 1], lines.is_hit[first : last + 1]
         if _is_deep(along, depth, is_hit) or _is_deep(along[::-1], depth[::-1], is_hit[::-1]):
             return 0.0
@@ -223,29 +227,29 @@ def _support(lines: Lines, line: int, first: int, last: int, width: float, numbe
 
 
 def _is_deep(along: Floats, depth: Floats, is_hit: Bools) -> bool:
-    """Whether the jamb after the beam at index 0 goes as far back as a cupboard's side: a wall is not so thick.
+    """Return whether the jamb after beam 0 is as deep as the side of a cupboard: a wall is not so thick.
 
-    What goes back farther is a leaf, or another wall.
+    A face that reaches farther back is a leaf, or another wall.
     """
     last, back = (float(along[0]), float(depth[0])), 0.0
     for place, behind, has_echo in zip(along[1:].tolist(), depth[1:].tolist(), is_hit[1:].tolist(), strict=True):
-        if not has_echo or behind < -OFF_LINE:
+        if not has_echo or behind < -END_OFFSET:
             continue
         if hypot(place - last[0], behind - last[1]) > FACE_STEP:
             break
         last = place, behind
-        if behind > DEEPEST:
+        if behind > MAX_DEEP:
             return False
-        if abs(place - along[0]) < OFF_FACE:
+        if abs(place - along[0]) < FACE_OFFSET:
             back = behind
-    return back > THICKEST
+    return back > MIN_DEEP
 
 
 def _is_open(depth: Floats, is_hit: Bools, beam: int, outwards: int) -> bool:
-    """Whether a wall's line ends in the open: beyond the last beam on it, what is off it lies behind."""
-    for number in range(beam + outwards, beam + LOOK * outwards, outwards):
-        if not 0 < number < len(depth) - 1 or depth[number] < -OFF_LINE:
+    """Return whether the line of a wall ends in the open: the first hits beyond its last beam are behind it."""
+    for number in range(beam + outwards, beam + END_BEAMS * outwards, outwards):
+        if not 0 < number < len(depth) - 1 or depth[number] < -END_OFFSET:
             return False
-        if depth[number] > OFF_LINE:
-            return bool(is_hit[number] and is_hit[number + outwards] and depth[number + outwards] > OFF_LINE)
+        if depth[number] > END_OFFSET:
+            return bool(is_hit[number] and is_hit[number + outwards] and depth[number + outwards] > END_OFFSET)
     return False

@@ -1,8 +1,8 @@
-"""One command out of many: the weighted mean of what the sources want, within what all of them allow.
+"""Command fusion: the weighted mean of the commands of all sources, within the limits of all of them.
 
-Nobody is waited for. Each command counts from the reading that it follows from until its source's age limit, and no
-longer, so that a source that has died or hangs neither moves the robot nor holds it, unless it is `required`: a robot
-without it would be blind, and stands.
+The fuser waits for no source. A command counts until the reading that it results from reaches the maximum age of its
+source. So a source that has died or hangs neither moves the robot nor stops it, unless it is `required`: without such a
+source the robot would be blind, and stands.
 """
 
 from collections.abc import Mapping
@@ -13,22 +13,24 @@ from apps.indoor_navigation.data import MotionCmd
 
 FUSED = "motion_fuser"
 LIMITS = "limit", "back", "left", "right"
-NOT_BELOW_ZERO = "weight", *LIMITS
-NUMBERS = "stamp", "linear", "angular", *NOT_BELOW_ZERO
-PAUSE = 0.3  # s without a fused command after which the robot stands, whatever the last one was
-LARGEST = 1e6  # of any number of a command but its stamp; what is larger is a slip
+NON_NEGATIVE = "weight", *LIMITS
+NUMBERS = "stamp", "linear", "angular", *NON_NEGATIVE
+MAX_GAP = 0.3  # s between two fused commands; after a longer gap the base has stopped the robot
+MAX_VALUE = 1e6  # of any value of a command except its stamp; a larger one is an error
 
 
-class Unsound(ValueError):
-    """A command that cannot be meant: a number of it is none, or its weight or limit is below zero."""
+class InvalidCommand(ValueError):
+    """A command has a value that is not a finite number, or a negative weight or limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class CommandSource:
-    """What a source's commands are worth.
+    """How the commands of a source are used.
 
-    max_age: s from its reading for which a command is used. weight: with which its own weights are multiplied.
-    required: the robot stands while there is no young command of it.
+    The defaults apply to sources that the wiring does not name, and so cannot come from a wiring file.
+
+    max_age: maximum age of the reading of a command, s. weight: factor of the weights of its commands. required: the
+    robot stands while there is no young command of this source.
     """
 
     max_age: float = 0.5
@@ -37,87 +39,87 @@ class CommandSource:
 
 
 @dataclass(frozen=True, slots=True)
-class FusionNumbers:
-    """How the commands of the sources are fused.
+class FusionParameters:
+    """Limits of the fused command, and its sources.
 
-    linear, angular: the fastest, m/s and rad/s. acceleration, braking: m/s², towards more and less speed, either way.
-    angular_acceleration, angular_braking: likewise, rad/s². sources: by their names; one that is not named is worth
-    what `CommandSource` says.
+    linear, angular: maximum speeds, m/s and rad/s. acceleration, braking: m/s², for increasing and decreasing speed in
+    either direction. angular_acceleration, angular_braking: likewise, rad/s². sources: by name; for others the defaults
+    of `CommandSource` apply.
     """
 
-    linear: float = 0.75
-    angular: float = 1.0
-    acceleration: float = 0.5
-    braking: float = 1.0
-    angular_acceleration: float = 2.0
-    angular_braking: float = 4.0
+    linear: float
+    angular: float
+    acceleration: float
+    braking: float
+    angular_acceleration: float
+    angular_braking: float
     sources: dict[str, CommandSource] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class SourceCommand:
-    """The last command of a source. read_at: when its reading was made, s of the fuser's own clock."""
+    """The last command of a source. read_at: time of its reading, s of the fuser's own clock."""
 
     command: MotionCmd
     read_at: float
     source: CommandSource
 
     def age(self, now: float) -> float:
-        """Of the reading, s."""
+        """Return the age of the reading, s."""
         return now - self.read_at
 
     def is_young(self, now: float) -> bool:
-        """Whether it may be used."""
+        """Return whether the command may be used."""
         return self.age(now) <= self.source.max_age
 
     @property
     def weight(self) -> float:
-        """Beside those of the others."""
+        """Weight of the command in the mean."""
         return self.source.weight * self.command.weight
 
 
 class Fusion:
-    """The last command of each source, and the speed that the robot was told last."""
+    """The last command of each source, and the last fused speed."""
 
-    def __init__(self, numbers: FusionNumbers) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: FusionParameters) -> None:
+        self._parameters = parameters
         self._heard: dict[str, SourceCommand] = {}
         self._linear = self._angular = 0.0
         self._fused_at = -inf
 
     @property
     def heard(self) -> Mapping[str, SourceCommand]:
-        """The last command of each source, young or not."""
+        """The last command of each source, of any age."""
         return self._heard
 
     def hear(self, command: MotionCmd, now: float, wall_time: float) -> None:
-        """A source has said what it wants.
+        """Take a command of a source.
 
         Args:
-            command: As it has come.
+            command: The command.
             now: s of the fuser's own clock, which never jumps.
-            wall_time: s since 1970. How old the reading is, is asked of it once only: a clock that is set afterwards
-                makes nothing young again, and neither does one stamp that comes again and again.
+            wall_time: s since 1970. It gives the age of the reading once: when the clock is set later, or the same
+                stamp arrives again, the command does not become younger.
         Raises:
-            Unsound: The command is left out, and the one before it stands as long as it is young.
+            InvalidCommand: The command is ignored, and the previous one remains while it is young.
         """
-        check(command)
+        _check(command)
         read_at = now - max(0.0, wall_time - command.stamp)
         before = self._heard.get(command.source)
         if before is not None and before.command.stamp == command.stamp:
             read_at = min(read_at, before.read_at)
-        source = self._numbers.sources.get(command.source) or CommandSource()
+        source = self._parameters.sources.get(command.source) or CommandSource()
         self._heard[command.source] = SourceCommand(command, read_at, source)
 
     def young(self, now: float) -> list[SourceCommand]:
-        """The commands that may be used."""
+        """Return the commands that may be used."""
         return [heard for heard in self._heard.values() if heard.is_young(now)]
 
     def fuse(self, now: float, wall_time: float) -> MotionCmd:
-        """The command for the base, of the newest reading that it follows from, or of now where it follows from none.
+        """Return the command for the base, with the stamp of the newest reading, or of now if there is none.
 
-        The speed changes no faster than the accelerations allow, but two things are obeyed at once: limits, and the
-        silence of all, or of a source that is required.
+        The speed changes no faster than the accelerations allow, with two exceptions: limits apply at once, and the
+        robot stops at once when all sources or a required one are silent.
         """
         young = self.young(now)
         limit, back, left, right = limits = [_least(young, name) for name in LIMITS]
@@ -134,51 +136,51 @@ class Fusion:
 
     def _is_blind(self, young: list[SourceCommand]) -> bool:
         here = {one.command.source for one in young}
-        return any(source.required and name not in here for name, source in self._numbers.sources.items())
+        return any(source.required and name not in here for name, source in self._parameters.sources.items())
 
     def _wanted(self, young: list[SourceCommand]) -> tuple[float, float]:
-        """What they want, m/s and rad/s, whatever the robot does now."""
+        """Return the weighted mean of the commands within the maximum speeds, m/s and rad/s."""
         weight = sum(one.weight for one in young)
         if weight == 0.0:
             return 0.0, 0.0
         linear = sum(one.weight * one.command.linear for one in young) / weight
         angular = sum(one.weight * one.command.angular for one in young) / weight
-        fastest, swiftest = self._numbers.linear, self._numbers.angular
+        fastest, swiftest = self._parameters.linear, self._parameters.angular
         return _between(-fastest, linear, fastest), _between(-swiftest, angular, swiftest)
 
     def _approach(self, linear: float, angular: float, elapsed: float) -> None:
-        """Come nearer to a speed, as far as the accelerations allow in `elapsed` seconds."""
-        numbers = self._numbers
-        if elapsed > PAUSE:
+        """Change the speed as far as the accelerations allow in `elapsed` seconds."""
+        parameters = self._parameters
+        if elapsed > MAX_GAP:
             self._linear = self._angular = elapsed = 0.0
-        self._linear = _nearer(self._linear, linear, numbers.acceleration * elapsed, numbers.braking * elapsed)
+        self._linear = _nearer(self._linear, linear, parameters.acceleration * elapsed, parameters.braking * elapsed)
         self._angular = _nearer(
-            self._angular, angular, numbers.angular_acceleration * elapsed, numbers.angular_braking * elapsed
+            self._angular, angular, parameters.angular_acceleration * elapsed, parameters.angular_braking * elapsed
         )
 
 
-def check(command: MotionCmd) -> None:
-    """See whether a command can be meant.
+def _check(command: MotionCmd) -> None:
+    """Check the values of a command.
 
     Raises:
-        Unsound: It cannot; says why.
+        InvalidCommand: A value is not possible.
     """
     if not isinstance(command.source, str):
-        raise Unsound(f"a command comes from a component with a name, not from {command.source!r}")
+        raise InvalidCommand(f"source of a command must be the name of a component, not {command.source!r}")
     for name in NUMBERS:
         value = getattr(command, name)
         if value is None and name in LIMITS:
             continue
         if type(value) not in (float, int) or not isfinite(value):  # a bool is an int to `isinstance`
-            raise Unsound(f"{name} of a command of {command.source} must be a finite number, not {value!r}")
-        if abs(value) > LARGEST and name != "stamp":
-            raise Unsound(f"{name} of a command of {command.source} must be within {LARGEST:g}, not {value:g}")
-        if value < 0.0 and name in NOT_BELOW_ZERO:
-            raise Unsound(f"{name} of a command of {command.source} must not be below 0, as {value:g} is")
+            raise InvalidCommand(f"{name} of a command of {command.source} must be a finite number, not {value!r}")
+        if abs(value) > MAX_VALUE and name != "stamp":
+            raise InvalidCommand(f"{name} of a command of {command.source} must be within {MAX_VALUE:g}, not {value:g}")
+        if value < 0.0 and name in NON_NEGATIVE:
+            raise InvalidCommand(f"{name} of a command of {command.source} must not be below 0, as {value:g} is")
 
 
 def _least(young: list[SourceCommand], name: str) -> float:
-    """The smallest of the limits of one name."""
+    """Return the smallest limit of one name; infinite where there is none."""
     return min((limit for one in young if (limit := getattr(one.command, name)) is not None), default=inf)
 
 
@@ -187,7 +189,7 @@ def _between(least: float, value: float, most: float) -> float:
 
 
 def _nearer(present: float, wanted: float, faster: float, slower: float) -> float:
-    """From the present speed towards the wanted one, by `faster` or `slower` at the most; zero is never passed over."""
+    """Return the present speed changed towards the wanted one, by `faster` or `slower` at most, and not across 0."""
     if present * wanted < 0.0:
         wanted = 0.0
     step = faster if abs(wanted) > abs(present) else slower

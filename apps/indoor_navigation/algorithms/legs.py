@@ -1,29 +1,25 @@
-"""Something slender that stands alone may be a leg, and there is more of a person above it than the laser sees.
+"""Slender objects that stand alone: they may be legs, and the body above them reaches farther than the laser sees.
 
-A leg may look like something else for a moment, as when the other one is beside it, and it leaves the view when the
-robot passes.
+A leg may look like something else for a moment, for example with the other leg beside it, and it leaves the view when
+the robot passes.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.algorithms.rays import Rays, are_in_view, inner, nearest
-from apps.indoor_navigation.data import Floats
+from apps.indoor_navigation.algorithms.rays import Rays, nearest
+from apps.indoor_navigation.data import Bools, Floats, Ints
 
-SLENDER = 0.25  # m
-ALONE = 0.25  # m to what is seen behind it on both sides
-BODY = 0.25  # m about it
-STRIDE = 0.6  # m between two legs of one person
-EDGE = 10  # rays at either end of the scan, where the face of a wall may be out of view and its end looks like a leg
-IN_LINE = 0.1  # m beside the line of a wall
-SURE = 10.0  # s for which something is still a leg that does not look like one
-STILL_THERE = 0.2  # m from where it was to what is seen now
-KEPT, BESIDE = 4.0, 1.2  # s for which one is believed to be where nobody looks, and m from the scanner
-APART = 0.1  # m between legs that are remembered
-RING = np.linspace(-np.pi, np.pi, 8, endpoint=False)
-
-Numbers = NDArray[np.intp]
+MAX_WIDTH = 0.25  # m, of a leg with trousers
+MIN_GAP = 0.25  # m of depth between a leg and what is seen behind it on both sides
+BODY_RADIUS = 0.25  # m about a leg
+MAX_STRIDE = 0.6  # m between the two legs of a person
+EDGE_RAYS = 10  # at either end of the scan, where the end of a wall that leaves the view looks like a leg
+WALL_OFFSET = 0.1  # m from the line of a wall, within which a ray belongs to the wall
+UNCONFIRMED_TIME = 10.0  # s for which a leg in view that does not look like one is still taken for a leg
+MAX_SHIFT = 0.2  # m between a leg and the hit that shows that it is still there
+HIDDEN_TIME, HIDDEN_RANGE = 4.0, 1.2  # s and m from the scanner within which a leg out of view is remembered
+LEG_SPACING = 0.1  # m between remembered legs
+OUTLINE_ANGLES = np.linspace(-np.pi, np.pi, 8, endpoint=False)  # rad; points of the outline of a body
 
 
 class Legs:
@@ -33,66 +29,67 @@ class Legs:
         self._x = self._y = self._at = np.empty(0)
 
     def see(self, stamp: float, rays: Rays) -> None:
-        """Take the rays of one scanner, in the order of their angles, at s of any clock."""
+        """Add the rays of one scanner, in the order of their angles, at s of any clock."""
         x, y = slender(rays)
         age = stamp - self._at
-        is_there = nearest(self._x, self._y, rays.end_x[rays.hits], rays.end_y[rays.hits]) < STILL_THERE
-        is_in_view = are_in_view(inner(rays, EDGE), self._x, self._y)
-        is_beside = nearest(self._x, self._y, rays.origin_x[:1], rays.origin_y[:1]) < BESIDE
-        stays = (age >= 0.0) & np.where(is_in_view, is_there & (age < SURE), is_beside & (age < KEPT))
-        stays &= nearest(self._x, self._y, x, y) >= APART
+        is_there = nearest(self._x, self._y, rays.end_x[rays.hits], rays.end_y[rays.hits]) < MAX_SHIFT
+        is_in_view = rays.inner(EDGE_RAYS).are_in_view(self._x, self._y)
+        is_beside = nearest(self._x, self._y, rays.origin_x[:1], rays.origin_y[:1]) < HIDDEN_RANGE
+        stays = np.where(is_in_view, is_there & (age < UNCONFIRMED_TIME), is_beside & (age < HIDDEN_TIME))
+        stays &= (age >= 0.0) & (nearest(self._x, self._y, x, y) >= LEG_SPACING)
         self._x, self._y = np.concatenate((self._x[stays], x)), np.concatenate((self._y[stays], y))
         self._at = np.concatenate((self._at[stays], np.full(len(x), stamp)))
 
     def bodies(self) -> tuple[Floats, Floats]:
-        """x and y of places about each, where the rest of a person would be."""
+        """Return x and y of points on the outlines of the bodies above the legs."""
         return bodies(self._x, self._y)
 
 
 def bodies(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """x and y of places about each of some legs, where the rest of a person would be."""
-    return (x[:, None] + BODY * np.cos(RING)).ravel(), (y[:, None] + BODY * np.sin(RING)).ravel()
+    """Return x and y of points on the outline of the body above each leg."""
+    points_x, points_y = BODY_RADIUS * np.cos(OUTLINE_ANGLES), BODY_RADIUS * np.sin(OUTLINE_ANGLES)
+    return (x[:, None] + points_x).ravel(), (y[:, None] + points_y).ravel()
 
 
 def slender(rays: Rays) -> tuple[Floats, Floats]:
-    """x and y in odom of each slender thing that stands alone.
+    """Return x and y in odom of each slender object that stands alone.
 
     Args:
         rays: Of one scanner, in the order of their angles.
     """
     depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
-    gaps = np.flatnonzero(np.abs(np.diff(depth)) > ALONE)
+    gaps = np.flatnonzero(np.abs(np.diff(depth)) > MIN_GAP)
     starts, ends = gaps[:-1] + 1, gaps[1:]
-    is_inner = (starts >= EDGE) & (ends < len(depth) - EDGE)
+    is_inner = (starts >= EDGE_RAYS) & (ends < len(depth) - EDGE_RAYS)
     starts, ends = starts[is_inner], ends[is_inner]
-    # On average a thing is one ray wider than what lies between the first and the last that meet it.
+    # On average an object is one ray wider than the distance between the first and the last ray that hit it.
     wider = (ends - starts + 1) / np.maximum(ends - starts, 1)
-    is_slender = rays.hits[starts] & (_apart(rays, starts, ends) * wider < SLENDER)
+    is_slender = rays.hits[starts] & (_apart(rays, starts, ends) * wider < MAX_WIDTH)
     before = (depth[starts - 1] > depth[starts]) & ~_is_end_of_wall(rays, starts, -1)
     behind = (depth[ends + 1] > depth[ends]) & ~_is_end_of_wall(rays, ends, 1)
     chosen = is_slender & before & behind
-    # A leg that stands half behind the other one is alone but for that.
+    # A leg that is partly hidden by the other leg stands alone but for that one.
     is_leg = np.zeros(len(depth), bool)
     for start, end in zip(starts[chosen], ends[chosen], strict=True):
         is_leg[start : end + 1] = True
-    follows = is_leg[starts - 1] & (_apart(rays, starts - 1, starts) < STRIDE)
-    precedes = is_leg[ends + 1] & (_apart(rays, ends, ends + 1) < STRIDE)
+    follows = is_leg[starts - 1] & (_apart(rays, starts - 1, starts) < MAX_STRIDE)
+    precedes = is_leg[ends + 1] & (_apart(rays, ends, ends + 1) < MAX_STRIDE)
     chosen = is_slender & (before | follows) & (behind | precedes)
     x = (rays.end_x[starts[chosen]] + rays.end_x[ends[chosen]]) / 2.0
     y = (rays.end_y[starts[chosen]] + rays.end_y[ends[chosen]]) / 2.0
     return np.asarray(x), np.asarray(y)
 
 
-def _apart(rays: Rays, ones: Numbers, others: Numbers) -> Floats:
-    """How far the ends of some rays are from those of others, m."""
+def _apart(rays: Rays, ones: Ints, others: Ints) -> Floats:
+    """Return the distances between the ends of rays, m."""
     return np.asarray(np.hypot(rays.end_x[others] - rays.end_x[ones], rays.end_y[others] - rays.end_y[ones]))
 
 
-def _is_end_of_wall(rays: Rays, places: Numbers, side: int) -> Truths:
-    """Which of some rays end in line with the two next to them: a wall seen at a slant has gaps between its places."""
+def _is_end_of_wall(rays: Rays, places: Ints, side: int) -> Bools:
+    """Return which rays end in line with the next two: the hits on a wall seen at a grazing angle have gaps."""
     first, second = places + side, places + 2 * side
     along_x, along_y = rays.end_x[second] - rays.end_x[first], rays.end_y[second] - rays.end_y[first]
     length = np.maximum(np.hypot(along_x, along_y), 1e-6)
     from_x, from_y = rays.end_x[places] - rays.end_x[first], rays.end_y[places] - rays.end_y[first]
     beside = np.abs(from_x * along_y - from_y * along_x) / length
-    return np.asarray((beside < IN_LINE) & rays.hits[first] & rays.hits[second])
+    return np.asarray((beside < WALL_OFFSET) & rays.hits[first] & rays.hits[second])

@@ -1,4 +1,4 @@
-"""From readings of sonar and laser to what is in the way, what is free, and whether one can go on at all."""
+"""From what is perceived to a report of obstacles, free space and dead ends."""
 
 from dataclasses import dataclass
 from math import atan2
@@ -6,37 +6,40 @@ from math import atan2
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.rays import Rays, in_robot
+from apps.indoor_navigation.algorithms.perception import Perceived
+from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.data import Floats, ObstRead
+
+DIRECTIONS = 25  # of lanes; at 1.2 rad to either side, neighbouring lanes overlap up to 3 m ahead
 
 
 @dataclass(frozen=True, slots=True)
-class DetectionNumbers:
-    """near: m from the outline, beyond which nothing is said to be near.
+class DetectionParameters:
+    """When an obstacle is near, and when the robot is in a dead end.
 
-    ahead: m that must be free beyond the robot's front, for it to go on. spread: rad to either side of where it looks,
-    within which a free direction is looked for. margin: m on each side of the robot.
+    near: m from the outline within which an obstacle is reported as near. ahead: m in front of the robot that must be
+    free in some direction. spread: rad to either side of its heading, for these directions. margin: m on each side of
+    the robot.
     """
 
-    near: float = 3.0
-    ahead: float = 0.9
-    spread: float = 1.2
-    margin: float = 0.06
+    near: float
+    ahead: float
+    spread: float
+    margin: float
 
 
-def obstacles(
-    numbers: DetectionNumbers, outline: Outline, stamp: float, pose: tuple[float, float, float], rays: Rays
-) -> ObstRead:
-    """Say what rays tell a robot that is at a pose in odom."""
-    x, y = in_robot(pose, rays.end_x[rays.hits], rays.end_y[rays.hits])
+def obstacles(parameters: DetectionParameters, outline: Outline, perceived: Perceived) -> ObstRead:
+    """Return what is in the way of a robot with this outline."""
+    rays = perceived.rays
+    x, y = in_robot(perceived.pose, rays.end_x[rays.hits], rays.end_y[rays.hits])
     distance = outline.distance(x, y)
     nearest, bearing = None, 0.0
-    if len(distance) and (least := float(distance.min())) < numbers.near:
+    if len(distance) and (least := float(distance.min())) < parameters.near:
         first = int(distance.argmin())
         nearest, bearing = least, atan2(y[first], x[first])
     return ObstRead(
-        stamp,
-        pose,
+        perceived.stamp,
+        perceived.pose,
         nearest,
         bearing,
         rays.origin_x,
@@ -44,23 +47,24 @@ def obstacles(
         rays.end_x,
         rays.end_y,
         rays.hits.astype(np.float64),
-        is_dead_end(numbers, outline, x, y),
+        is_dead_end(parameters, outline, x, y),
+        *perceived.people,
     )
 
 
-def is_dead_end(numbers: DetectionNumbers, outline: Outline, x: Floats, y: Floats) -> bool:
-    """Whether no lane as wide as the robot leads on, whichever way about ahead it turned.
+def is_dead_end(parameters: DetectionParameters, outline: Outline, x: Floats, y: Floats) -> bool:
+    """Return whether no lane as wide as the robot is free in any direction ahead.
 
     Args:
-        numbers: What is enough.
+        parameters: The directions, and the size of a lane.
         outline: Of the robot.
         x, y: Of obstacles in the robot's frame, m.
     """
     if not len(x):
         return False
-    directions = np.linspace(-numbers.spread, numbers.spread, 25)
+    directions = np.linspace(-parameters.spread, parameters.spread, DIRECTIONS)
     c, s = np.cos(directions)[:, None], np.sin(directions)[:, None]
     along, across = c * x + s * y, c * y - s * x
-    is_in_lane = (np.abs(across) < outline.width / 2.0 + numbers.margin) & (along > 0.0)
+    is_in_lane = (np.abs(across) < outline.width / 2.0 + parameters.margin) & (along > 0.0)
     free = np.where(is_in_lane, along, np.inf).min(axis=1)
-    return bool(free.max() < outline.front + numbers.ahead)
+    return bool(free.max() < outline.front + parameters.ahead)

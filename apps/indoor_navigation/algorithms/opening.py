@@ -1,45 +1,45 @@
-"""What is common to all door-like exits."""
+"""Door-like exits: their parameters, and an opening in a scan."""
 
 from dataclasses import dataclass
 from math import hypot
 
 
 @dataclass(frozen=True, slots=True)
-class DoorNumbers:
-    """What counts as a door-like exit. Lengths in m.
+class DoorParameters:
+    """Conditions for a door-like exit. Lengths in m.
 
-    narrowest, widest: of an opening; slack: by which it may be measured too narrow. usual: what is wider is no door but
-    the mouth of a corridor. clear: free beyond it, at least.
-    beams: that go through and so far, at least. share: of the beams that come to the opening, that must. echoes: of
-    those that go through, that must meet something in the end: where there is no echo at all, it may as well be black.
-    wall: in view, both sides together, at least; wall_share: likewise, as part of the opening's width. least_wall,
-    mouth_wall: on either side, of a door and of a mouth.
-    open_wall, free_wall: on one side at least, of a wall of which one end is in the open, and of which both are.
-    deep_wall: likewise, where a jamb is as deep as a cupboard. corridor_wall: of either wall of a corridor that ends,
-    as part of its width.
+    narrowest, widest: width of an opening. slack: measuring error of the width. usual: maximum width of a door; a wider
+    opening is the mouth of a corridor. clear: minimum free depth behind the opening.
+    beams: minimum number of beams that pass so far. share: minimum part of the beams at the opening that do. echoes:
+    minimum part of these that hit something; without echoes the opening may be a black surface.
+    wall: minimum length of wall in view, both sides together. wall_share: likewise, as part of the opening's width.
+    least_wall, mouth_wall: minimum on each side, of a door and of a mouth.
+    open_wall, free_wall: minimum on one side, of a wall with one end in the open, and with both. deep_wall: likewise,
+    where a jamb is as deep as a cupboard. corridor_wall: minimum length of either wall of a corridor that ends, as part
+    of its width.
     """
 
-    narrowest: float = 0.8
-    widest: float = 2.4
-    usual: float = 1.6
-    slack: float = 0.03
-    clear: float = 1.0
-    beams: int = 6
-    share: float = 0.5
-    echoes: float = 0.3
-    wall: float = 0.8
-    wall_share: float = 0.65
-    least_wall: float = 0.05
-    mouth_wall: float = 0.6
-    open_wall: float = 0.85
-    free_wall: float = 1.3
-    deep_wall: float = 1.2
-    corridor_wall: float = 0.75
+    narrowest: float
+    widest: float
+    usual: float
+    slack: float
+    clear: float
+    beams: int
+    share: float
+    echoes: float
+    wall: float
+    wall_share: float
+    least_wall: float
+    mouth_wall: float
+    open_wall: float
+    free_wall: float
+    deep_wall: float
+    corridor_wall: float
 
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """An exit in the scanner's frame: its jambs, the unit normal away from the scanner, confidence."""
+    """An exit in the scanner's frame: its jambs, the unit normal away from the scanner, and its confidence."""
 
     left: tuple[float, float]
     right: tuple[float, float]
@@ -48,10 +48,10 @@ class Opening:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Half-way between the jambs."""
+        """The middle between the jambs."""
         return (self.left[0] + self.right[0]) / 2.0, (self.left[1] + self.right[1]) / 2.0
 
     @property
     def width(self) -> float:
-        """From jamb to jamb, m."""
+        """Distance between the jambs, m."""
         return hypot(self.left[0] - self.right[0], self.left[1] - self.right[1])

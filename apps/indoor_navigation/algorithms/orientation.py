@@ -1,4 +1,4 @@
-"""Turn to a heading on the spot: swiftly away, gently there, and not beyond."""
+"""Turning on the spot to a heading, without overshoot."""
 
 from dataclasses import dataclass
 from math import copysign, sqrt
@@ -8,24 +8,24 @@ from geometry import wrap_angle
 
 
 @dataclass(frozen=True, slots=True)
-class OrientationNumbers:
-    """angular: the fastest, rad/s. deceleration: rad/s². gain: 1/s, near the end. tolerance: rad. reaction: s."""
+class OrientationParameters:
+    """angular: maximum, rad/s. deceleration: rad/s². gain: 1/s, near the end. tolerance: rad. reaction: s."""
 
-    angular: float = 0.8
-    deceleration: float = 0.7
-    gain: float = 1.5
-    tolerance: float = 0.02
-    reaction: float = 0.2
+    angular: float
+    deceleration: float
+    gain: float
+    tolerance: float
+    reaction: float
 
 
-def turn(numbers: OrientationNumbers, odometry: RobotOdometry, heading: float) -> float:
-    """How fast to turn, rad/s.
+def turn(parameters: OrientationParameters, odometry: RobotOdometry, heading: float) -> float:
+    """Return the turn speed, rad/s.
 
-    It slows down so that it could stop where it wants to, seen from where it will be when the wheels have heard of it.
+    The speed allows the robot to stop at the heading, from where it will be when the wheels receive the command.
     """
     error = wrap_angle(heading - odometry.heading)
-    left = wrap_angle(error - odometry.angular * numbers.reaction)
-    if abs(error) <= numbers.tolerance or (error * left <= 0.0 and abs(error) < 1.0):
+    left = wrap_angle(error - odometry.angular * parameters.reaction)
+    if abs(error) <= parameters.tolerance or (error * left <= 0.0 and abs(error) < 1.0):
         return 0.0
-    speed = min(numbers.angular, numbers.gain * abs(left), sqrt(2.0 * numbers.deceleration * abs(left)))
+    speed = min(parameters.angular, parameters.gain * abs(left), sqrt(2.0 * parameters.deceleration * abs(left)))
     return copysign(speed, left)

@@ -1,4 +1,4 @@
-"""The robot's body on the floor, and how near things are to it, wherever it moves."""
+"""The robot's outline on the floor, and distances of places from it at any pose."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,16 +8,15 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.data import Floats
+from apps.indoor_navigation.data import Bools, Floats
 
-Truths = NDArray[np.bool_]
-DEEP = 0.02  # m
+MAX_PENETRATION = 0.02  # m inside the outline; a place deeper inside is a sensor's error
 Lengths = NDArray[np.float64] | NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """A rectangle in the robot's frame, m: how far it reaches ahead of and behind the axle, and its width."""
+    """A rectangle in the robot's frame, m. front, rear: distance from the axle to either end."""
 
     front: float
     rear: float
@@ -25,21 +24,21 @@ class Outline:
 
     @classmethod
     def of(cls, robot: Mapping[str, Any]) -> Self:
-        """Of what the base says of the robot."""
+        """Return the outline in the base's description of the robot."""
         return cls(float(robot["front"]), float(robot["rear"]), float(robot["width"]))
 
     @property
     def reversed(self) -> "Outline":
-        """Seen by one who takes the robot's rear for its front."""
+        """The outline with front and rear exchanged."""
         return Outline(self.rear, self.front, self.width)
 
     @property
     def sweep(self) -> float:
-        """Radius of the circle that it needs to turn on the spot."""
+        """Radius of the circle that the robot needs to turn on the spot, m."""
         return hypot(max(self.front, self.rear), self.width / 2.0)
 
     def distance(self, x: Lengths, y: Lengths) -> Floats:
-        """Of points in the robot's frame from the outline, m; below zero inside, by how deep they are in it."""
+        """Return the distance of points in the robot's frame from the outline, m; inside, the negative depth."""
         middle, half_length = (self.front - self.rear) / 2.0, (self.front + self.rear) / 2.0
         ahead, aside = np.abs(x - middle) - half_length, np.abs(y) - self.width / 2.0
         depth = np.minimum(np.maximum(ahead, aside), 0.0)
@@ -48,13 +47,13 @@ class Outline:
         return distance
 
     def distances(self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats) -> Floats:
-        """Of points from the outline when the robot is at each of some poses, m.
+        """Return the distances of points from the outline for each of some poses of the robot, m.
 
         Args:
             poses: x, y and heading of the robot, arrays of any one shape.
             x, y: The n points, in the frame of the poses.
         Returns:
-            Of the shape of the poses, and n more.
+            Array of the shape of the poses with one more axis, of length n.
         """
         # In single precision, which is exact to a micrometre here and takes half the time.
         robot_x, robot_y, heading = (np.asarray(each, np.float32)[..., None] for each in poses)
@@ -63,14 +62,14 @@ class Outline:
         return self.distance(c * along + s * across, c * across - s * along)
 
     def outside(self, places: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-        """Without those that would be well within the robot: they are a sensor's errors, since the robot is there."""
-        is_outside = self.distance(*places) > -DEEP
+        """Return the places without those inside the robot, which are a sensor's errors."""
+        is_outside = self.distance(*places) > -MAX_PENETRATION
         return places[0][is_outside], places[1][is_outside]
 
-    def runs_into(self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats, margin: float) -> Truths:
-        """At which of some poses something is nearer than the margin, and nearer than it is now.
+    def runs_into(self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats, margin: float) -> Bools:
+        """Return at which poses a point is nearer than the margin and nearer than now.
 
-        So a robot that is too near already may go along what it is near to, and away from it.
+        So a robot that is too near already may move along an obstacle and away from it.
 
         Args:
             poses: As for `distances`.
@@ -80,16 +79,16 @@ class Outline:
         return runs_into(self.distances(poses, x, y), self.distance(x, y), margin)
 
 
-ROUNDING = 2e-3  # m
+ROUNDING = 2e-3  # m; smaller changes of a distance come from single precision and arcs of finite length
 
 
-def runs_into(distances: Floats, now: Floats, margin: float) -> Truths:
-    """Where the last axis of distances has one that is below the margin, and below what it is now; all m."""
+def runs_into(distances: Floats, now: Floats, margin: float) -> Bools:
+    """Return where the last axis of distances has one below the margin and below the present distance; all in m."""
     return np.asarray(((distances < margin) & (distances < now - ROUNDING)).any(axis=-1))
 
 
 def arc(curvatures: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
-    """The poses that the robot comes to on arcs from where it is, in its present frame.
+    """Return the poses on arcs from the present pose, in the present frame of the robot.
 
     Args:
         curvatures: 1/m, shape (n,); positive to the left.

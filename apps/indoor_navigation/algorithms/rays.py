@@ -1,17 +1,16 @@
-"""Sonar and laser readings as rays: where each begins, how far it is free, and whether something is at its end."""
+"""Sonar and laser readings as rays: the origin, how far the ray is free, and whether an obstacle is at its end."""
 
 from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.outline import Truths
-from apps.indoor_navigation.data import Floats, LaserRead, ObstRead, SonarRead
+from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRead
 
-SONAR_RANGE = 3.0  # m; what a disc hears from farther away may be anywhere in its cone
-HALF_CONE = 0.45  # rad; sound goes astray about the axis as far as this
-AGREES = 0.2  # m by which a disc may hear something nearer than the laser sees it
-IN_VIEW = 0.02  # m between a ray and a place of which it knows better
+SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
+HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
+RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
+RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,22 +24,53 @@ class Rays:
     origin_y: Floats
     end_x: Floats
     end_y: Floats
-    hits: Truths
+    hits: Bools
 
     @classmethod
     def none(cls) -> "Rays":
-        """Nothing is known."""
+        """Return no rays."""
         empty = np.empty(0)
         return cls(empty, empty, empty, empty, np.empty(0, bool))
 
     @classmethod
-    def of(cls, obstacles: ObstRead) -> "Rays":
-        """Those that a reading of the obstacles holds."""
-        hits = obstacles.hits > 0.5
-        return cls(obstacles.origin_x, obstacles.origin_y, obstacles.end_x, obstacles.end_y, hits)
+    def of_laser(cls, scan: LaserRead, most: int) -> "Rays":
+        """Return a scan as at most so many rays; the shortest of neighbouring beams stands for all of them."""
+        together = max(1, -(-len(scan.ranges) // most))
+        count = len(scan.ranges) // together
+        blocks = scan.ranges[: count * together].reshape(count, together)
+        chosen = np.arange(count) * together + blocks.argmin(axis=1)
+        angles = scan.angle_min + chosen * scan.angle_increment
+        x, y, heading = in_odom(scan.pose, *scan.mount)
+        lengths = np.minimum(scan.ranges[chosen], scan.range_max)
+        origin_x, origin_y = np.full(count, x), np.full(count, y)
+        end_x, end_y = x + lengths * np.cos(heading + angles), y + lengths * np.sin(heading + angles)
+        return cls(origin_x, origin_y, end_x, end_y, scan.is_hit[chosen])
+
+    @classmethod
+    def of_sonar(cls, sonar: SonarRead) -> "Rays":
+        """Return the axes of the discs; one without an echo within `SONAR_RANGE` is free as far and hits nothing."""
+        robot_x, robot_y, robot_heading = sonar.pose
+        c, s = cos(robot_heading), sin(robot_heading)
+        x = robot_x + c * sonar.places_x - s * sonar.places_y
+        y = robot_y + s * sonar.places_x + c * sonar.places_y
+        lengths = np.minimum(sonar.ranges, SONAR_RANGE)
+        directions = robot_heading + sonar.headings
+        end_x, end_y = x + lengths * np.cos(directions), y + lengths * np.sin(directions)
+        return cls(x, y, end_x, end_y, sonar.ranges < SONAR_RANGE)
+
+    @property
+    def is_of_scanner(self) -> Bools:
+        """Which rays are the scanner's: those that share their origin with a neighbour.
+
+        The echo of a sonar disc comes from somewhere in a wide cone; it gives no shape and no sure place.
+        """
+        if not len(self.origin_x):
+            return self.hits
+        differs = (np.diff(self.origin_x) != 0.0) | (np.diff(self.origin_y) != 0.0)
+        return ~(np.concatenate(([True], differs)) & np.concatenate((differs, [True])))
 
     def followed_by(self, other: "Rays") -> "Rays":
-        """Both."""
+        """Return these rays and then the others."""
         return Rays(
             np.concatenate((self.origin_x, other.origin_x)),
             np.concatenate((self.origin_y, other.origin_y)),
@@ -49,96 +79,62 @@ class Rays:
             np.concatenate((self.hits, other.hits)),
         )
 
-    def where(self, chosen: Truths) -> "Rays":
-        """Some of them."""
+    def where(self, chosen: Bools) -> "Rays":
+        """Return the chosen rays."""
         return Rays(
             self.origin_x[chosen], self.origin_y[chosen], self.end_x[chosen], self.end_y[chosen], self.hits[chosen]
         )
 
+    def inner(self, edge: int) -> "Rays":
+        """Return the rays without so many of the outermost ones on either side."""
+        chosen = np.zeros(len(self.hits), bool)
+        chosen[edge : max(len(chosen) - edge, edge)] = True
+        return self.where(chosen)
 
-def laser_rays(scan: LaserRead, most: int) -> Rays:
-    """A scan as at most so many rays; of beams side by side the shortest stands for all."""
-    together = max(1, -(-len(scan.ranges) // most))
-    count = len(scan.ranges) // together
-    blocks = scan.ranges[: count * together].reshape(count, together)
-    shortest = blocks.argmin(axis=1)
-    ranges = blocks[np.arange(count), shortest]
-    angles = scan.angle_min + (np.arange(count) * together + shortest) * scan.angle_increment
-    x, y, heading = in_odom(scan.pose, *scan.mount)
-    hits = ranges < scan.range_max
-    lengths = np.minimum(ranges, scan.range_max)
-    origin_x, origin_y = np.full(count, x), np.full(count, y)
-    return Rays(
-        origin_x,
-        origin_y,
-        x + lengths * np.cos(heading + angles),
-        y + lengths * np.sin(heading + angles),
-        hits,
-    )
+    def are_in_view(self, x: Floats, y: Floats) -> Bools:
+        """Return which places a ray ends at or passes through; of what is hidden a ray shows nothing."""
+        along_x, along_y = self.end_x - self.origin_x, self.end_y - self.origin_y
+        length = np.hypot(along_x, along_y)
+        scale = np.where(length > 0.0, length, np.inf)
+        unit_x, unit_y = along_x / scale, along_y / scale
+        from_x, from_y = x[:, None] - self.origin_x, y[:, None] - self.origin_y
+        ahead = from_x * unit_x + from_y * unit_y
+        across = np.abs(from_y * unit_x - from_x * unit_y)
+        return np.asarray(((ahead > 0.0) & (ahead < length + RAY_RADIUS) & (across < RAY_RADIUS)).any(axis=1))
 
+    def unexplained_by(self, laser: "Rays") -> "Rays":
+        """Return those of these sonar rays that show what the laser does not.
 
-def sonar_rays(sonar: SonarRead) -> Rays:
-    """The axes of the discs. Farther than `SONAR_RANGE` they are free and hit nothing."""
-    robot_x, robot_y, robot_heading = sonar.pose
-    c, s = cos(robot_heading), sin(robot_heading)
-    x = robot_x + c * sonar.places_x - s * sonar.places_y
-    y = robot_y + s * sonar.places_x + c * sonar.places_y
-    lengths = np.minimum(sonar.ranges, SONAR_RANGE)
-    directions = robot_heading + sonar.headings
-    return Rays(x, y, x + lengths * np.cos(directions), y + lengths * np.sin(directions), sonar.ranges < SONAR_RANGE)
-
-
-def unexplained(sonar: Rays, laser: Rays) -> Rays:
-    """The axes that say what the laser does not.
-
-    A disc hears the nearest thing in a wide cone, a door's frame beside the axis, say. Where the laser sees something
-    in the cone that is as near, it knows better where that is; and where it sees across the whole cone, the axis adds
-    nothing to what is free. What is left is what is too low or too clear for the laser, or where it does not look.
-    """
-    if not len(laser.end_x) or not len(sonar.end_x):
-        return sonar
-    length = np.hypot(sonar.end_x - sonar.origin_x, sonar.end_y - sonar.origin_y)
-    axis = np.arctan2(sonar.end_y - sonar.origin_y, sonar.end_x - sonar.origin_x)
-    x, y = laser.end_x - sonar.origin_x[:, None], laser.end_y - sonar.origin_y[:, None]
-    c, s = np.cos(axis)[:, None], np.sin(axis)[:, None]
-    is_in_cone = np.abs(np.arctan2(c * y - s * x, c * x + s * y)) <= HALF_CONE
-    is_as_near = np.hypot(x, y) <= length[:, None] + AGREES
-    is_seen = (is_in_cone & is_as_near & laser.hits).any(axis=1)
-    return sonar.where(~np.where(sonar.hits, is_seen, is_in_cone.sum(axis=1) > 2))
+        A disc measures the nearest object in a wide cone, for example a door frame beside the axis. Where the laser
+        hits something in the cone that is as near, the laser knows better where that is. Where the laser sees across
+        the whole cone, the axis adds nothing to the free space. What remains is too low or too transparent for the
+        laser, or outside its view.
+        """
+        if not len(laser.end_x) or not len(self.end_x):
+            return self
+        length = np.hypot(self.end_x - self.origin_x, self.end_y - self.origin_y)
+        axis = np.arctan2(self.end_y - self.origin_y, self.end_x - self.origin_x)
+        x, y = laser.end_x - self.origin_x[:, None], laser.end_y - self.origin_y[:, None]
+        c, s = np.cos(axis)[:, None], np.sin(axis)[:, None]
+        is_in_cone = np.abs(np.arctan2(c * y - s * x, c * x + s * y)) <= HALF_CONE
+        is_as_near = np.hypot(x, y) <= length[:, None] + RANGE_TOLERANCE
+        is_seen = (is_in_cone & is_as_near & laser.hits).any(axis=1)
+        return self.where(~np.where(self.hits, is_seen, is_in_cone.sum(axis=1) > 2))
 
 
-def in_odom(pose: tuple[float, float, float], x: float, y: float, heading: float) -> tuple[float, float, float]:
-    """A place on the robot, in odom."""
+def in_odom(pose: Pose, x: float, y: float, heading: float) -> Pose:
+    """Return the pose in odom of something that is mounted on a robot with this pose."""
     c, s = cos(pose[2]), sin(pose[2])
     return pose[0] + c * x - s * y, pose[1] + s * x + c * y, pose[2] + heading
 
 
-def in_robot(pose: tuple[float, float, float], x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Points in odom, in the frame of a robot that is there."""
+def in_robot(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Return points in odom in the frame of a robot with this pose."""
     c, s = cos(pose[2]), sin(pose[2])
     along, across = x - pose[0], y - pose[1]
     return c * along + s * across, c * across - s * along
 
 
-def inner(rays: Rays, edge: int) -> Rays:
-    """Without so many of the outermost ones on either side."""
-    chosen = np.zeros(len(rays.hits), bool)
-    chosen[edge : max(len(chosen) - edge, edge)] = True
-    return rays.where(chosen)
-
-
-def are_in_view(rays: Rays, x: Floats, y: Floats) -> Truths:
-    """Which of some places a ray runs to or through. Of what is hidden behind something it says nothing."""
-    along_x, along_y = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
-    length = np.hypot(along_x, along_y)
-    scale = np.where(length > 0.0, length, np.inf)
-    unit_x, unit_y = along_x / scale, along_y / scale
-    from_x, from_y = x[:, None] - rays.origin_x, y[:, None] - rays.origin_y
-    ahead = from_x * unit_x + from_y * unit_y
-    across = np.abs(from_y * unit_x - from_x * unit_y)
-    return np.asarray(((ahead > 0.0) & (ahead < length + IN_VIEW) & (across < IN_VIEW)).any(axis=1))
-
-
 def nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
-    """Of each place, how far the nearest of some others is, m; infinitely far where there is none."""
+    """Return the distance of each place to the nearest of the others, m; infinite where there is none."""
     return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))

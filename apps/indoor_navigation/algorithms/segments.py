@@ -1,8 +1,8 @@
 """Straight segments in a laser scan, in the scanner's frame.
 
-Beams that follow each other are parted where one is much farther than the next, and then, as long as a point is off the
-line between the ends of its part, at the point that is farthest off. All parts are worked on at once, so that a scan
-takes a few dozen calls of numpy however many segments there are.
+Split and merge: beams are split where one is much longer than its neighbour, and then at the point that is farthest
+from the line between the ends of its part, until no point is too far. All parts are processed at once, so a scan takes
+a few dozen calls of numpy for any number of segments.
 """
 
 from dataclasses import dataclass
@@ -10,20 +10,16 @@ from functools import lru_cache
 from math import inf, tau
 
 import numpy as np
-from numpy.typing import NDArray
 
-from apps.indoor_navigation.data import Floats, LaserRead
+from apps.indoor_navigation.data import Bools, Floats, Ints, LaserRead
 
-Ints = NDArray[np.intp]
-Bools = NDArray[np.bool_]
-
-NEAREST = 0.02  # m; what is nearer is no echo
-STEP = 0.1  # m that points of one surface may be apart,
-STEP_RISE = 0.06  # and m more with each m of distance, for surfaces seen at an angle
-OFF = 0.045  # m that a point of a segment may be off the line between its ends
-ROUNDS = 8  # of parting, at most
-FEWEST = 3  # points that make a segment
-SPREAD = 0.03  # m, root mean square, that a segment's points may be off its line
+MIN_RANGE = 0.02  # m; a shorter range is not an echo
+MAX_STEP = 0.1  # m between points of one surface
+STEP_PER_RANGE = 0.06  # m more per m of range, for surfaces seen at an angle
+MAX_OFFSET = 0.045  # m of a point from the line between the ends of its part; noise of a scanner
+MAX_ROUNDS = 8  # of splitting, enough for 256 segments on one surface
+MIN_POINTS = 3  # of a segment
+MAX_SPREAD = 0.03  # m, root mean square of the distances of a segment's points from its line
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +27,7 @@ class Beams:
     """The beams of a scan, counter-clockwise.
 
     rays: unit vectors, shape (2, n). ranges: how far each is free, at most to the scan's `range_max`. is_hit: whether
-    there is something at its end. A reading that is no number, or zero, counts as free and as hitting nothing at zero:
-    it says nothing.
+    an object is at the end. A beam without a measurement, or with 0, has range 0 and no hit. spacing: rad.
     """
 
     rays: Floats
@@ -42,12 +37,12 @@ class Beams:
 
     @classmethod
     def of(cls, scan: LaserRead) -> "Beams":
-        """Make them; those of a scan all around begin at the nearest thing, so that no door is cut in two."""
+        """Return the beams of a scan; a scan all around begins at the nearest object, so that no door is split."""
         ranges = np.asarray(scan.ranges, dtype=np.float64)
         rays = _rays(len(ranges), scan.angle_min, scan.angle_increment)
         with np.errstate(invalid="ignore"):
-            is_hit = (ranges > NEAREST) & (ranges <= scan.range_max)
-            free = np.where(is_hit, ranges, np.where(ranges > scan.range_max, scan.range_max, 0.0))
+            is_hit = (ranges > MIN_RANGE) & scan.is_hit
+            free = np.where(is_hit, ranges, np.where(ranges >= scan.range_max, scan.range_max, 0.0))
         if scan.angle_increment < 0.0:
             rays, free, is_hit = rays[:, ::-1], free[::-1], is_hit[::-1]
         if len(ranges) * abs(scan.angle_increment) > tau - 1.5 * abs(scan.angle_increment) and is_hit.any():
@@ -83,9 +78,9 @@ def _rays(count: int, angle_min: float, increment: float) -> Floats:
 
 
 def find_segments(beams: Beams) -> Segments | None:
-    """The segments of a scan; None where there is none."""
+    """Return the segments of a scan; None where there is none."""
     beam = np.flatnonzero(beams.is_hit)
-    if len(beam) < FEWEST:
+    if len(beam) < MIN_POINTS:
         return None
     ranges = beams.ranges[beam]
     points = beams.rays[:, beam] * ranges
@@ -93,7 +88,7 @@ def find_segments(beams: Beams) -> Segments | None:
     counts = np.concatenate((starts[1:], [len(beam)])) - starts
     moments = np.add.reduceat(_squares(points), starts, axis=1)
     normals, distances, spread = fit(moments)
-    is_good = (counts >= FEWEST) & (spread < SPREAD)
+    is_good = (counts >= MIN_POINTS) & (spread < MAX_SPREAD)
     if not is_good.any():
         return None
     starts, counts = starts[is_good], counts[is_good]
@@ -110,11 +105,11 @@ def find_segments(beams: Beams) -> Segments | None:
 
 
 def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
-    """Lines nearest to points whose moments are given, as of `Segments`.
+    """Fit lines to points by their moments, as in `Segments`.
 
     Returns:
-        Unit normals away from the scanner, shape (2, m); distances from it, m, not negative; root mean square of what
-        the points are off, m.
+        Unit normals away from the scanner, shape (2, m); distances from it, m, not negative; root mean square of the
+        distances of the points from their line, m.
     """
     n, x, y, xx, yy, xy = moments
     mean_x, mean_y = x / n, y / n
@@ -138,16 +133,16 @@ def _onto(points: Floats, normals: Floats, distances: Floats) -> Floats:
 
 
 def _part_at_steps(points: Floats, ranges: Floats) -> Ints:
-    """Where parts begin, so that within each there is no large step."""
+    """Return where parts begin, so that no part has a large step."""
     dx, dy = points[:, 1:] - points[:, :-1]
-    allowed = STEP + STEP_RISE * np.minimum(ranges[1:], ranges[:-1])
+    allowed = MAX_STEP + STEP_PER_RANGE * np.minimum(ranges[1:], ranges[:-1])
     return np.concatenate(([0], np.flatnonzero(dx * dx + dy * dy > allowed * allowed) + 1))
 
 
 def _part(points: Floats, starts: Ints) -> Ints:
-    """Part further, until all points are near the line between the ends of their parts."""
+    """Split further, until all points are near the line between the ends of their parts."""
     x, y = points
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         ends = np.concatenate((starts[1:], [len(x)])) - 1
         part = np.repeat(np.arange(len(starts)), ends - starts + 1)
         along_x, along_y = x[ends] - x[starts], y[ends] - y[starts]
@@ -156,7 +151,7 @@ def _part(points: Floats, starts: Ints) -> Ints:
         offset = along_x * y[starts] - along_y * x[starts]
         off = np.abs(along_x[part] * y - along_y[part] * x - offset[part])
         worst = np.maximum.reduceat(off, starts)
-        more = np.flatnonzero((off == worst[part]) & (off > OFF))
+        more = np.flatnonzero((off == worst[part]) & (off > MAX_OFFSET))
         if not len(more):
             break
         starts = np.sort(np.concatenate((starts, more)))

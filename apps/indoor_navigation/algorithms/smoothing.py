@@ -1,19 +1,19 @@
-"""From wanted speeds to speeds that grow smoothly: neither they nor their rates of change ever jump upwards.
+"""Speeds that increase smoothly: neither the speed nor its rate of change jumps upwards.
 
-Who wants to be slower has a reason, and is it at once, as far as the robot can.
+A decrease is never delayed, because a lower speed may be needed for safety.
 """
 
 from dataclasses import dataclass
 
-PAUSE = 0.5  # s without a step, after which it begins anew from where the robot is
+MAX_GAP = 0.5  # s between two steps; after a longer gap the smoothing restarts at the present speed
 
 
 @dataclass(frozen=True, slots=True)
-class SmoothNumbers:
-    """How fast a speed may change, in units of it.
+class SmoothingParameters:
+    """Limits of a speed, in its unit.
 
-    rate: per s. rate_change: per s². haste: 1/s, of the way to the wanted one. ahead: how far it may be ahead of the
-    robot, which others may hold.
+    rate: maximum change per s. rate_change: maximum change of the rate per s². haste: 1/s, rate per difference to the
+    wanted speed. ahead: maximum difference to the present speed, which other components may limit.
     """
 
     rate: float
@@ -22,37 +22,37 @@ class SmoothNumbers:
     ahead: float
 
 
-class Smooth:
-    """One speed."""
+class SmoothedSpeed:
+    """One speed that increases smoothly."""
 
-    def __init__(self, numbers: SmoothNumbers) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: SmoothingParameters) -> None:
+        self._parameters = parameters
         self._stamp = float("-inf")
         self._speed = self._rate = 0.0
 
     def step(self, stamp: float, wanted: float, present: float) -> float:
-        """The speed to ask for now.
+        """Return the speed to command.
 
         Args:
             stamp: s of any clock.
-            wanted: Speed.
-            present: Speed that the robot has.
+            wanted: The speed to reach.
+            present: The speed of the robot.
         """
-        numbers, elapsed = self._numbers, stamp - self._stamp
+        parameters, elapsed = self._parameters, stamp - self._stamp
         if elapsed == 0.0:
             return self._speed
         self._stamp = stamp
-        if not 0.0 < elapsed < PAUSE:
+        if not 0.0 < elapsed < MAX_GAP:
             self._speed, self._rate = present, 0.0
             return self._speed
         if abs(wanted) <= abs(self._speed) and wanted * self._speed >= 0.0:
             self._speed, self._rate = wanted, 0.0
             return self._speed
-        held = _within(self._speed, present - numbers.ahead, present + numbers.ahead)
+        held = _within(self._speed, present - parameters.ahead, present + parameters.ahead)
         if held != self._speed:
             self._speed, self._rate = held, 0.0
-        rate = _within(numbers.haste * (wanted - self._speed), -numbers.rate, numbers.rate)
-        change = numbers.rate_change * elapsed
+        rate = _within(parameters.haste * (wanted - self._speed), -parameters.rate, parameters.rate)
+        change = parameters.rate_change * elapsed
         self._rate = _within(rate, self._rate - change, self._rate + change)
         before, self._speed = self._speed, self._speed + self._rate * elapsed
         if (before - wanted) * (self._speed - wanted) < 0.0:

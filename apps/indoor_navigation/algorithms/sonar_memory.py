@@ -1,4 +1,4 @@
-"""The sonar discs fire in turns; this is what all of them have seen lately, as seen from where the robot is now."""
+"""The last ranges of all sonar discs, which fire in turns, relative to the present pose of the robot."""
 
 from collections.abc import Mapping
 from math import isnan
@@ -10,35 +10,35 @@ from geometry import Pose2D
 
 
 class SonarMemory:
-    """The last range of each disc, and where the disc was when it measured it."""
+    """The last range of each disc, and the pose of the disc at that time."""
 
     def __init__(self, max_age: float) -> None:
-        """max_age: s after which a range says nothing any more."""
+        """max_age: s after which a range is ignored."""
         self._max_age = max_age
         self._ranges: dict[int, tuple[float, float, Pose2D]] = {}  # stamp, range, pose of the disc in odom
 
     def hear(self, stamp: float, ranges: Mapping[int, float], discs: Mapping[int, Pose2D], robot: Pose2D) -> None:
-        """Some discs have measured; infinity is no echo, NaN no measurement.
+        """Add the ranges of some discs; infinity means no echo, NaN no measurement.
 
         Args:
             stamp: s since 1970.
-            ranges: m by the disc's number; one that is not among the discs is left out.
-            discs: Where they are on the robot.
-            robot: Its pose in odom at this stamp.
+            ranges: m by the disc's number; unknown numbers are ignored.
+            discs: Their poses on the robot.
+            robot: The pose in odom at this stamp.
         """
         for number, distance in ranges.items():
             if number in discs and not isnan(distance):
                 self._ranges[number] = stamp, distance, robot.compose(discs[number])
 
     def read(self, stamp: float, robot: Pose2D) -> SonarRead | None:
-        """All that is young, by the discs' numbers; None where nothing is.
+        """Return all young ranges, by the discs' numbers; None where there is none.
 
-        A disc's place is where it was when it measured, seen from where the robot is now: so an echo lies where it was
-        heard, however far the robot has come since.
+        The place of a disc is that of its measurement, in the present frame of the robot. So an echo stays at its
+        place, however far the robot has moved since.
 
         Args:
-            stamp: s since 1970, of now.
-            robot: Its pose in odom now.
+            stamp: The present time, s since 1970.
+            robot: The present pose in odom.
         """
         young = [self._ranges[n] for n in sorted(self._ranges) if abs(stamp - self._ranges[n][0]) <= self._max_age]
         if not young:
@@ -54,5 +54,5 @@ class SonarMemory:
         )
 
     def forget(self) -> None:
-        """The robot's pose was set anew, and places say nothing any more."""
+        """Forget all ranges, because the origin of odom has changed."""
         self._ranges.clear()

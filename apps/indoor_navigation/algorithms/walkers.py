@@ -1,92 +1,115 @@
-"""What moves by itself: whatever stands where the scan before saw through; and how fast it comes."""
+"""People who move: what moved between two scans, how fast it approaches, and where it stopped."""
 
 from collections import deque
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.rays import in_odom
+from apps.indoor_navigation.algorithms.legs import bodies
+from apps.indoor_navigation.algorithms.rays import Rays, in_odom, nearest
 from apps.indoor_navigation.data import Floats, LaserRead, Place
 
-NEARER = 0.15  # m than what was seen there before
-SIDE_BEAMS = 4  # beams to either side that must have seen through as well, since poses and edges are a little unsure
-APART = 1.0  # s between two scans that can be compared, at most
-ALL_AT_ONCE = 0.4  # of all beams; nothing but a slip of the pose moves so much
+Moved = tuple[Floats, Floats]  # x and y in odom
 
-MINDED = 0.5  # s for which somebody who moved is minded
-# s between two places of somebody by which it is judged how fast they come: legs swing.
-SINCE, UNTIL = 0.35, 0.9
-LEAST_APPROACH = 0.4  # m/s; people turn round
-UNSURE = 0.5  # m/s, by a leg that swings
+# Comparison of two scans.
+MIN_DEPTH_CHANGE = 0.15  # m nearer than before; above the noise of scanner and poses
+SIDE_BEAMS = 4  # beams on either side that must have passed as well, because poses and edges are a little uncertain
+MAX_SCAN_GAP = 1.0  # s between two scans that are compared
+MAX_MOVED_PART = 0.4  # of all beams; more than that moves only when the pose slips
+
+# People who walk.
+WALKER_TIME = 0.5  # s for which a person counts as walking after the last motion
+APPROACH_FROM, APPROACH_UNTIL = 0.35, 0.9  # s between two places that give a speed; legs swing, so not less
+MIN_APPROACH = 0.4  # m/s, since people turn round
+APPROACH_MARGIN = 0.5  # m/s, the error that a swinging leg makes
+
+# People who walked and stand.
+STANDING_TIME = 30.0  # s for which a person counts as standing where the last motion was
+MAX_SHIFT = 0.15  # m between that place and the hits now; people do not walk so near to a wall
+PLACE_SPACING = 0.1  # m between remembered places
+
+
+class ScanMotion:
+    """Compares each scan with the scan before."""
+
+    def __init__(self) -> None:
+        self._before: LaserRead | None = None
+
+    def look(self, scan: LaserRead) -> Moved:
+        """Return the places of what moved since the scan before."""
+        before, self._before = self._before, scan
+        return moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
 
 
 class WalkerMemory:
-    """Places in odom where something has moved lately."""
+    """Places where something moved lately."""
 
     def __init__(self) -> None:
         self._seen: deque[tuple[float, Floats, Floats]] = deque()
 
     def forget(self) -> None:
-        """The robot's pose was set anew, and places say nothing any more."""
+        """Forget all places, because the origin of odom has changed."""
         self._seen.clear()
 
     def see(self, stamp: float, x: Floats, y: Floats) -> None:
-        """Something has moved to here, at s of any clock; or nothing has."""
+        """Add the places that moved in a scan, at s of any clock; there may be none."""
         if not len(x):
             return
         if self._seen and stamp < self._seen[-1][0]:
             self.forget()
         self._seen.append((stamp, x, y))
-        while self._seen[0][0] < stamp - UNTIL:
+        while self._seen[0][0] < stamp - APPROACH_UNTIL:
             self._seen.popleft()
 
-    def places(self, stamp: float) -> tuple[Floats, Floats]:
-        """x and y of those who moved last, if that was not long ago."""
-        if self._seen and 0.0 <= stamp - self._seen[-1][0] < MINDED:
+    def places(self, stamp: float) -> Moved:
+        """Return the places of the last motion, if it is younger than `WALKER_TIME`."""
+        if self._seen and 0.0 <= stamp - self._seen[-1][0] < WALKER_TIME:
             return self._seen[-1][1:]
         return np.empty(0), np.empty(0)
 
     def approach(self, place: Place, fastest: float) -> float:
-        """How fast the nearest one may be coming to a place in odom, m/s; `fastest` where that is not known."""
+        """Return how fast the nearest walker approaches a place in odom, m/s; `fastest` where that is unknown."""
         if not self._seen:
             return fastest
-        now, here = self._seen[-1][0], _nearest(*self._seen[-1][1:], place)
-        before = next((seen for seen in self._seen if now - seen[0] >= SINCE), None)
+        now, here = self._seen[-1][0], _distance(*self._seen[-1][1:], place)
+        before = next((seen for seen in self._seen if now - seen[0] >= APPROACH_FROM), None)
         if before is None:
             return fastest
-        closing = (_nearest(*before[1:], place) - here) / (now - before[0])
-        return min(fastest, max(LEAST_APPROACH, closing + UNSURE))
+        closing = (_distance(*before[1:], place) - here) / (now - before[0])
+        return min(fastest, max(MIN_APPROACH, closing + APPROACH_MARGIN))
 
 
-def _nearest(x: Floats, y: Floats, place: Place) -> float:
-    return float(np.hypot(x - place[0], y - place[1]).min())
-
-
-class ScanMotion:
-    """Compares each scan with the one before."""
+class StandingPeople:
+    """Places where something moved last: the laser sees legs there, and the body reaches farther."""
 
     def __init__(self) -> None:
-        self._before: LaserRead | None = None
+        self._x = self._y = self._at = np.empty(0)
 
-    def forget(self) -> None:
-        """The robot's pose was set anew, and the scan before says nothing any more."""
-        self._before = None
+    def see(self, stamp: float, x: Floats, y: Floats) -> None:
+        """Add the places that moved in a scan, at s of any clock; there may be none."""
+        stays = (stamp - self._at < STANDING_TIME) & (self._at <= stamp)
+        stays &= nearest(self._x, self._y, x, y) >= PLACE_SPACING
+        self._x, self._y = np.concatenate((self._x[stays], x)), np.concatenate((self._y[stays], y))
+        self._at = np.concatenate((self._at[stays], np.full(len(x), stamp)))
 
-    def look(self, scan: LaserRead) -> tuple[Floats, Floats]:
-        """x and y in odom of what has moved since the scan before."""
-        before, self._before = self._before, scan
-        return moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
+    def about(self, stamp: float, rays: Rays) -> Moved:
+        """Return the place of each person who is still there, and places on the outline of the body."""
+        hits_x, hits_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
+        is_there = (stamp - self._at < STANDING_TIME) & (nearest(self._x, self._y, hits_x, hits_y) < MAX_SHIFT)
+        x, y = self._x[is_there], self._y[is_there]
+        body_x, body_y = bodies(x, y)
+        return np.concatenate((x, body_x)), np.concatenate((y, body_y))
 
 
-def moved(scan: LaserRead, before: LaserRead) -> tuple[Floats, Floats]:
-    """x and y in odom of what a scan shows where the one before saw through.
+def moved(scan: LaserRead, before: LaserRead) -> Moved:
+    """Return the places that a scan shows where beams of the scan before passed.
 
-    A leg that swings is there, while the other one stands still; for a walker a few places in each scan are enough.
+    A swinging leg is such a place while the other leg stands; for a walker a few places in each scan are enough.
     """
     nothing = np.empty(0), np.empty(0)
-    if not 0.0 < scan.stamp - before.stamp < APART or not len(before.ranges):
+    if not 0.0 < scan.stamp - before.stamp < MAX_SCAN_GAP or not len(before.ranges):
         return nothing
     x, y, heading = in_odom(scan.pose, *scan.mount)
-    hits = np.flatnonzero(scan.ranges < scan.range_max)
+    hits = np.flatnonzero(scan.is_hit)
     if not len(hits):
         return nothing
     directions = heading + scan.angle_min + hits * scan.angle_increment
@@ -96,14 +119,19 @@ def moved(scan: LaserRead, before: LaserRead) -> tuple[Floats, Floats]:
     bearing = np.arctan2(place_y - from_y, place_x - from_x) - from_heading - before.angle_min
     beam = np.round((bearing % (2.0 * np.pi)) / before.angle_increment).astype(np.intp)
     was_in_view = (beam >= SIDE_BEAMS) & (beam < len(before.ranges) - SIDE_BEAMS)
-    has_moved = was_in_view & (_least_beside(before.ranges)[np.where(was_in_view, beam, 0)] > depth + NEARER)
-    if has_moved.mean() > ALL_AT_ONCE:
+    free = _least_beside(before.ranges)[np.where(was_in_view, beam, 0)]
+    has_moved = was_in_view & (free > depth + MIN_DEPTH_CHANGE)
+    if has_moved.mean() > MAX_MOVED_PART:
         return nothing
     return place_x[has_moved], place_y[has_moved]
 
 
+def _distance(x: Floats, y: Floats, place: Place) -> float:
+    return float(np.hypot(x - place[0], y - place[1]).min())
+
+
 def _least_beside(ranges: Floats) -> Floats:
-    """Of each beam and those to its sides the shortest range."""
+    """Return the shortest range of each beam and its neighbours."""
     padded = np.pad(ranges, SIDE_BEAMS, constant_values=np.inf)
     least: Floats = np.lib.stride_tricks.sliding_window_view(padded, 2 * SIDE_BEAMS + 1).min(axis=1)
     return least

@@ -1,1 +1,1 @@
-"""The agents: each hears, lets an algorithm reckon, and pushes what comes out."""
+"""The components as agents: each takes data, calls an algorithm, and pushes the result."""

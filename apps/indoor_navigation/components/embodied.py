@@ -1,4 +1,4 @@
-"""A component that has to know how large the robot is, and how hard it brakes."""
+"""Components that need the size of the robot and its deceleration."""
 
 import asyncio
 import logging
@@ -10,23 +10,23 @@ from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.component import Component
 from bus import BusUnavailable, Refused
 
-ASK_AGAIN = 0.5  # s
-SURE = 0.88  # of how hard the robot is told to brake, what it surely does
+RETRY_PERIOD = 0.5  # s between two queries until the base answers
+SURE = 0.88  # part of the commanded deceleration that a robot reaches at least
 
 log = logging.getLogger("navigation")
 
 
 class Embodied(Component):
-    """Asks the base what the robot is, until it is told. Without that, it does nothing."""
+    """Queries the base for the robot's outline and deceleration until it answers; does nothing before."""
 
     outline: Outline | None = None
 
     async def setup(self) -> None:
-        """Ask."""
+        """Begin to query the base."""
         self.add(OneShot(self._know_body), Restart())
 
     def embody(self, outline: Outline, deceleration: float) -> None:
-        """Begin: this is the robot's outline, and so hard it surely brakes, m/s²."""
+        """Begin with this outline and the deceleration that the robot reaches at least, m/s²."""
 
     async def _know_body(self) -> None:
         while self.outline is None:
@@ -36,8 +36,8 @@ class Embodied(Component):
             except BusUnavailable:
                 raise
             except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
-                log.info("%s: nobody has said yet what %s is: %r", self.name, self.robot, err)
-                await asyncio.sleep(ASK_AGAIN)
+                log.info("%s: the base of %s has not described the robot yet: %r", self.name, self.robot, err)
+                await asyncio.sleep(RETRY_PERIOD)
             else:
                 self.embody(outline, deceleration)
                 self.outline = outline

@@ -1,6 +1,6 @@
-"""Turn the robot to where one is told."""
+"""The component that turns the robot to a heading."""
 
-from apps.indoor_navigation.algorithms.orientation import OrientationNumbers, turn
+from apps.indoor_navigation.algorithms.orientation import OrientationParameters, turn
 from apps.indoor_navigation.component import Component, Role, hears, is_told
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, WorldCoord
 
@@ -8,27 +8,27 @@ TURN = "turn"
 
 
 class Orienting(Component):
-    """Wants the robot to look where it was told last, with each pose."""
+    """Pushes a command towards the heading of the last target, with each odometry."""
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    numbers_type = OrientationNumbers
+    parameters_type = OrientationParameters
 
     async def setup(self) -> None:
-        """Know nothing yet."""
+        """Begin without a target."""
         self._target: WorldCoord | None = None
 
     @is_told(WorldCoord)
     async def look(self, target: WorldCoord) -> None:
-        """There, unless there was a later order."""
+        """Set the target; ignore it if a newer order was received."""
         if self._target is None or target.order >= self._target.order:
             self._target = target
 
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
-        """The robot looks there now."""
+        """Push the command for this pose."""
         if self._target is None:
             return
         is_wanted = self._target.aim == TURN
-        angular = turn(self.numbers, odometry, self._target.heading) if is_wanted else 0.0
+        angular = turn(self.parameters, odometry, self._target.heading) if is_wanted else 0.0
         self.push(MotionCmd(odometry.stamp, self.name.local, 0.0, angular, float(is_wanted)))

@@ -1,108 +1,107 @@
-"""Commands the mission: one sub-target after the other to those who move the robot, and what is worth it to people."""
+"""The component that carries out missions: it sends sub-targets to goto and orienting, and messages to people."""
 
 import asyncio
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.planning.doors_map import read_map, write_map
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
-from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNumbers, Order
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
 from apps.indoor_navigation.data import DLEData, GoalPoint, LogMessage, ObstRead, WorldCoord
 from bus import BusUnavailable, Refused
 
-ASK_AGAIN = 1.0  # s between two tries to learn how wide the robot is
-SAME_PLACE, SAME_HEADING = 0.02, 0.02  # m and rad within which an order is the same
+QUERY_PERIOD = 1.0  # s between two queries for the outline of the robot
+SAME_PLACE, SAME_HEADING = 0.02, 0.02  # m and rad within which an order is not sent again
 MILLISECONDS = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class PlanningNumbers:
-    """How missions are commanded.
+class _PlanningParameters:
+    """Timing of the component, and the parameters of missions.
 
-    period: s between two steps. repeat: s after which an order is told again, for who was not there or not yet. busy:
-    part of its time that the fuser works, above which the robot goes at half speed. half_width: of the robot, m, until
-    it has said what it is. doors_file: where doors and ways are kept from one start of this program to the next;
-    nothing is kept if it is empty. Such a file is of use where the robot's odometry begins at the same place each time.
+    period: s between two steps. repeat: s after which an order is sent again, for components that did not receive it.
+    busy: load of the fuser above which the robot drives at half speed. half_width: of the robot, m, until the base has
+    described it. doors_file: file for doors and ways, read at the next start; empty for none. Such a file is useful
+    where the robot's odometry begins at the same place each time.
     """
 
-    period: float = 0.2
-    repeat: float = 0.5
-    busy: float = 0.8
-    half_width: float = 0.25
-    doors_file: str = ""
-    mission: MissionNumbers = field(default_factory=MissionNumbers)
+    period: float
+    repeat: float
+    busy: float
+    half_width: float
+    doors_file: str
+    mission: MissionParameters
 
 
 class PathPlanning(Component):
-    """Steps at a fixed rate while a mission is under way."""
+    """Carries out one mission after the other, in steps at a fixed rate."""
 
     role = Role.DELIBERATIVE
     tells = (WorldCoord, LogMessage)
-    numbers_type = PlanningNumbers
+    parameters_type = _PlanningParameters
 
     async def setup(self) -> None:
-        """Remember the doors, and be ready for a mission."""
-        self._navigator = Navigator(self.numbers.mission, self.numbers.half_width)
-        self._number = round(self.home.wall_time() * MILLISECONDS)  # higher than any before, though nothing is kept
+        """Read the doors, and wait for a mission."""
+        self._navigator = Navigator(self.parameters.mission, self.parameters.half_width)
+        self._number = round(self.home.wall_time() * MILLISECONDS)  # higher than before a restart, without a file
         self._order, self._told_at = REST, float("-inf")
-        self._mission = self._navigator.told()
+        self._mission = self._navigator.status()
         self._is_under_way = False
         self._complained: set[str] = set()
-        self._file = Path(self.numbers.doors_file) if self.numbers.doors_file else None
+        self._file = Path(self.parameters.doors_file) if self.parameters.doors_file else None
         if self._file is not None:
             try:
-                read_map(self._navigator.memory.doors, self._file)
+                self._navigator.memory.doors.read(self._file)
             except ValueError as err:
                 self.home.report(self.name, str(err), None)
-                self._file = None  # what is there may be dear to somebody
-        self.every(self.numbers.period, self._step)
+                self._file = None  # the file is not overwritten
+        self.every(self.parameters.period, self._step)
         self.add(Cyclic(self._know_robot), Restart())
 
     async def take_down(self) -> None:
-        """Leave nobody on the way."""
+        """Stop the robot."""
         if self._order.aim != "rest":
             self._tell_order(REST)
 
     @is_told(GoalPoint)
     async def take_up(self, goal: GoalPoint) -> None:
-        """A person wants something."""
+        """Begin or cancel a mission."""
         self._navigator.begin(goal, self._now)
         self._is_under_way |= self._navigator.is_active
-        self._mission = self._navigator.told()
+        self._mission = self._navigator.status()
         await self._step()
 
     @hears(ObstRead)
     async def see(self, reading: ObstRead) -> None:
-        """Something is seen."""
+        """Take a reading of obstacles."""
         self._navigator.see(reading, self._now)
-        self._mission = self._navigator.told()
+        self._mission = self._navigator.status()
 
     @hears(DLEData)
     async def see_doors(self, data: DLEData) -> None:
-        """Doors are seen."""
+        """Take the doors of a scan."""
         self._navigator.see_doors(data)
 
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:
-        """Where the mission stands. since: s ago. messages: how many LogMessages were sent about it until then.
+        """Return the state of the mission. since: s ago. messages: number of LogMessages that were sent about it.
 
-        It is read on the bus's thread, so it is what the loop noted when it had sent all messages up to this state.
+        This runs on the thread of the bus, so it returns what the event loop stored after it had sent these messages.
         """
         told = self._mission
         return {**told, "since": self._now - told["since"]}
 
     @answers_query("picture")
     def draw(self) -> dict[str, Any]:
-        """All that there is to draw; `area.undrawn` unpacks the grid."""
+        """Return the data of a picture; `area.undrawn` unpacks the grid."""
         picture = self._navigator.picture()
         return {**picture, "since": self._now - picture["since"]}
 
     async def _step(self) -> None:
-        """Decide what is to be done now, and tell it."""
+        """Decide on the order of this step, and send it."""
         if self._navigator.is_active:
             is_slow = await self._is_fuser_busy()
             order = self._navigator.step(self._now)
@@ -113,12 +112,12 @@ class PathPlanning(Component):
                 self._keep_doors()
         self._is_under_way = self._navigator.is_active
         self._tell_notes()
-        self._mission = self._navigator.told()
+        self._mission = self._navigator.status()
 
     def _give(self, order: Order) -> None:
-        """Tell an order when it is new, and again while a mission is under way."""
+        """Send a new order, and repeat it while a mission is active."""
         is_new = not _is_same(order, self._order)
-        is_due = self._navigator.is_active and self._now - self._told_at >= self.numbers.repeat
+        is_due = self._navigator.is_active and self._now - self._told_at >= self.parameters.repeat
         if is_new or is_due:
             self._tell_order(order if is_new else self._order)
 
@@ -136,10 +135,10 @@ class PathPlanning(Component):
             self.tell(LogMessage(self.home.wall_time(), self.name.local, note.mission, note.level, note.what))
 
     async def _is_fuser_busy(self) -> bool:
-        """Ask the fuser how it is before each step; its silence is said once, and stops nobody."""
+        """Return whether the fuser's load is high; its silence is reported once, and does not stop the mission."""
         try:
             load = await self.ask("load")
-            is_busy = bool(load["busy"] > self.numbers.busy)
+            is_busy = bool(load["busy"] > self.parameters.busy)
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
@@ -147,35 +146,35 @@ class PathPlanning(Component):
             return False
         self._complained.discard("fuser")
         if is_busy:
-            self._complain("busy", f"the fuser works {load['busy']:.0%} of its time; the robot goes at half speed")
+            self._complain("busy", f"the fuser is busy {load['busy']:.0%} of its time; the robot drives at half speed")
         else:
             self._complained.discard("busy")
         return is_busy
 
     def _complain(self, what: str, why: str) -> None:
-        """Say it once, until it is over."""
+        """Add a warning once, until its reason is gone."""
         if what not in self._complained:
             self._complained.add(what)
             self._navigator.note("warning", why)
 
     def _keep_doors(self) -> None:
-        """Write down the doors, unless they are of another odometry than those in the file."""
+        """Write the doors to the file, unless odom was set anew since the file was read."""
         if self._file is None or self._navigator.memory.has_jumped:
             return
         try:
-            write_map(self._navigator.memory.doors, self._file)
+            self._navigator.memory.doors.write(self._file)
         except OSError as err:
-            self._complain("file", f"the doors cannot be kept: {err}; see whether {self._file} may be written")
+            self._complain("file", f"the doors cannot be saved: {err}; check whether {self._file} is writable")
 
     async def _know_robot(self) -> None:
-        """Learn how wide the robot is, and again now and then, since it may be another one."""
+        """Query the outline of the robot periodically, because the robot may be replaced."""
         try:
             self._navigator.memory.outline = Outline.of(await self.ask("robot"))
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError):
-            pass  # until it has said so, it is taken to be as wide as the numbers say
-        await asyncio.sleep(ASK_AGAIN)
+            pass  # until the base answers, the robot has the half width of the parameters
+        await asyncio.sleep(QUERY_PERIOD)
 
     @property
     def _now(self) -> float:
@@ -184,7 +183,7 @@ class PathPlanning(Component):
 
 
 def _is_same(one: Order, other: Order) -> bool:
-    """Whether nobody would do anything else."""
+    """Return whether two orders lead to the same motion."""
     if (one.aim, one.is_last, one.speed, one.then) != (other.aim, other.is_last, other.speed, other.then):
         return False
     if one.aim == "turn":

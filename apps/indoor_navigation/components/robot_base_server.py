@@ -1,10 +1,9 @@
-"""The way to the robot's wheels and sonar: everything goes through here, whatever robot it is."""
+"""The only component that talks to the robot's gateway about wheels and sonar."""
 
 import asyncio
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
 from typing import Any
 
 from agents.platform import Cyclic, Restart, on
@@ -17,62 +16,62 @@ from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, Odometry, RangeArray, heading, stamp_ns, twist
 from geometry import Pose2D
 
-ANSWER_TIME = 2.0  # s for the gateway to say what the robot is
-LOOK_AGAIN = 1.0  # s between two tries
-WATCH = 0.05  # s between two looks whether somebody has fallen silent
+DESCRIPTION_TIMEOUT = 2.0  # s for the gateway to describe the robot
+RETRY_PERIOD = 1.0  # s between two queries for the description or the lease
+CHECK_PERIOD = 0.05  # s between two checks whether commands still arrive; small beside `no_command`
 
 log = logging.getLogger("navigation")
 
 
 @dataclass(frozen=True, slots=True)
-class BaseNumbers:
-    """Mostly s of silence.
+class BaseParameters:
+    """Time limits in s, and the priority of the lease.
 
-    no_command: of the fuser, after which the robot is stopped. oldest: s since the reading from which a command
-    follows, after which it is not obeyed, as when this process was frozen. no_odometry: of the robot, after which it is
-    missed. sonar_age: of a disc, after which its last range says nothing. idle: without motion, after which nothing is
-    said to the wheels any more, and no lease is held, so that others may drive. priority: of the lease.
+    no_command: without a command of the fuser, after which the robot is stopped. oldest: age of the reading that a
+    command results from, above which the command is ignored, for example after this process was frozen. no_odometry:
+    without odometry, after which the robot is reported as lost. sonar_age: age of a disc's range above which it is
+    ignored. idle: without motion, after which no command is sent and no lease is held, so that others may drive.
     """
 
-    no_command: float = 0.3
-    oldest: float = 1.0
-    no_odometry: float = 1.0
-    sonar_age: float = 0.6
-    idle: float = 1.0
-    priority: int = 0
+    no_command: float
+    oldest: float
+    no_odometry: float
+    sonar_age: float
+    idle: float
+    priority: int
 
 
 class RobotBaseServer(Component):
-    """Any robot of the team: its gateway's streams, and `cmd_vel` with the token of a lease where an arbiter lives."""
+    """The base of any robot with a gateway; drives with the token of a lease if there is an arbiter."""
 
     role = Role.HARDWARE
     gives = (RobotOdometry, SonarRead)
-    numbers_type = BaseNumbers
+    parameters_type = BaseParameters
 
     async def setup(self) -> None:
-        """Look for the robot."""
+        """Begin to look for the robot."""
         self._history = PoseHistory()
-        self._sonar = SonarMemory(self.numbers.sonar_age)
+        self._sonar = SonarMemory(self.parameters.sonar_age)
         self._about: dict[str, Any] | None = None
         self._discs: dict[int, Pose2D] = {}
         self._is_there = asyncio.Event()
         self._heard_at = self._commanded_at = self._moved_at = float("-inf")
-        self._drives = False  # the last that the wheels were told was to move
-        self._lease = WheelLease(self, f"base@{self.robot}", self.numbers.priority, lambda: not self._is_idle)
+        self._drives = False  # the last command to the wheels was to move
+        self._lease = WheelLease(self, f"base@{self.robot}", self.parameters.priority, lambda: not self._is_idle)
         self._wheels = self.bus.publisher(keys.CMD_VEL.key(self.robot), keys.CMD_VEL.type_name)
         self._open.append(self._wheels)
         self.add(Cyclic(self._know_robot), Restart())
-        self.every(WATCH, self._watch)
-        self.every(LOOK_AGAIN, self._lease.hold)
+        self.every(CHECK_PERIOD, self._watch)
+        self.every(RETRY_PERIOD, self._lease.hold)
 
     async def take_down(self) -> None:
-        """Leave nothing rolling."""
+        """Stop the robot."""
         if self._drives:
             self._halt()
 
     @on("odom")
     async def follow(self, message: Odometry) -> None:
-        """The robot says where it is."""
+        """Push the odometry of the robot."""
         odometry = self._odometry(message)
         self._heard_at = self._now
         self._is_there.set()
@@ -83,7 +82,7 @@ class RobotBaseServer(Component):
 
     @on("sonar", keep=8)
     async def listen_around(self, message: RangeArray) -> None:
-        """Some discs have measured."""
+        """Push the ranges of all discs after some of them have measured."""
         stamp = stamp_ns(message.header) / NS_PER_S
         robot = self._history.at(stamp)
         if robot is None:
@@ -96,9 +95,9 @@ class RobotBaseServer(Component):
 
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
-        """Move as the fuser says. While the robot rests, the wheels are left alone after a while."""
-        if not is_sound(command) or self.home.wall_time() - command.stamp > self.numbers.oldest:
-            return  # as good as silence, which stops the robot
+        """Send a command of the fuser to the wheels, unless the robot has been idle for some time."""
+        if not command.is_sound or self.home.wall_time() - command.stamp > self.parameters.oldest:
+            return  # counts as no command, which stops the robot
         self._commanded_at = self._now
         if command.linear or command.angular:
             self._moved_at = self._now
@@ -109,9 +108,9 @@ class RobotBaseServer(Component):
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:
-        """Name, model, size in m and limits in m/s, rad/s and m/s²."""
+        """Return name, model, size in m and limits in m/s, rad/s and m/s²."""
         if self._about is None:
-            raise Refused(f"nobody has said yet what {self.robot} is; see whether its p2os-gateway runs")
+            raise Refused(f"{self.robot} has not been described yet; check whether its p2os-gateway runs")
         return self._about
 
     def _odometry(self, message: Odometry) -> RobotOdometry:
@@ -127,37 +126,37 @@ class RobotBaseServer(Component):
             before.jumps if before is not None else 0,
         )
         if before is not None and is_jump(before, odometry):
-            log.warning("%s: the pose of %s was set anew", self.name, self.robot)
+            log.warning("%s: the odometry of %s was set anew", self.name, self.robot)
             return replace(odometry, jumps=odometry.jumps + 1)
         return odometry
 
     async def _know_robot(self) -> None:
-        """Learn what the robot is, whenever it has come or come back."""
+        """Query the robot's description whenever the robot has connected."""
         await self._is_there.wait()
         try:
-            told = await self.query(keys.DESCRIPTION.key(self.robot), {}, ANSWER_TIME)
-            self._about, self._discs = described(told)
+            description = await self.query(keys.DESCRIPTION.key(self.robot), {}, DESCRIPTION_TIMEOUT)
+            self._about, self._discs = _described(description)
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
-            log.info("%s: %s has not said what it is: %r", self.name, self.robot, err)
+            log.info("%s: %s has not described itself: %r", self.name, self.robot, err)
         else:
             self._is_there.clear()
-            log.info("%s: %s is there, a %s", self.name, self.robot, self._about["model"])
+            log.info("%s: %s is connected, a %s", self.name, self.robot, self._about["model"])
             await self._missed()
-        await asyncio.sleep(LOOK_AGAIN)
+        await asyncio.sleep(RETRY_PERIOD)
 
     async def _missed(self) -> None:
-        """Wait until nothing has been heard of the robot for too long, and say so."""
-        while (silence := self._now - self._heard_at) < self.numbers.no_odometry:
-            await asyncio.sleep(self.numbers.no_odometry - silence)
+        """Wait until odometry has been missing for too long, and report it."""
+        while (silence := self._now - self._heard_at) < self.parameters.no_odometry:
+            await asyncio.sleep(self.parameters.no_odometry - silence)
         self._is_there.clear()
-        why = f"{self.robot} has not been heard for {silence:.1f} s; see whether it and its p2os-gateway run"
+        why = f"{self.robot} has published no odometry for {silence:.1f} s; check whether it and its p2os-gateway run"
         self.home.report(self.name, why, None)
 
     async def _watch(self) -> None:
-        """Stop the robot when nobody commands it any more."""
-        if self._drives and self._now - self._commanded_at > self.numbers.no_command:
+        """Stop the robot when no more commands arrive."""
+        if self._drives and self._now - self._commanded_at > self.parameters.no_command:
             self._halt()
 
     def _halt(self) -> None:
@@ -166,34 +165,28 @@ class RobotBaseServer(Component):
 
     @property
     def _is_idle(self) -> bool:
-        return bool(self._now - self._moved_at > self.numbers.idle)
+        return bool(self._now - self._moved_at > self.parameters.idle)
 
     @property
     def _now(self) -> float:
         return asyncio.get_running_loop().time()
 
 
-def is_sound(command: MotionCmd) -> bool:
-    """Whether its numbers are some."""
-    numbers = (command.stamp, command.linear, command.angular)
-    return all(isinstance(number, int | float) and isfinite(number) for number in numbers)
-
-
-def described(told: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:
-    """From a robot's description: what the navigation has to know of its body, and where its sonar discs are.
+def _described(description: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:
+    """Return what the navigation needs of a robot's description, and the poses of its sonar discs.
 
     Raises:
-        LookupError, TypeError, ValueError: It makes no sense.
+        LookupError, TypeError, ValueError: The description is invalid.
     """
-    size = told["geometry"]
+    size = description["geometry"]
     about = {
-        "name": str(told["name"]),
-        "model": str(told["model"]),
+        "name": str(description["name"]),
+        "model": str(description["model"]),
         "front": float(size["length_front"]),
         "rear": float(size["length_rear"]),
         "width": float(size["width"]),
         "radius": float(size["radius"]),
-        "limits": {name: float(told["limits"][name]) for name in ("linear", "angular", "deceleration")},
+        "limits": {name: float(description["limits"][name]) for name in ("linear", "angular", "deceleration")},
     }
     discs = {int(disc["number"]): Pose2D(disc["x"], disc["y"], disc["heading"]) for disc in size["sonar"]}
     return about, discs

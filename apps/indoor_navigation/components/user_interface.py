@@ -1,4 +1,4 @@
-"""What a person talks to: takes missions, says how they go, and sees to it that none is lost."""
+"""The component for people: it takes missions and reports their state; no mission is lost when planning restarts."""
 
 import asyncio
 from collections import Counter, deque
@@ -14,15 +14,15 @@ from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import BusUnavailable, Refused
 
 ENDED = ("done", "failed", "cancelled", "replaced")
-LATEST = 2.0  # s after the end of a mission until when messages of path planning about it are expected
+MESSAGE_TIMEOUT = 2.0  # s after the end of a mission for the last messages about it
 
 
 @dataclass(frozen=True, slots=True)
-class InterfaceNumbers:
-    """look: s between two looks how a mission goes. log: how many messages are kept."""
+class _InterfaceParameters:
+    """look: s between two queries for the state of the mission. log: number of messages that are kept."""
 
-    look: float = 0.5
-    log: int = 200
+    look: float
+    log: int
 
 
 class UserInterface(Component):
@@ -34,11 +34,11 @@ class UserInterface(Component):
     role = Role.DELIBERATIVE
     services = ("missions",)
     tells = (GoalPoint,)
-    numbers_type = InterfaceNumbers
+    parameters_type = _InterfaceParameters
 
     async def setup(self) -> None:
-        """Know of no mission yet."""
-        self._log: deque[tuple[int, LogMessage]] = deque(maxlen=self.numbers.log)
+        """Begin without a mission."""
+        self._log: deque[tuple[int, LogMessage]] = deque(maxlen=self.parameters.log)
         self._logged = 0
         self._heard: Counter[str] = Counter()  # messages of path planning, by mission
         self._is_news = asyncio.Condition()
@@ -47,13 +47,13 @@ class UserInterface(Component):
         self._ended: dict[str, dict[str, Any]] = {}
         self._is_planner_missed = False
         self._is_unknown = False
-        self.every(self.numbers.look, self._look)
+        self.every(self.parameters.look, self._look)
 
     @request("go")
     async def go(self, x: float, y: float, heading: Any = None, tolerance: float = 0.25) -> dict[str, Any]:
-        """Send the robot to a place, m in odom, and answer the mission's name at once; the one before is replaced.
+        """Send the robot to a place, m in odom, and return the name of the mission; it replaces the one before.
 
-        heading: at the end, rad, if one is wanted. tolerance: m.
+        heading: at the end, rad; None for any. tolerance: m.
         """
         wanted = {"x": x, "y": y, "heading": heading, "tolerance": tolerance}
         for name, value in wanted.items():
@@ -72,7 +72,7 @@ class UserInterface(Component):
 
     @request("cancel")
     async def cancel(self) -> dict[str, Any]:
-        """End the mission that is under way, whoever began it; the robot stops."""
+        """Cancel the active mission, whoever began it; the robot stops."""
         mission = self._goal.mission if self._goal is not None else ""
         self.tell(GoalPoint(mission, None, None))
         if self._goal is not None:
@@ -81,38 +81,38 @@ class UserInterface(Component):
 
     @request("state")
     async def state_of_mission(self) -> dict[str, Any]:
-        """Where the mission stands: mission, state, why, since (s ago), goal, sub_target, travelled (m), pose."""
+        """Return the mission: mission, state, why, since (s ago), goal, sub_target, travelled (m), pose."""
         return await self._asked("state")
 
     @request("picture")
     async def picture(self) -> dict[str, Any]:
-        """All that there is to draw of the mission."""
+        """Return the data of a picture of the mission."""
         return await self._asked("picture")
 
     @request("wait", agrees_itself=True)
     async def wait_for_end(self, mission: str) -> dict[str, Any]:
-        """Wait until a mission has ended, and answer how: its state is done, failed, cancelled or replaced.
+        """Wait until a mission has ended, and return its state: done, failed, cancelled or replaced.
 
-        `logged` in the answer is the stamp of the last message about it, or None: a program that prints the log has
-        all of it once it has printed this one.
+        `logged` is the stamp of the last message about it, or None. A program that prints the log can end after that
+        message.
         """
         if mission not in self._ended and (self._goal is None or self._goal.mission != mission):
             return await self._wait_for_others(mission)
         agree()
         while mission not in self._ended:
-            await asyncio.sleep(self.numbers.look)
+            await asyncio.sleep(self.parameters.look)
         ended = self._ended[mission]
         await self._hear_rest(mission, ended.get("messages", 0))
         return {**ended, "logged": self._last_stamp(mission)}
 
     @request("messages")
     async def messages(self) -> list[dict[str, Any]]:
-        """The messages that are kept, oldest first."""
+        """Return the stored messages, oldest first."""
         return [asdict(message) for _, message in self._log]
 
     @subscription("log")
     async def log(self) -> AsyncIterator[dict[str, Any]]:
-        """What the components have to tell: what is kept, and then what comes."""
+        """Yield the stored messages, and then new ones."""
         told = 0
         while True:
             for number, message in list(self._log):
@@ -125,14 +125,14 @@ class UserInterface(Component):
 
     @is_told(LogMessage)
     async def keep(self, message: LogMessage) -> None:
-        """A component has something to tell."""
+        """Store a message of a component."""
         self._heard[message.mission] += 1
         await self._note(message)
 
     async def _look(self) -> None:
-        """See how the mission goes; if planning has forgotten it, since it was begun anew, tell it again.
+        """Query the state of the mission; send the goal again if path planning was restarted and does not know it.
 
-        Forgotten is what it does not know at two looks in a row: at the first one the goal may still be on its way.
+        The goal is sent after two queries in a row: at the first one it may still be on its way.
         """
         if self._goal is None:
             return
@@ -144,7 +144,9 @@ class UserInterface(Component):
         except (TimeoutError, Refused) as err:
             if not self._is_planner_missed:
                 self._is_planner_missed = True
-                await self._say("warning", f"path planning does not answer: {err}; the mission goes on when it is back")
+                await self._say(
+                    "warning", f"path planning does not answer: {err}; the mission continues when it answers again"
+                )
             return
         self._is_planner_missed = False
         if self._goal is not goal:
@@ -152,10 +154,10 @@ class UserInterface(Component):
         was_unknown, self._is_unknown = self._is_unknown, told.get("mission") in ("", *self._ended)
         if self._is_unknown:
             if was_unknown:
-                await self._say("warning", "path planning has forgotten the mission, and is told again")
+                await self._say("warning", "path planning was restarted; the mission is sent again")
                 self.tell(goal)
         elif told.get("mission") != goal.mission:
-            self._end(goal.mission, "replaced", f"somebody else has begun {told.get('mission')}")
+            self._end(goal.mission, "replaced", f"replaced by {told.get('mission')} of another client")
         elif told.get("state") in ENDED:
             self._goal, self._ended[goal.mission] = None, told
 
@@ -163,23 +165,23 @@ class UserInterface(Component):
         try:
             return await self.ask(what)
         except TimeoutError as err:
-            raise Refused(f"path planning of {self.robot} does not answer; see whether it runs") from err
+            raise Refused(f"path planning of {self.robot} does not answer; check whether it runs") from err
 
     async def _wait_for_others(self, mission: str) -> dict[str, Any]:
-        """A mission of which this does not know: it was begun before this was."""
+        """Wait for a mission that began before this component started."""
         told = await self._asked("state")
         if told.get("mission") != mission:
             raise Refused(f"there is no mission {mission!r}; the last one is {told.get('mission')!r}")
         agree()
         while told.get("mission") == mission and told.get("state") not in ENDED:
-            await asyncio.sleep(self.numbers.look)
+            await asyncio.sleep(self.parameters.look)
             told = await self._asked("state")
         return told if told.get("mission") == mission else {"mission": mission, "state": "replaced", "why": ""}
 
     async def _hear_rest(self, mission: str, messages: int) -> None:
-        """Wait for the messages about a mission that are still on their way; what is lost is waited for in vain."""
-        with suppress(TimeoutError):  # the log has a gap then, and the end of the mission is answered all the same
-            async with asyncio.timeout(LATEST), self._is_news:
+        """Wait for the messages about a mission that have not arrived yet."""
+        with suppress(TimeoutError):  # a message was lost; the end of the mission is returned anyway
+            async with asyncio.timeout(MESSAGE_TIMEOUT), self._is_news:
                 await self._is_news.wait_for(lambda: self._heard[mission] >= messages)
 
     def _last_stamp(self, mission: str) -> float | None:

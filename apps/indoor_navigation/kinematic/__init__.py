@@ -1,4 +1,4 @@
-"""A base and a laser for a robot that is no Pioneer: a disc that rolls among walls which are lines, without physics.
+"""A base and a laser for a robot that is not a Pioneer: a disc among straight walls, without physics.
 
-It is here to prove that the navigation is portable: two lines of the wiring are changed, and no other component knows.
+It shows that the navigation is portable: the wiring names two other components, and the rest is unchanged.
 """

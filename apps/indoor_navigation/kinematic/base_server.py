@@ -1,65 +1,65 @@
-"""The base of a kinematic robot: it alone knows where the robot is."""
+"""The base of a kinematic robot."""
 
 import asyncio
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import tau
 from typing import Any
 
 import numpy as np
 
 from apps.indoor_navigation.component import Component, Role, answers_query, hears
-from apps.indoor_navigation.components.robot_base_server import BaseNumbers, is_sound
+from apps.indoor_navigation.components.robot_base_server import BaseParameters
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from apps.indoor_navigation.kinematic.plane import Plane
 from apps.indoor_navigation.kinematic.robot import KinematicBody, KinematicRobot
 from geometry import Twist2D, wrap_angle
 
-STEP = 0.02  # s
+STEP = 0.02  # s between two simulation steps
 
 
 @dataclass(frozen=True, slots=True)
-class KinematicBaseNumbers(BaseNumbers):
-    """Those of every base, and what this robot is.
+class KinematicBaseParameters(BaseParameters):
+    """The parameters of every base, and those of the robot.
 
-    map: a file of ARIA's; a room of its own without one. period: s between two odometries, and two readings of the
-    sonar. discs: of the sonar, evenly on the rim. farthest: m that they see.
+    map: an ARIA map; empty for the built-in room. period: s between two odometries, and two readings of the sonar.
+    discs: number of sonar discs, evenly on the rim. farthest: their range, m.
     """
 
-    map: str = ""
-    period: float = 0.1
-    discs: int = 16
-    farthest: float = 5.0
-    body: KinematicBody = field(default_factory=KinematicBody)
+    map: str
+    period: float
+    discs: int
+    farthest: float
+    body: KinematicBody
 
 
 class KinematicBaseServer(Component):
-    """Rolls as it is told, and says where it is and what its sonar sees."""
+    """Simulates the robot, and pushes its odometry and sonar readings."""
 
     role = Role.HARDWARE
     gives = (RobotOdometry, SonarRead)
-    numbers_type = KinematicBaseNumbers
+    parameters_type = KinematicBaseParameters
 
     async def setup(self) -> None:
-        """Put the robot where its map says."""
-        numbers = self.numbers
-        self.kinematic = KinematicRobot(numbers.body, Plane.read(numbers.map))
-        self._headings = np.array([wrap_angle(tau * number / numbers.discs) for number in range(numbers.discs)])
+        """Place the robot at the home of its map."""
+        parameters = self.parameters
+        self.kinematic = KinematicRobot(parameters.body, Plane.read(parameters.map))
+        self._headings = np.array([wrap_angle(tau * number / parameters.discs) for number in range(parameters.discs)])
         self._wanted = Twist2D()
         self._commanded_at = float("-inf")
         self._moved_at = self._now
         self.every(STEP, self._roll)
-        self.every(numbers.period, self._tell)
+        self.every(parameters.period, self._tell)
 
     @hears(MotionCmd)
     async def drive(self, command: MotionCmd) -> None:
-        """Move as the fuser says."""
-        if is_sound(command) and self.home.wall_time() - command.stamp <= self.numbers.oldest:
+        """Take a command of the fuser."""
+        if command.is_sound and self.home.wall_time() - command.stamp <= self.parameters.oldest:
             self._wanted, self._commanded_at = Twist2D(command.linear, command.angular), self._now
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:
-        """Name, model, size in m and limits in m/s, rad/s and m/s²."""
-        body = self.numbers.body
+        """Return name, model, size in m and limits in m/s, rad/s and m/s²."""
+        body = self.parameters.body
         return {
             "name": self.robot,
             "model": "kinematic",
@@ -72,16 +72,16 @@ class KinematicBaseServer(Component):
 
     async def _roll(self) -> None:
         now = self._now
-        is_commanded = now - self._commanded_at <= self.numbers.no_command
+        is_commanded = now - self._commanded_at <= self.parameters.no_command
         self.kinematic.step(self._wanted if is_commanded else Twist2D(), now - self._moved_at)
         self._moved_at = now
 
     async def _tell(self) -> None:
         stamp, pose, speed = self.home.wall_time(), self.kinematic.odometry, self.kinematic.speed
         self.push(RobotOdometry(stamp, pose.x, pose.y, pose.heading, speed.linear, speed.angular))
-        radius = self.numbers.body.radius
+        radius = self.parameters.body.radius
         places = radius * np.cos(self._headings), radius * np.sin(self._headings)
-        ranges = self.kinematic.sonar(self._headings, self.numbers.farthest)
+        ranges = self.kinematic.sonar(self._headings, self.parameters.farthest)
         self.push(SonarRead(stamp, (pose.x, pose.y, pose.heading), *places, self._headings, ranges))
 
     @property

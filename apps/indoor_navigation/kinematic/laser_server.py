@@ -1,4 +1,4 @@
-"""The laser of a kinematic robot: from where its base says that it is, it sees the walls of the same map."""
+"""The laser of a kinematic robot: it scans the walls of the map from the pose that the base pushes."""
 
 from dataclasses import dataclass
 from math import pi
@@ -7,53 +7,53 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
 from apps.indoor_navigation.component import Component, Role, hears
-from apps.indoor_navigation.components.laser_server import LaserNumbers
-from apps.indoor_navigation.data import LaserRead, RobotOdometry
+from apps.indoor_navigation.components.laser_server import LaserParameters
+from apps.indoor_navigation.data import LaserRead, Pose, RobotOdometry
 from apps.indoor_navigation.kinematic.plane import Plane
 from geometry import Pose2D
 
 
 @dataclass(frozen=True, slots=True)
-class KinematicLaserNumbers(LaserNumbers):
-    """Those of every laser, and what this one is.
+class _KinematicLaserParameters(LaserParameters):
+    """The parameters of every laser, and those of this one.
 
-    map: the same as of the base. period: s between two scans. beams: over half a turn, ahead. farthest: m that it
-    sees. mount: x, y and heading on the robot.
+    map: that of the base. period: s between two scans. beams: number over half a turn ahead. farthest: range, m.
+    mount: x, y and heading on the robot.
     """
 
-    map: str = ""
-    period: float = 0.1
-    beams: int = 361
-    farthest: float = 8.0
-    mount: tuple[float, float, float] = (0.1, 0.0, 0.0)
+    map: str
+    period: float
+    beams: int
+    farthest: float
+    mount: Pose
 
 
 class KinematicLaserServer(Component):
-    """Scans evenly; without odometry it does not know where it is, and says nothing."""
+    """Scans periodically, after the first odometry."""
 
     role = Role.HARDWARE
     gives = (LaserRead,)
-    numbers_type = KinematicLaserNumbers
+    parameters_type = _KinematicLaserParameters
 
     async def setup(self) -> None:
         """Begin to scan."""
-        self._plane = Plane.read(self.numbers.map)
-        self._angles = np.linspace(-pi / 2.0, pi / 2.0, self.numbers.beams)
+        self._plane = Plane.read(self.parameters.map)
+        self._angles = np.linspace(-pi / 2.0, pi / 2.0, self.parameters.beams)
         self._history = PoseHistory()
-        self.every(self.numbers.period, self._scan)
+        self.every(self.parameters.period, self._scan)
 
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
-        """The base says where it is."""
+        """Take the pose of the robot."""
         self._history.add(odometry)
 
     async def _scan(self) -> None:
-        stamp, numbers = self.home.wall_time(), self.numbers
+        stamp, parameters = self.home.wall_time(), self.parameters
         pose = self._history.at(stamp)
         if pose is None:
             return
-        eye = self._plane.start.compose(pose).compose(Pose2D(*numbers.mount))
-        ranges = self._plane.ranges(eye.x, eye.y, eye.heading + self._angles, numbers.farthest)
+        eye = self._plane.start.compose(pose).compose(Pose2D(*parameters.mount))
+        ranges = self._plane.ranges(eye.x, eye.y, eye.heading + self._angles, parameters.farthest)
         robot = (pose.x, pose.y, pose.heading)
-        angles = float(self._angles[0]), pi / (numbers.beams - 1)
-        self.push(LaserRead(stamp, robot, numbers.mount, *angles, numbers.farthest, ranges))
+        angles = float(self._angles[0]), pi / (parameters.beams - 1)
+        self.push(LaserRead(stamp, robot, parameters.mount, *angles, parameters.farthest, ranges))

@@ -1,4 +1,4 @@
-"""Walls as lines, and what is seen and touched among them."""
+"""Straight walls, and ranges and clearances between them."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ ROOM = Path(__file__).with_name("room.map")
 
 
 class Plane:
-    """The world of a kinematic robot. start: where its odometry begins."""
+    """The world of a kinematic robot. start: origin of its odometry."""
 
     def __init__(self, walls: Sequence[Segment], start: Pose2D) -> None:
         self.start = start
@@ -23,10 +23,10 @@ class Plane:
 
     @classmethod
     def read(cls, file: str) -> "Plane":
-        """The walls of an ARIA map, and its first `RobotHome`; with an empty name, of the room that is brought along.
+        """Return the walls of an ARIA map, and its first `RobotHome`; with an empty name those of the built-in room.
 
         Raises:
-            ConfigError: The map cannot be used; says why.
+            ConfigError: The map cannot be read.
         """
         try:
             found = read_map(Path(file) if file else ROOM)
@@ -35,7 +35,7 @@ class Plane:
         return cls(found.lines, found.home or Pose2D())
 
     def ranges(self, x: float, y: float, directions: Floats, farthest: float) -> Floats:
-        """How far rays go from a place until they meet a wall, m; infinite beyond the farthest."""
+        """Return the ranges of rays from a place to the nearest wall, m; infinite beyond the farthest."""
         if not self._walls:
             return np.full(len(directions), np.inf)
         rays = np.stack((np.cos(directions), np.sin(directions)), axis=-1)[:, None, :]
@@ -50,7 +50,7 @@ class Plane:
         return nearest
 
     def clearance(self, x: float, y: float) -> float:
-        """Distance from a place to the nearest wall, m."""
+        """Return the distance from a place to the nearest wall, m."""
         return min((wall.distance_to(x, y) for wall in self._walls), default=float("inf"))
 
 

@@ -1,4 +1,4 @@
-"""A disc on two wheels that does what it is told, as fast as it may, and stops at walls."""
+"""A disc on two wheels that follows commands within its limits, and stops at walls."""
 
 from dataclasses import dataclass
 
@@ -13,17 +13,17 @@ CONE = np.linspace(-0.2, 0.2, 5)  # rad from its axis, of the rays of a sonar di
 
 @dataclass(frozen=True, slots=True)
 class KinematicBody:
-    """radius: m. linear, angular: the fastest, m/s and rad/s; acceleration, angular_acceleration: either way."""
+    """radius: m. linear, angular: maximum, m/s and rad/s. acceleration, angular_acceleration: m/s² and rad/s²."""
 
-    radius: float = 0.25
-    linear: float = 1.0
-    angular: float = 2.0
-    acceleration: float = 1.5
-    angular_acceleration: float = 6.0
+    radius: float
+    linear: float
+    angular: float
+    acceleration: float
+    angular_acceleration: float
 
 
 class KinematicRobot:
-    """pose: in the plane. speed: what it does. touched: how often it has run into a wall."""
+    """pose: in the plane. speed: the present one. touched: how often it has run into a wall."""
 
     def __init__(self, body: KinematicBody, plane: Plane) -> None:
         self.pose = plane.start
@@ -34,11 +34,11 @@ class KinematicRobot:
 
     @property
     def odometry(self) -> Pose2D:
-        """Its pose in odom, without error."""
+        """The pose in odom, without error."""
         return self.pose.relative_to(self._plane.start)
 
     def step(self, wanted: Twist2D, elapsed: float) -> None:
-        """Go on for so many seconds."""
+        """Simulate so many seconds."""
         body = self._body
         self.speed = Twist2D(
             _nearer(self.speed.linear, wanted.linear, body.linear, body.acceleration * elapsed),
@@ -52,7 +52,7 @@ class KinematicRobot:
         self.pose = pose
 
     def sonar(self, headings: Floats, farthest: float) -> Floats:
-        """What discs on its rim that look along these headings measure, m; infinite without an echo."""
+        """Return the ranges of discs on the rim with these headings, m; infinite without an echo."""
         directions = self.pose.heading + (headings[:, None] + CONE).ravel()
         ranges = self._plane.ranges(self.pose.x, self.pose.y, directions, farthest + self._body.radius)
         measured: Floats = np.maximum(ranges.reshape(len(headings), len(CONE)).min(axis=1) - self._body.radius, 0.0)

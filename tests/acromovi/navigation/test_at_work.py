@@ -151,12 +151,12 @@ def test_processes_that_go_on_without_the_bus_are_left_alone_and_that_is_said_on
         site.vanish(process)
     site.loop.run_for(60.0)
     assert [complaint.partition(";")[0] for complaint in site.complaints] == [
-        "hardware of happy goes on, but is not heard of on the bus"
+        "hardware of happy runs, but is not on the bus"
     ]
     for process in ("hardware", "reactive"):
         site.serve(process)
     site.loop.run_for(10.0)
-    assert site.complaints[1:] == ["all are heard of again"]
+    assert site.complaints[1:] == ["all processes are on the bus again"]
     assert len(site.pretence.children) == 2
 
 

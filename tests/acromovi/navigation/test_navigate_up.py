@@ -89,7 +89,7 @@ def test_a_process_that_is_killed_or_frozen_is_back_by_itself(up: Up, number: si
 def test_what_is_up_is_not_started_a_second_time(up: Up) -> None:
     done = run("navigate", "up", "happy", "--bus", up.profile)
     assert done.returncode == 1
-    assert "@happy is on this bus already; end what runs there first" in done.stderr
+    assert "@happy is on this bus already; stop it first" in done.stderr
     assert done.stderr.count("\n") == 1
 
 

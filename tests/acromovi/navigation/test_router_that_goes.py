@@ -64,8 +64,8 @@ def test_processes_outlive_the_bus_and_are_the_same_when_it_is_back(tmp_path: Pa
         assert before
         router.kill()
         router.wait()
-        wait_until(lambda: "monitor of happy goes on, but is not heard of" in complaints.read_text(), "it is missed")
+        wait_until(lambda: "monitor of happy runs, but is not on the bus" in complaints.read_text(), "it is missed")
         stack.enter_context(running("acromovi", "router", "--listen", address, says="routing"))
-        wait_until(lambda: "all are heard of again" in complaints.read_text(), "it is heard of again")
+        wait_until(lambda: "all processes are on the bus again" in complaints.read_text(), "it is heard of again")
         wait_until(lambda: process_of(bus) == before, "it is the same process")
         assert len(complaints.read_text().splitlines()) == 2

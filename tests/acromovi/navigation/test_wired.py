@@ -7,7 +7,8 @@ import pytest
 
 from acromovi.navigation.launch import of_names
 from acromovi.navigation.wired import add_wiring, nested, processes, words
-from apps.indoor_navigation.wiring import WIRING, load_wiring
+from apps.indoor_navigation.parameters import WIRING
+from apps.indoor_navigation.wiring import load_wiring
 from configs import ConfigError
 
 

@@ -6,24 +6,25 @@ and the project's own fuser. What is made of a reading comes 0.1 s later, as on 
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, field, replace
 from math import copysign, hypot
 from typing import Protocol
 
 import numpy as np
 
 import configs
-from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers, Speeds
-from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, Push, avoid
-from apps.indoor_navigation.algorithms.fusion import CommandSource, Fusion, FusionNumbers
-from apps.indoor_navigation.algorithms.obstacle_detection import DetectionNumbers, obstacles
+from apps.indoor_navigation.algorithms.attraction import Attraction, Speeds
+from apps.indoor_navigation.algorithms.avoidance import Push, avoid
+from apps.indoor_navigation.algorithms.fusion import CommandSource, Fusion
+from apps.indoor_navigation.algorithms.obstacle_detection import obstacles
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.rays import Rays, in_robot
-from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
+from apps.indoor_navigation.algorithms.perception import Perceived, Perception
+from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import moved
+from apps.indoor_navigation.components.embodied import SURE
 from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, ObstRead, RobotOdometry, SonarRead, WorldCoord
+from apps.indoor_navigation.parameters import shipped_parameters
 from geometry import Pose2D, Twist2D, integrate
 from p2os import RobotModel
 
@@ -37,7 +38,10 @@ BODY, LEG = 0.25, 0.07
 START = Pose2D()
 
 Segments = Sequence[tuple[float, float, float, float]]
-FUSION = FusionNumbers(sources={"obstacle_avoiding": CommandSource(required=True)})
+# As `Embodied` limits them to what a robot surely does.
+AVOIDANCE = replace(shipped_parameters("obstacle_avoiding").avoidance, deceleration=SURE * ACCELERATION)
+ATTRACTION = replace(shipped_parameters("goto").attraction, deceleration=SURE * ACCELERATION)
+FUSION = replace(shipped_parameters("motion_fuser").fusion, sources={"obstacle_avoiding": CommandSource(required=True)})
 
 
 class Steering(Protocol):
@@ -145,16 +149,14 @@ class ClosedLoop:
         self._next_disc = 0
         self._laser = laser
         self._mount = robot.laser.x, robot.laser.y, 0.0
-        self._senses = Senses(SensesNumbers())
+        self._perception = Perception(shipped_parameters("obstacle_avoiding").senses)
         self._surroundings, self._known = Surroundings(), Surroundings()
-        self._steering = steering(self.outline) if steering else Attraction(AttractionNumbers(), self.outline)
+        self._steering = steering(self.outline) if steering else Attraction(ATTRACTION, self.outline)
         self._fusion = Fusion(FUSION)
-        self._before: LaserRead | None = None
-        self._moving: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
         self._late: deque[Callable[[], None]] = deque()
         self._told = (0.0, 0.0)
         self._odometry = self._measured()
-        self._detection = DetectionNumbers()
+        self._detection = shipped_parameters("obstacle_detecting").detection
         self.last_push: Push | None = None
         self.last_obstacles: ObstRead | None = None
 
@@ -192,26 +194,22 @@ class ClosedLoop:
 
     def _react(self, odometry: RobotOdometry, sonar: SonarRead, scan: LaserRead | None, target: WorldCoord) -> None:
         pose = odometry.x, odometry.y, odometry.heading
-        self._senses.take(sonar)
+        self._perception.take(sonar)
         if scan is not None:
-            self._senses.take(scan)
-            if self._before is not None:
-                self._moving = moved(scan, self._before)
-            self._before = scan
-        rays = self._senses.rays()
-        read = ObstRead.from_json(
-            obstacles(self._detection, self.outline, self._senses.stamp, self._senses.pose, rays).to_json()
-        )
+            self._perception.take(scan)
+        perceived = self._perception.perceived()
+        assert perceived is not None
+        read = ObstRead.from_json(obstacles(self._detection, self.outline, perceived).to_json())
         self.last_obstacles = read
         self.trace.dead_ends += read.is_dead_end
-        self._known.see(read.stamp, Rays.of(read))
+        self._known.see(Perceived.of(read))
         speeds = self._steering.steer(odometry, target, self._known.places(pose))
-        self._surroundings.see(odometry.stamp, rays)
+        self._surroundings.see(perceived)
         push = avoid(
-            AvoidanceNumbers(),
+            AVOIDANCE,
             self.outline,
             self._surroundings.places(pose),
-            in_robot(pose, *self._moving),
+            in_robot(pose, *self._perception.moved),
             odometry.linear,
             odometry.angular,
             turned=float(np.sign(odometry.angular)),

@@ -8,23 +8,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionNumbers
-from apps.indoor_navigation.algorithms.avoidance import AvoidanceNumbers, avoid
+from apps.indoor_navigation.algorithms.attraction import Attraction
+from apps.indoor_navigation.algorithms.avoidance import avoid
 from apps.indoor_navigation.algorithms.braking import safe_speed
-from apps.indoor_navigation.algorithms.legs import BODY, Legs, slender
-from apps.indoor_navigation.algorithms.orientation import OrientationNumbers, turn
+from apps.indoor_navigation.algorithms.legs import BODY_RADIUS, Legs, slender
+from apps.indoor_navigation.algorithms.orientation import turn
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.rays import Rays, laser_rays, sonar_rays, unexplained
-from apps.indoor_navigation.algorithms.senses import Senses, SensesNumbers
+from apps.indoor_navigation.algorithms.perception import Perceived, Perception
+from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory, moved
 from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead, WorldCoord
+from apps.indoor_navigation.parameters import shipped_parameters
 from geometry import wrap_angle
 
 ROBOT = Outline(0.21, 0.3, 0.42)
-NUMBERS = AvoidanceNumbers()
+# A robot with factory settings brakes with 0.3 m/s².
+PARAMETERS = replace(shipped_parameters("obstacle_avoiding").avoidance, deceleration=0.28)
 NOWHERE: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
 PLACES = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=20)
+
+
+def perceived_in(scan: LaserRead) -> Perceived:
+    return Perceived(scan.stamp, scan.pose, Rays.of_laser(scan, 120), NOWHERE)
 
 
 def at(*places: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -42,29 +48,29 @@ def sonar(*ranges: float, stamp: float = 0.0) -> SonarRead:
 
 
 def test_what_touches_the_front_forbids_to_go_on() -> None:
-    assert avoid(NUMBERS, ROBOT, at((0.21, 0.0)), NOWHERE, 0.0, 0.0).limit == 0.0
+    assert avoid(PARAMETERS, ROBOT, at((0.21, 0.0)), NOWHERE, 0.0, 0.0).limit == 0.0
 
 
 def test_what_is_beside_or_behind_forbids_nothing() -> None:
-    assert avoid(NUMBERS, ROBOT, at((0.0, 0.4), (-0.5, 0.0)), NOWHERE, 0.3, 0.0).limit is None
+    assert avoid(PARAMETERS, ROBOT, at((0.0, 0.4), (-0.5, 0.0)), NOWHERE, 0.3, 0.0).limit is None
 
 
 def test_the_course_is_what_counts() -> None:
     ahead_on_the_left = at((0.75, 0.45))
-    straight = avoid(NUMBERS, ROBOT, ahead_on_the_left, NOWHERE, 0.4, 0.0)
-    curve = avoid(NUMBERS, ROBOT, ahead_on_the_left, NOWHERE, 0.4, 0.5)
+    straight = avoid(PARAMETERS, ROBOT, ahead_on_the_left, NOWHERE, 0.4, 0.0)
+    curve = avoid(PARAMETERS, ROBOT, ahead_on_the_left, NOWHERE, 0.4, 0.5)
     assert straight.limit is None
     assert curve.limit is not None
 
 
 def test_a_tail_that_would_touch_forbids_that_turn_alone() -> None:
-    push = avoid(NUMBERS, ROBOT, at((-0.25, -0.24)), NOWHERE, 0.0, 0.0)  # beside its tail on the right
+    push = avoid(PARAMETERS, ROBOT, at((-0.25, -0.24)), NOWHERE, 0.0, 0.0)  # beside its tail on the right
     assert push.left == 0.0  # its tail would swing to the right
     assert push.right is None or push.right > 0.1
 
 
 def test_the_nearer_the_corner_comes_the_slower_it_may_turn() -> None:
-    near, nearer = (avoid(NUMBERS, ROBOT, at((-0.25, -0.21 - gap)), NOWHERE, 0.0, 0.0).left for gap in (0.08, 0.05))
+    near, nearer = (avoid(PARAMETERS, ROBOT, at((-0.25, -0.21 - gap)), NOWHERE, 0.0, 0.0).left for gap in (0.08, 0.05))
     assert near is not None
     assert nearer is not None
     assert near > nearer > 0.0
@@ -72,49 +78,49 @@ def test_the_nearer_the_corner_comes_the_slower_it_may_turn() -> None:
 
 def test_a_robot_in_a_door_may_still_go_on_a_gentle_curve() -> None:
     frame = at(*((x, y) for x in np.linspace(-0.3, 0.2, 11) for y in (-0.25, 0.25)))
-    assert avoid(NUMBERS, ROBOT, frame, NOWHERE, 0.0, 0.0).left == 0.0
-    driving = avoid(NUMBERS, ROBOT, frame, NOWHERE, 0.4, 0.0).left
+    assert avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.0, 0.0).left == 0.0
+    driving = avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.4, 0.0).left
     assert driving is not None
     assert 0.0 < driving < 0.2
 
 
 def test_what_is_behind_forbids_to_go_back_and_nothing_else() -> None:
-    push = avoid(NUMBERS, ROBOT, at((-0.34, 0.0)), NOWHERE, 0.0, 0.0)
+    push = avoid(PARAMETERS, ROBOT, at((-0.34, 0.0)), NOWHERE, 0.0, 0.0)
     assert (push.limit, push.back) == (None, 0.0)
 
 
 def test_backward_it_goes_slowly_although_nothing_is_known_to_be_there() -> None:
-    assert avoid(NUMBERS, ROBOT, NOWHERE, NOWHERE, -0.1, 0.0).back == NUMBERS.blind
+    assert avoid(PARAMETERS, ROBOT, NOWHERE, NOWHERE, -0.1, 0.0).back == PARAMETERS.blind
 
 
 def test_who_drives_turns_no_faster_than_there_is_room_where_it_comes_to_a_stand() -> None:
     beside_where_it_stands = at((0.65, 0.28))
-    assert avoid(NUMBERS, ROBOT, beside_where_it_stands, NOWHERE, 0.0, 0.0).left is None
-    left = avoid(NUMBERS, ROBOT, beside_where_it_stands, NOWHERE, 0.5, 0.0).left
+    assert avoid(PARAMETERS, ROBOT, beside_where_it_stands, NOWHERE, 0.0, 0.0).left is None
+    left = avoid(PARAMETERS, ROBOT, beside_where_it_stands, NOWHERE, 0.5, 0.0).left
     assert left is not None
     assert left < 1.0
 
 
 def test_who_could_not_turn_lately_is_helped_to_more_room() -> None:
     beside_the_tail = at((-0.25, -0.24))
-    assert avoid(NUMBERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0, turned=1.0).linear > 0.0
-    assert avoid(NUMBERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0).linear == 0.0
+    assert avoid(PARAMETERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0, turned=1.0).linear > 0.0
+    assert avoid(PARAMETERS, ROBOT, beside_the_tail, NOWHERE, 0.0, 0.0).linear == 0.0
 
 
 def test_who_has_no_room_either_way_is_left_to_the_others() -> None:
     shut_in = at((-0.25, -0.24), (0.22, 0.0), (-0.31, 0.0))
-    push = avoid(NUMBERS, ROBOT, shut_in, NOWHERE, 0.0, 0.0, turned=1.0)
+    push = avoid(PARAMETERS, ROBOT, shut_in, NOWHERE, 0.0, 0.0, turned=1.0)
     assert (push.linear, push.weight) == (0.0, 0.0)
 
 
 def test_it_pushes_away_from_what_is_near() -> None:
-    push = avoid(NUMBERS, ROBOT, at((0.4, 0.35)), NOWHERE, 0.3, 0.0)
+    push = avoid(PARAMETERS, ROBOT, at((0.4, 0.35)), NOWHERE, 0.3, 0.0)
     assert push.angular < 0.0
     assert push.weight > 0.0
 
 
 def test_between_two_things_as_near_it_wants_nothing() -> None:
-    assert avoid(NUMBERS, ROBOT, at((0.3, 0.4), (0.3, -0.4)), NOWHERE, 0.3, 0.0).weight == 0.0
+    assert avoid(PARAMETERS, ROBOT, at((0.3, 0.4), (0.3, -0.4)), NOWHERE, 0.3, 0.0).weight == 0.0
 
 
 @given(PLACES, st.floats(0.0, 0.5), st.floats(-1.0, 1.0))
@@ -122,8 +128,8 @@ def test_the_mirror_image_is_avoided_as_in_a_mirror(
     places: list[tuple[float, float]], linear: float, angular: float
 ) -> None:
     x, y = at(*places)
-    push = avoid(NUMBERS, ROBOT, (x, y), NOWHERE, linear, angular)
-    mirrored = avoid(NUMBERS, ROBOT, (x, -y), NOWHERE, linear, -angular)
+    push = avoid(PARAMETERS, ROBOT, (x, y), NOWHERE, linear, angular)
+    mirrored = avoid(PARAMETERS, ROBOT, (x, -y), NOWHERE, linear, -angular)
     assert (mirrored.linear, mirrored.weight, mirrored.limit) == pytest.approx((push.linear, push.weight, push.limit))
     assert mirrored.angular == pytest.approx(-push.angular)
 
@@ -138,8 +144,8 @@ def test_a_safe_speed_can_be_braked_in_time(way: float, approach: float) -> None
 
 def test_for_somebody_who_walks_it_is_slower_than_for_what_stands() -> None:
     person = at((1.5, 0.6))
-    assert avoid(NUMBERS, ROBOT, person, NOWHERE, 0.4, 0.0).limit is None
-    limit = avoid(NUMBERS, ROBOT, person, person, 0.4, 0.0).limit
+    assert avoid(PARAMETERS, ROBOT, person, NOWHERE, 0.4, 0.0).limit is None
+    limit = avoid(PARAMETERS, ROBOT, person, person, 0.4, 0.0).limit
     assert limit is not None
     assert limit < 0.2
 
@@ -161,7 +167,7 @@ def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) 
     along = np.arange(0.0, 0.61, step)
     for number, x in enumerate(along):
         ranges = 0.4 / np.maximum(np.abs(np.sin(angles)), 0.05)  # a corridor 0.8 m wide
-        surroundings.see(0.1 * number, laser_rays(scan(ranges, 0.1 * number, (float(x), 0.0, 0.0)), 120))
+        surroundings.see(perceived_in(scan(ranges, 0.1 * number, (float(x), 0.0, 0.0))))
     x, y = surroundings.places((float(along[-1]), 0.0, 0.0))
     behind = np.sort(x[(x < 0.0) & (y > 0.0)])
     assert behind[0] < -0.5
@@ -171,21 +177,21 @@ def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) 
 def leg_at(distance: float, first: int, count: int = 10) -> Rays:
     ranges = np.full(361, 4.0)
     ranges[first : first + count] = distance
-    return laser_rays(scan(ranges), 120)
+    return Rays.of_laser(scan(ranges), 120)
 
 
 def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
     legs = Legs()
     legs.see(0.0, leg_at(1.5, 176))
     x, y = legs.bodies()
-    assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY), abs=0.05)
-    assert len(slender(laser_rays(scan(np.full(361, 4.0)), 120))[0]) == 0
+    assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY_RADIUS), abs=0.05)
+    assert len(slender(Rays.of_laser(scan(np.full(361, 4.0)), 120))[0]) == 0
 
 
 def test_a_leg_half_behind_the_other_one_is_a_leg_as_well() -> None:
     ranges = np.full(361, 4.0)
     ranges[170:190], ranges[190:204] = 0.8, 1.1
-    x, _ = slender(laser_rays(scan(ranges), 120))
+    x, _ = slender(Rays.of_laser(scan(ranges), 120))
     assert np.sort(x) == pytest.approx([0.8, 1.1], abs=0.1)
 
 
@@ -201,10 +207,10 @@ def test_what_was_a_leg_is_one_for_a_while_though_it_looks_like_something_else()
 def test_a_leg_that_left_the_view_beside_the_robot_is_believed_and_one_that_walked_on_is_not() -> None:
     legs = Legs()
     legs.see(0.0, leg_at(1.0, 40))
-    nothing_ahead = laser_rays(scan(np.full(361, 4.0), pose=(0.9, 0.0, 0.0)), 120)
+    nothing_ahead = Rays.of_laser(scan(np.full(361, 4.0), pose=(0.9, 0.0, 0.0)), 120)
     legs.see(1.0, nothing_ahead)
     assert len(legs.bodies()[0]) == 8
-    legs.see(1.1, laser_rays(scan(np.full(361, 4.0)), 120))
+    legs.see(1.1, Rays.of_laser(scan(np.full(361, 4.0)), 120))
     assert len(legs.bodies()[0]) == 0
 
 
@@ -236,47 +242,51 @@ def test_who_stands_is_forgotten_as_a_walker() -> None:
 def test_a_disc_that_hears_what_the_laser_sees_beside_its_axis_says_nothing_new() -> None:
     ranges = np.full(361, 6.0)
     ranges[200:230] = 1.5  # 10 to 25 degrees to the left
-    laser = laser_rays(scan(ranges), 120)
-    assert len(unexplained(sonar_rays(sonar(1.5)), laser).end_x) == 0
-    assert len(unexplained(sonar_rays(sonar(0.7)), laser).end_x) == 1  # too low for the laser
+    laser = Rays.of_laser(scan(ranges), 120)
+    assert len(Rays.of_sonar(sonar(1.5)).unexplained_by(laser).end_x) == 0
+    assert len(Rays.of_sonar(sonar(0.7)).unexplained_by(laser).end_x) == 1  # too low for the laser
 
 
 def test_a_sensor_that_says_the_same_while_the_robot_moves_is_left_out() -> None:
-    senses = Senses(SensesNumbers())
+    perception = Perception(shipped_parameters("obstacle_avoiding").senses)
     ranges = np.linspace(1.0, 3.0, 361)
     for step in range(10):
-        senses.take(scan(ranges, 0.1 * step, (0.05 * step, 0.0, 0.0)))
-        senses.take(replace(sonar(1.0 - 0.01 * step, 2.0, 3.0, stamp=0.1 * step), pose=(0.05 * step, 0.0, 0.0)))
-    assert senses.laser is None
-    assert senses.faults == ("the laser says the same wherever the robot is",)
-    assert len(senses.rays().end_x) == 3
+        perception.take(scan(ranges, 0.1 * step, (0.05 * step, 0.0, 0.0)))
+        perception.take(replace(sonar(1.0 - 0.01 * step, 2.0, 3.0, stamp=0.1 * step), pose=(0.05 * step, 0.0, 0.0)))
+    assert perception.laser is None
+    assert perception.faults == ("the laser repeats the same ranges while the robot moves",)
+    perceived = perception.perceived()
+    assert perceived is not None
+    assert len(perceived.rays.end_x) == 3
 
 
 def test_a_silent_sensor_is_left_out_and_missed() -> None:
-    senses = Senses(SensesNumbers(max_age=0.5))
-    senses.take(scan(np.full(361, 2.0)))
+    perception = Perception(replace(shipped_parameters("obstacle_avoiding").senses, max_age=0.5))
+    perception.take(scan(np.full(361, 2.0)))
     for step in range(8):
-        senses.take(sonar(2.0 + 0.01 * step, inf, inf, stamp=0.1 * step))
-    assert senses.faults == ("the laser is silent",)
-    assert len(senses.rays().end_x) == 3
+        perception.take(sonar(2.0 + 0.01 * step, inf, inf, stamp=0.1 * step))
+    assert perception.faults == ("the laser is silent",)
+    perceived = perception.perceived()
+    assert perceived is not None
+    assert len(perceived.rays.end_x) == 3
 
 
 def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() -> None:
     surroundings = Surroundings()
     ranges = np.full(361, 5.0)
     ranges[:40] = 0.5  # to the right
-    surroundings.see(0.0, laser_rays(scan(ranges), 120))
-    surroundings.see(0.1, laser_rays(scan(np.full(361, 5.0), 0.1, (0.4, 0.0, 0.0)), 120))
+    surroundings.see(perceived_in(scan(ranges)))
+    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.1, (0.4, 0.0, 0.0))))
     x, y = surroundings.places((0.4, 0.0, 0.0))
     assert len(x) > 3
     assert y.max() < -0.3
-    surroundings.see(0.2, laser_rays(scan(np.full(361, 5.0), 0.2, (-0.5, 0.0, 0.0)), 120))
+    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.2, (-0.5, 0.0, 0.0))))
     assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
 
 
 @given(st.floats(-3.0, 3.0))
 def test_attraction_in_free_space_is_straight_at_the_target(heading: float) -> None:
-    steering = Attraction(AttractionNumbers(), ROBOT)
+    steering = Attraction(shipped_parameters("goto").attraction, ROBOT)
     target = WorldCoord(0.0, 1, "go", 3.0, 0.0, 0.0, 0.5)
     for step in range(3):
         speeds = steering.steer(RobotOdometry(0.1 * step, 0.0, 0.0, heading, 0.0, 0.0), target, NOWHERE)
@@ -294,7 +304,11 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
     for step in range(150):
         if step % 2 == 0:
             told = [
-                turn(OrientationNumbers(), RobotOdometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular), wanted),
+                turn(
+                    shipped_parameters("orienting"),
+                    RobotOdometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular),
+                    wanted,
+                ),
                 told[0],
             ]
         angular += float(np.clip(told[1] - angular, -0.0875, 0.0875))
@@ -313,7 +327,7 @@ def test_nothing_is_seen_where_nothing_is() -> None:
 @pytest.mark.parametrize(("ahead", "turns"), [(1.5, False), (0.5, True)])
 def test_a_corner_is_rounded_once_it_is_near_if_it_is_known_what_follows(ahead: float, turns: bool) -> None:
     corner = WorldCoord(0.0, 1, "go", ahead, 0.0, speed=0.5, is_last=False, then=(ahead, 2.0))
-    steering = Attraction(AttractionNumbers(), ROBOT)
+    steering = Attraction(shipped_parameters("goto").attraction, ROBOT)
     for step in range(5):
         speeds = steering.steer(RobotOdometry(0.1 * step, 0.0, 0.0, 0.0, 0.4, 0.0), corner, NOWHERE)
     assert (speeds.angular > 0.1) == turns

@@ -107,7 +107,7 @@ def test_a_query_is_answered_or_refused_or_nobody_is_there(pair: Pair) -> None:
     pair.steering.tell(GoalPoint("m1", 1.0, 2.0))
     pair.loop.run_for(0.01)
     assert pair.loop.run_until_complete(ask("goal", number=0))["mission"] == "m1"
-    with pytest.raises(Refused, match="base_server@happy cannot answer goal so"):
+    with pytest.raises(Refused, match="base_server@happy cannot answer goal with these arguments"):
         pair.loop.run_until_complete(ask("goal", colour="red"))
     pair.loop.run_until_complete(pair.container.stop("base_server@happy"))
     with pytest.raises(NoAnswer):
@@ -118,7 +118,7 @@ def test_nonsense_is_reported_and_the_next_is_heard(pair: Pair) -> None:
     pair.bus.put(push_key("happy", "base_server", RobotOdometry), {"stamp": 1.0})
     pair.loop.run_for(0.01)
     assert len(pair.reports) == 1
-    assert "this is no Odometry" in pair.reports[0]
+    assert "this is not a valid Odometry" in pair.reports[0]
     pair.base.push(RobotOdometry(1.0, 2.0, 3.0, 0.5, 0.1, 0.0))
     pair.loop.run_for(0.01)
     assert len(pair.steering.heard) == 1

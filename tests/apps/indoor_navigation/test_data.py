@@ -46,5 +46,5 @@ def test_ranges_travel_to_the_millimetre_and_infinite_ones_stay_infinite(ranges:
 
 @pytest.mark.parametrize("told", [{}, {"stamp": 1.0}, {"stamp": 1.0, "source": "goto", "velocity": 1.0}])
 def test_something_else_is_told_apart(told: dict[str, object]) -> None:
-    with pytest.raises(MessageError, match="this is no MotionCmd"):
+    with pytest.raises(MessageError, match="this is not a valid MotionCmd"):
         MotionCmd.from_json(told)

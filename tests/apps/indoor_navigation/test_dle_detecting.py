@@ -46,7 +46,7 @@ def test_a_scan_without_doors_is_told_too(site: Site) -> None:
 
 def test_the_last_doors_are_told_to_who_asks(site: Site) -> None:
     pushed = site.pushed("dle_detecting", DLEData)
-    with pytest.raises(Refused, match="has heard no scan yet"):
+    with pytest.raises(Refused, match="has received no scan yet"):
         site.ask("dle_detecting", "doors")
     site.push("laser_server", SEEN.scan)
     site.run(0.01)

@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.doors import find_doors
-from apps.indoor_navigation.algorithms.opening import DoorNumbers
 from apps.indoor_navigation.data import Door, LaserRead
+from apps.indoor_navigation.parameters import shipped_parameters
 from benchmarks.door_plans import Opening, Plan, closed_room
 from benchmarks.door_scans import Case, cases, look, make_case
 from benchmarks.door_scores import score
 from benchmarks.doors import find_gaps
 from geometry import Pose2D, wrap_angle
 
-NUMBERS = DoorNumbers()
+PARAMETERS = shipped_parameters("dle_detecting")
 SEEDS = 30_000_000  # neither tuned on nor measured
 
 
@@ -49,7 +49,7 @@ def box(plan: Plan, left: float, right: float, low: float, high: float) -> Plan:
 
 
 def doors_in(case: Case) -> tuple[Door, ...]:
-    return find_doors(case.scan, NUMBERS)
+    return find_doors(case.scan, PARAMETERS)
 
 
 @pytest.mark.parametrize("width", [0.85, 1.0, 1.5])
@@ -63,7 +63,7 @@ def test_a_door_is_found_with_its_centre_width_and_normal(width: float, place: t
 
 
 def test_most_doors_of_generated_scans_are_found_and_few_invented() -> None:
-    total = score(lambda scan: find_doors(scan, NUMBERS), generated())
+    total = score(lambda scan: find_doors(scan, PARAMETERS), generated())
     assert total.found + total.missed > 20
     assert total.recall >= 0.9
     assert total.precision >= 0.9
@@ -119,7 +119,7 @@ def test_a_black_wall_is_no_door() -> None:
     scan = look(closed_room(6.0, 7.0), 0, (3.0, 2.0, pi / 2)).scan
     ranges = scan.ranges.copy()
     ranges[160:200] = inf  # a panel of almost 2 m
-    assert find_doors(replace(scan, ranges=ranges), NUMBERS) == ()
+    assert find_doors(replace(scan, ranges=ranges), PARAMETERS) == ()
 
 
 def test_the_end_of_a_corridor_is_found_from_within() -> None:
@@ -137,7 +137,7 @@ def test_a_corridor_does_not_end_where_two_doors_face_each_other() -> None:
         box(box(plan, 0.0, 5.0, low, high), 6.2, 10.0, low, high)
     case = look(plan, 0, (2.0, 2.9, 0.0), is_clean=True)
     scan = replace(case.scan, ranges=case.scan.ranges[::2], angle_increment=2 * case.scan.angle_increment)
-    assert all(abs(door.x - 5.0) > 0.5 for door in find_doors(scan, NUMBERS))
+    assert all(abs(door.x - 5.0) > 0.5 for door in find_doors(scan, PARAMETERS))
 
 
 @settings(max_examples=40, deadline=None)
@@ -167,7 +167,7 @@ def test_doors_move_as_the_robot_is_said_to(case: Case, x: float, y: float, turn
     shift = Pose2D(x, y, turn)
     moved = shift.compose(Pose2D(*case.scan.pose))
     scan = replace(case.scan, pose=(moved.x, moved.y, moved.heading))
-    there = find_doors(scan, NUMBERS)
+    there = find_doors(scan, PARAMETERS)
     here = doors_in(case)
     assert len(there) == len(here)
     for old, new in zip(here, there, strict=True):
@@ -181,7 +181,7 @@ def test_doors_move_as_the_robot_is_said_to(case: Case, x: float, y: float, turn
 def test_what_is_mirrored_is_seen_mirrored(width: float, x: float, y: float, heading: float) -> None:
     scan = replace(look(room_with_door(width), 0, (x, y, heading), is_clean=True).scan, pose=(0.0, 0.0, 0.0))
     scan = replace(scan, mount=(0.0, 0.0, 0.0))
-    doors, mirrored = find_doors(scan, NUMBERS), find_doors(replace(scan, ranges=scan.ranges[::-1]), NUMBERS)
+    doors, mirrored = find_doors(scan, PARAMETERS), find_doors(replace(scan, ranges=scan.ranges[::-1]), PARAMETERS)
     assert len(doors) == len(mirrored)
     for one, other in zip(doors, mirrored, strict=True):
         assert hypot(one.x - other.x, one.y + other.y) < 0.03
@@ -200,20 +200,20 @@ def test_a_scan_all_around_sees_a_door_behind_the_robot() -> None:
     front, back = look(plan, 0, (3.0, 1.5, -pi / 2)), look(plan, 0, (3.0, 1.5, pi / 2))
     ranges = np.concatenate((front.scan.ranges[180:360], back.scan.ranges[:360], front.scan.ranges[:180]))
     scan = replace(front.scan, angle_min=0.0, angle_increment=2 * pi / 720, ranges=ranges)
-    (door,) = find_doors(scan, NUMBERS)
+    (door,) = find_doors(scan, PARAMETERS)
     assert (door.x, door.y) == pytest.approx((2.5, 4.0), abs=0.05)
 
 
 def test_every_second_beam_is_enough_for_a_door_near_by() -> None:
     scan = look(room_with_door(1.0), 0, (3.0, 1.5, pi / 2)).scan
-    (door,) = find_doors(replace(scan, ranges=scan.ranges[::2], angle_increment=2 * scan.angle_increment), NUMBERS)
+    (door,) = find_doors(replace(scan, ranges=scan.ranges[::2], angle_increment=2 * scan.angle_increment), PARAMETERS)
     assert door.width == pytest.approx(1.0, abs=0.08)
 
 
 def test_a_scanner_that_turns_the_other_way_sees_the_same() -> None:
     scan = look(room_with_door(1.0), 0, (3.0, 1.5, pi / 2)).scan
     turned = replace(scan, ranges=scan.ranges[::-1], angle_min=-scan.angle_min, angle_increment=-scan.angle_increment)
-    for one, other in zip(find_doors(scan, NUMBERS), find_doors(turned, NUMBERS), strict=True):
+    for one, other in zip(find_doors(scan, PARAMETERS), find_doors(turned, PARAMETERS), strict=True):
         assert (one.x, one.y, one.width) == pytest.approx((other.x, other.y, other.width), abs=1e-6)
 
 
@@ -223,7 +223,7 @@ def test_one_reading_that_is_stuck_changes_little(value: float) -> None:
     for beam in (0, 100, 180, 190, 360):
         ranges = scan.ranges.copy()
         ranges[beam] = value
-        (door,) = find_doors(replace(scan, ranges=ranges), NUMBERS)
+        (door,) = find_doors(replace(scan, ranges=ranges), PARAMETERS)
         assert (door.x, door.width) == pytest.approx((2.5, 1.0), abs=0.08)
 
 
@@ -232,12 +232,12 @@ def test_one_reading_that_is_stuck_changes_little(value: float) -> None:
 )
 def test_a_scan_that_says_nothing_has_no_doors(ranges: list[float]) -> None:
     scan = LaserRead(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), -pi / 2, pi / 360, 8.0, np.array(ranges, dtype=float))
-    assert find_doors(scan, NUMBERS) == ()
+    assert find_doors(scan, PARAMETERS) == ()
 
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.floats(0.0, 9.0) | st.sampled_from([nan, inf]), max_size=400), st.floats(0.001, 0.02))
 def test_nothing_at_random_breaks_it(ranges: list[float], increment: float) -> None:
     scan = LaserRead(0.0, (1.0, 2.0, sin(1.0)), (0.1, 0.0, 0.0), -1.5, increment, 8.0, np.array(ranges, dtype=float))
-    for door in find_doors(scan, NUMBERS):
+    for door in find_doors(scan, PARAMETERS):
         assert np.isfinite([door.x, door.y, door.width, door.normal, door.confidence]).all()

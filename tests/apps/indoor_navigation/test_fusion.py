@@ -8,25 +8,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.fusion import PAUSE, CommandSource, Fusion, FusionNumbers, SourceCommand, Unsound
+from apps.indoor_navigation.algorithms.fusion import (
+    MAX_GAP,
+    CommandSource,
+    Fusion,
+    FusionParameters,
+    InvalidCommand,
+    SourceCommand,
+)
 from apps.indoor_navigation.data import MotionCmd
+from apps.indoor_navigation.parameters import shipped_parameters
 
 EPOCH = 1.8e9  # s since 1970 at which the fuser's own clock shows zero
-NUMBERS = FusionNumbers(
+PARAMETERS = replace(
+    shipped_parameters("motion_fuser").fusion,
     sources={
         "goto": CommandSource(max_age=0.5),
         "orienting": CommandSource(max_age=0.3, weight=2.0),
         "obstacle_avoiding": CommandSource(max_age=0.4, required=True),
-    }
+    },
 )
-QUICK = replace(NUMBERS, acceleration=1e6, braking=1e6, angular_acceleration=1e6, angular_braking=1e6)
+QUICK = replace(PARAMETERS, acceleration=1e6, braking=1e6, angular_acceleration=1e6, angular_braking=1e6)
 ROUNDING = 1e-6
 
 speeds = st.floats(-2.0, 2.0)
 commands = st.builds(
     MotionCmd,
     stamp=st.floats(0.0, 1.5),  # s before it is heard
-    source=st.sampled_from([*NUMBERS.sources, "stranger"]),
+    source=st.sampled_from([*PARAMETERS.sources, "stranger"]),
     linear=speeds,
     angular=speeds,
     weight=st.sampled_from([0.0, 0.5, 1.0]) | st.floats(0.0, 10.0),
@@ -48,9 +57,9 @@ def least(heard: list[SourceCommand], name: str, usual: float) -> float:
     return min([usual, *(limit for limit in told if limit is not None)])
 
 
-def fed(*given: MotionCmd, numbers: FusionNumbers = QUICK) -> Fusion:
+def fed(*given: MotionCmd, parameters: FusionParameters = QUICK) -> Fusion:
     """Has heard these at zero, and stands."""
-    fusion = Fusion(numbers)
+    fusion = Fusion(parameters)
     fusion.fuse(-0.05, EPOCH)
     for each in given:
         fusion.hear(each, 0.0, EPOCH)
@@ -105,7 +114,7 @@ def test_nobody_is_waited_for() -> None:
 
 
 def test_without_a_required_source_the_robot_stands_at_once() -> None:
-    fusion = fed(command("goto", 0.4), command("obstacle_avoiding", weight=0.0), numbers=NUMBERS)
+    fusion = fed(command("goto", 0.4), command("obstacle_avoiding", weight=0.0), parameters=PARAMETERS)
     for step in range(1, 8):
         moving = fusion.fuse(0.05 * step, EPOCH + 0.05 * step)
     assert moving.linear > 0.1
@@ -155,7 +164,7 @@ def test_a_clock_that_is_set_makes_nothing_young_again() -> None:
 )
 def test_nonsense_is_left_out_and_what_was_said_before_stands(wrong: dict[str, Any]) -> None:
     fusion = fed(command("obstacle_avoiding", 0.4))
-    with pytest.raises(Unsound):
+    with pytest.raises(InvalidCommand):
         fusion.hear(replace(command("obstacle_avoiding", 0.1), **wrong), 0.0, EPOCH)
     assert fusion.fuse(0.1, EPOCH + 0.1).linear == 0.4
 
@@ -173,7 +182,7 @@ def test_no_command_is_used_longer_than_its_age_limit(given_steps: list[tuple[fl
         young = [
             said
             for source, (read_at, said) in pasts.items()
-            if now - read_at <= NUMBERS.sources.get(source, CommandSource()).max_age + ROUNDING
+            if now - read_at <= PARAMETERS.sources.get(source, CommandSource()).max_age + ROUNDING
         ]
         wanting = [said for said in young if said.weight > 0.0]
         if not wanting:
@@ -187,23 +196,23 @@ def test_no_command_is_used_longer_than_its_age_limit(given_steps: list[tuple[fl
 def test_the_fused_speed_is_within_what_all_young_sources_and_the_numbers_allow(
     given_steps: list[tuple[float, MotionCmd | None]],
 ) -> None:
-    fusion, now = Fusion(NUMBERS), 0.0
+    fusion, now = Fusion(PARAMETERS), 0.0
     for elapsed, heard in given_steps:
         now += elapsed
         if heard is not None:
             fusion.hear(replace(heard, stamp=EPOCH + now - heard.stamp), now, EPOCH + now)
         fused = fusion.fuse(now, EPOCH + now)
-        assert fused.linear <= least(fusion.young(now), "limit", NUMBERS.linear)
-        assert fused.linear >= -least(fusion.young(now), "back", NUMBERS.linear)
-        assert fused.angular <= least(fusion.young(now), "left", NUMBERS.angular)
-        assert fused.angular >= -least(fusion.young(now), "right", NUMBERS.angular)
-        assert fused.linear >= -NUMBERS.linear
-        assert abs(fused.angular) <= NUMBERS.angular
+        assert fused.linear <= least(fusion.young(now), "limit", PARAMETERS.linear)
+        assert fused.linear >= -least(fusion.young(now), "back", PARAMETERS.linear)
+        assert fused.angular <= least(fusion.young(now), "left", PARAMETERS.angular)
+        assert fused.angular >= -least(fusion.young(now), "right", PARAMETERS.angular)
+        assert fused.linear >= -PARAMETERS.linear
+        assert abs(fused.angular) <= PARAMETERS.angular
 
 
 @given(steps)
 def test_without_a_young_required_source_nothing_moves(given_steps: list[tuple[float, MotionCmd | None]]) -> None:
-    fusion, now = Fusion(NUMBERS), 0.0
+    fusion, now = Fusion(PARAMETERS), 0.0
     for elapsed, heard in given_steps:
         now += elapsed
         if heard is not None:
@@ -215,7 +224,7 @@ def test_without_a_young_required_source_nothing_moves(given_steps: list[tuple[f
 
 @given(steps)
 def test_speeds_grow_no_faster_than_the_accelerations_allow(given_steps: list[tuple[float, MotionCmd | None]]) -> None:
-    fusion, now = Fusion(NUMBERS), 0.0
+    fusion, now = Fusion(PARAMETERS), 0.0
     before = fusion.fuse(now, EPOCH)
     for elapsed, heard in given_steps:
         now += elapsed
@@ -223,8 +232,8 @@ def test_speeds_grow_no_faster_than_the_accelerations_allow(given_steps: list[tu
             fusion.hear(replace(heard, stamp=EPOCH + now - heard.stamp), now, EPOCH + now)
         fused = fusion.fuse(now, EPOCH + now)
         growth = abs(fused.linear) - abs(before.linear)
-        assert growth <= NUMBERS.acceleration * elapsed + ROUNDING
-        assert abs(fused.angular) - abs(before.angular) <= NUMBERS.angular_acceleration * elapsed + ROUNDING
+        assert growth <= PARAMETERS.acceleration * elapsed + ROUNDING
+        assert abs(fused.angular) - abs(before.angular) <= PARAMETERS.angular_acceleration * elapsed + ROUNDING
         assert fused.linear * before.linear >= 0.0  # nothing is thrown from forward to backward
         before = fused
 
@@ -233,8 +242,8 @@ def test_speeds_grow_no_faster_than_the_accelerations_allow(given_steps: list[tu
 def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_say(
     given_steps: list[tuple[float, MotionCmd | None]],
 ) -> None:
-    numbers = replace(NUMBERS, sources={})
-    fusion, now = Fusion(numbers), 0.0
+    parameters = replace(PARAMETERS, sources={})
+    fusion, now = Fusion(parameters), 0.0
     before = fusion.fuse(now, EPOCH)
     for elapsed, heard in given_steps:
         now += elapsed
@@ -246,9 +255,9 @@ def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_
                 EPOCH + now,
             )
         fused = fusion.fuse(now, EPOCH + now)
-        if elapsed <= PAUSE:
-            assert before.linear - fused.linear <= numbers.braking * elapsed + ROUNDING
-            assert abs(before.angular - fused.angular) <= numbers.angular_braking * elapsed + ROUNDING
+        if elapsed <= MAX_GAP:
+            assert before.linear - fused.linear <= parameters.braking * elapsed + ROUNDING
+            assert abs(before.angular - fused.angular) <= parameters.angular_braking * elapsed + ROUNDING
         before = fused
 
 

@@ -129,7 +129,7 @@ def test_the_robot_is_described(site: Site, robot: Robot) -> None:
 
 
 def test_before_the_robot_is_there_nobody_knows_it(site: Site) -> None:
-    with pytest.raises(Refused, match="see whether its p2os-gateway runs"):
+    with pytest.raises(Refused, match="check whether its p2os-gateway runs"):
         site.ask("robot_base_server", "robot")
 
 
@@ -186,7 +186,7 @@ def test_when_the_gateway_goes_it_is_said_and_when_it_is_back_all_goes_on(site: 
     heard = site.pushed("robot_base_server", RobotOdometry)
     robot.go()
     site.run(3.0)
-    missed = [report for report in site.reports if ": happy has not been heard" in report]
+    missed = [report for report in site.reports if ": happy has published no odometry" in report]
     assert len(missed) == 1
     before = len(heard)
     robot.come()
@@ -195,7 +195,7 @@ def test_when_the_gateway_goes_it_is_said_and_when_it_is_back_all_goes_on(site: 
     assert robot.told[-1][1] == 0.2
     robot.go()
     site.run(3.0)
-    assert len([report for report in site.reports if ": happy has not been heard" in report]) == 2
+    assert len([report for report in site.reports if ": happy has published no odometry" in report]) == 2
 
 
 def test_a_scan_comes_with_the_pose_that_the_robot_had_then(site: Site, robot: Robot) -> None:
@@ -231,4 +231,4 @@ def test_when_the_laser_dies_it_is_said(site: Site, robot: Robot) -> None:
     for _ in range(30):
         robot.odometry()
         site.run(0.1)
-    assert len([report for report in site.reports if "the laser of happy has not been heard" in report]) == 1
+    assert len([report for report in site.reports if "the laser of happy has published no scan" in report]) == 1

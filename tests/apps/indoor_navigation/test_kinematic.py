@@ -14,8 +14,9 @@ from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component
 from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
 from apps.indoor_navigation.kinematic.plane import Plane
-from apps.indoor_navigation.kinematic.robot import KinematicBody, KinematicRobot
-from apps.indoor_navigation.wiring import WIRING, load_wiring
+from apps.indoor_navigation.kinematic.robot import KinematicRobot
+from apps.indoor_navigation.parameters import WIRING, shipped_parameters
+from apps.indoor_navigation.wiring import load_wiring
 from configs import ConfigError
 from geometry import Pose2D, Segment, Twist2D
 from tests.apps.indoor_navigation.site import ROBOT, Site
@@ -120,11 +121,12 @@ def test_rays_end_at_the_first_wall(x: float, y: float, directions: list[float])
 def test_a_kinematic_robot_never_leaves_its_room(wanted: list[tuple[float, float]]) -> None:
     walls = (*BOX, Segment(-1.0, 2.0, -1.0, -1.0))
     plane = Plane(walls, Pose2D())
-    robot = KinematicRobot(KinematicBody(), plane)
+    body = shipped_parameters("robot_base_server", KINEMATIC).body
+    robot = KinematicRobot(body, plane)
     for linear, angular in wanted:
         for _ in range(10):
             robot.step(Twist2D(linear, angular), 0.05)
-            assert plane.clearance(robot.pose.x, robot.pose.y) >= KinematicBody().radius - 1e-9
+            assert plane.clearance(robot.pose.x, robot.pose.y) >= body.radius - 1e-9
     assert cos(robot.pose.heading) ** 2 + sin(robot.pose.heading) ** 2 == pytest.approx(1.0)
 
 

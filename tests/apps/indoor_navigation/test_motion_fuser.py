@@ -14,7 +14,9 @@ from tests.apps.indoor_navigation.site import ROBOT, Site
 SOURCES = ("goto", "orienting", "obstacle_avoiding")
 PROPERTIES = {
     "hears": [[source, "MotionCmd"] for source in SOURCES],
-    "numbers": {"fusion": {"sources": {"goto": {"max_age": 0.4}, "obstacle_avoiding": {"required": True}}}},
+    "numbers": {
+        "fusion": {"acceleration": 0.5, "sources": {"goto": {"max_age": 0.4}, "obstacle_avoiding": {"required": True}}}
+    },
 }
 
 

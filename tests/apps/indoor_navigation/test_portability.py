@@ -9,7 +9,8 @@ from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, send_key
 from apps.indoor_navigation.data import RobotOdometry, WorldCoord
 from apps.indoor_navigation.kinematic.base_server import KinematicBaseServer
-from apps.indoor_navigation.wiring import WIRING, load_wiring
+from apps.indoor_navigation.parameters import WIRING
+from apps.indoor_navigation.wiring import load_wiring
 from geometry import Pose2D
 from tests.apps.indoor_navigation.site import ROBOT, Site
 

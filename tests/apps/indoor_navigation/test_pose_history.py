@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.last_second import LastSecond
-from apps.indoor_navigation.algorithms.measured import filled
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
+from apps.indoor_navigation.components.inbox import LastSecond
+from apps.indoor_navigation.components.laser_server import filled
 from apps.indoor_navigation.data import RobotOdometry
 from geometry import Pose2D, Twist2D, integrate
 

@@ -55,8 +55,8 @@ def goto(site: Site) -> None:
     site.run(0.1)
 
 
-def avoiding(site: Site, **numbers: Any) -> None:
-    wires = hears((BASE, "Odometry"), (BASE, "SonarRead"), (LASER, "LaserRead"), numbers=numbers)
+def avoiding(site: Site, **parameters: Any) -> None:
+    wires = hears((BASE, "Odometry"), (BASE, "SonarRead"), (LASER, "LaserRead"), numbers=parameters)
     site.start(ObstacleAvoiding(f"obstacle_avoiding@{ROBOT}", wires))
     site.run(0.1)
 
@@ -215,4 +215,4 @@ def test_detection_says_once_that_the_laser_is_stuck(site: Site) -> None:
         site.push(LASER, LaserRead(site.time, pose, (0.0, 0.0, 0.0), -pi / 2.0, pi / 360.0, 8.0, ranges))
         site.run(0.1)
     assert len(site.reports) == 1
-    assert "the laser says the same wherever the robot is" in site.reports[0]
+    assert "the laser repeats the same ranges while the robot moves" in site.reports[0]

@@ -53,7 +53,7 @@ class Steering(Component):
     role = Role.REACTIVE
     gives = (MotionCmd,)
     tells = (GoalPoint,)
-    numbers_type = Numbers
+    parameters_type = Numbers
 
     @hears(RobotOdometry)
     async def steer(self, odometry: RobotOdometry) -> None:

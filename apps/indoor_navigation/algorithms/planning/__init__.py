@@ -1,1 +1,1 @@
-"""How a mission is planned: what was seen, what it costs to go there, the way, and what is done when it is barred."""
+"""Path planning: the grid and the map of doors, costs, ways, and decisions during a mission."""

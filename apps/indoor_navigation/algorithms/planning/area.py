@@ -1,4 +1,4 @@
-"""A part of the floor, cell by cell: what speaks for an obstacle there, and since when."""
+"""A part of the floor as a grid: evidence of an obstacle in each cell, and its times."""
 
 from math import ceil, floor
 from typing import Any, NamedTuple
@@ -6,21 +6,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.data import Floats, Place
+from apps.indoor_navigation.data import Bools, Floats, Place
 
 Evidence = NDArray[np.int8]
-Flags = NDArray[np.bool_]
 
-OCCUPIED = 2  # evidence; an obstacle from here on
-PASSED = -1  # where one ray has passed, and free below
-NEVER, PASSABLE = np.nan, np.inf  # when it was hit first: not yet; never mind, since it was surely free
+OCCUPIED = 2  # evidence from which on a cell has an obstacle
+PASSED = -1  # evidence after one ray has passed; a cell is free at or below
+NEVER, PASSABLE = np.nan, np.inf  # first_hit of a cell that was not hit yet, and of one that was free for certain
 
 
 class Area(NamedTuple):
     """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
 
-    first_hit: s, or NEVER, or PASSABLE. fixed: cells where something stood for long, and which were never free before.
-    hit_at, theirs_at: s, when something was there last, and when somebody was who walked there.
+    first_hit: s, or NEVER, or PASSABLE. fixed: cells of walls: hit for some time and never free before. hit_at: s of
+    the last hit. theirs_at: s when a walking person was there last.
     """
 
     x: float
@@ -28,42 +27,42 @@ class Area(NamedTuple):
     resolution: float
     evidence: Evidence
     first_hit: Floats
-    fixed: Flags
+    fixed: Bools
     hit_at: Floats
     theirs_at: Floats
 
     @classmethod
     def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
-        """With so much evidence in each cell, and no more to know; what is occupied stands there for good."""
+        """Return an area with this evidence; all obstacles are walls."""
         long_ago = np.full(evidence.shape, -np.inf)
         never = np.full(evidence.shape, NEVER)
         return cls(x, y, resolution, evidence, never, evidence >= OCCUPIED, long_ago, long_ago.copy())
 
     @property
-    def occupied(self) -> Flags:
-        """Where an obstacle is."""
+    def occupied(self) -> Bools:
+        """Cells with an obstacle."""
         return self.evidence >= OCCUPIED
 
     @property
-    def walls(self) -> Flags:
-        """Where an obstacle is that is not expected to go."""
+    def walls(self) -> Bools:
+        """Cells with an obstacle that is not expected to go away."""
         return self.occupied & self.fixed
 
     @property
-    def unknown(self) -> Flags:
-        """Where nothing is known."""
+    def unknown(self) -> Bools:
+        """Cells that no ray has reached."""
         return (self.evidence > PASSED) & (self.evidence < OCCUPIED)
 
     def cell(self, x: float, y: float) -> tuple[int, int]:
-        """Row and column of a place, be it in the area or not."""
+        """Return row and column of a place, inside or outside the area."""
         return floor((y - self.y) / self.resolution), floor((x - self.x) / self.resolution)
 
     def place(self, row: int, column: int) -> Place:
-        """The middle of a cell."""
+        """Return the middle of a cell."""
         return self.x + (column + 0.5) * self.resolution, self.y + (row + 0.5) * self.resolution
 
     def window(self, rows: slice, columns: slice) -> "Area":
-        """A part of it, which shares its memory."""
+        """Return a part of the area that shares its memory."""
         x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
         here = rows, columns
         return Area(
@@ -78,7 +77,7 @@ class Area(NamedTuple):
         )
 
     def around(self, *places: Place, margin: float) -> "Area":
-        """The part that holds these places with a margin, m, as far as the area goes."""
+        """Return the part around these places, with a margin in m, limited to the area."""
         cells = np.array([self.cell(*place) for place in places])
         wide = ceil(margin / self.resolution)
         low = np.maximum(cells.min(axis=0) - wide, 0)
@@ -86,36 +85,35 @@ class Area(NamedTuple):
         return self.window(slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1])))
 
     def known(self) -> "Area":
-        """The smallest part that holds all that is known."""
+        """Return the smallest part with all known cells."""
         known = self.evidence != 0
         rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
         if not len(rows):
             return self.window(slice(0, 0), slice(0, 0))
         return self.window(slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1))
 
+    def drawn(self) -> dict[str, Any]:
+        """Return the known part for a picture, run-length coded row by row from the lowest y.
 
-def drawn(area: Area) -> dict[str, Any]:
-    """For a picture: the known part, run-length coded row by row from the lowest y.
-
-    `runs` are pairs of a value and a length; the values are 0 unknown, 1 free, 2 obstacle.
-    """
-    known = area.known()
-    values = np.where(known.occupied, 2, np.where(known.unknown, 0, 1)).astype(np.int8)
-    flat = values.ravel()
-    starts = np.flatnonzero(np.diff(flat, prepend=-1)) if flat.size else np.zeros(0, np.intp)
-    lengths = np.diff(starts, append=flat.size)
-    return {
-        "x": known.x,
-        "y": known.y,
-        "resolution": known.resolution,
-        "rows": values.shape[0],
-        "columns": values.shape[1],
-        "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
-    }
+        `runs` are pairs of a value and a length; the values are 0 unknown, 1 free, 2 obstacle.
+        """
+        known = self.known()
+        values = np.where(known.occupied, 2, np.where(known.unknown, 0, 1)).astype(np.int8)
+        flat = values.ravel()
+        starts = np.flatnonzero(np.diff(flat, prepend=-1)) if flat.size else np.zeros(0, np.intp)
+        lengths = np.diff(starts, append=flat.size)
+        return {
+            "x": known.x,
+            "y": known.y,
+            "resolution": known.resolution,
+            "rows": values.shape[0],
+            "columns": values.shape[1],
+            "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
+        }
 
 
 def undrawn(picture: dict[str, Any]) -> NDArray[np.int8]:
-    """The values of the cells of a picture, in rows of rising y."""
+    """Return the cell values of a picture, in rows of rising y."""
     runs = np.array(picture["runs"], np.int64).reshape(-1, 2)
     flat = np.repeat(runs[:, 0], runs[:, 1]).astype(np.int8)
     return flat.reshape(picture["rows"], picture["columns"])

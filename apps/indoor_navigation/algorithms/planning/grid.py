@@ -1,9 +1,9 @@
-"""What the robot has seen: for each cell of the floor, how much speaks for an obstacle.
+"""The occupancy grid: for each cell of the floor, the evidence of an obstacle.
 
-A hit speaks louder than a ray that passes, but a few rays that pass end what hits have begun, so that a person who has
-walked on is forgotten at once, and a room may change. What stands where it was free before may go again, and so may
-what was not seen for long: who walks about is seen for the first time somewhere, too. And who walked and is out of
-sight has walked on, as far as one knows.
+A hit counts more than a ray that passes. But a few passing rays remove an obstacle, so that a person who has walked on
+is forgotten at once, and a room may change. An obstacle where the floor was free before may go away again. So may one
+that was seen only for a short time, because a walking person is also seen somewhere for the first time. A walking
+person who leaves the view is taken to have walked on.
 """
 
 from dataclasses import dataclass
@@ -11,54 +11,54 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area, Flags
-from apps.indoor_navigation.data import Floats, ObstRead, Place
+from apps.indoor_navigation.algorithms.perception import Perceived
+from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area
+from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
-Cells = NDArray[np.intp]
-
-HIT = 2  # what a reading adds to a cell that a ray hits, and PASSED to one that a ray passes
-SURELY_FREE = -3  # a cell that has been so is no wall, whatever stands there later
-MOST, LEAST = 8, -4
-MARGIN = 5.0  # m that the area grows beyond what made it grow
-THEIRS = 0.5  # s since somebody was in a place, in which what is hit there is theirs
-SEAM = 0.6  # m; two hits nearer to each other are taken for one surface
+HIT = 2  # evidence that a reading adds to a cell that a ray hits; it adds PASSED where a ray passes
+SURELY_FREE = -3  # evidence of a cell that is not a wall, whatever stands there later
+MAX_EVIDENCE, MIN_EVIDENCE = 8, -4  # so a few rays change a cell
+MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies it
+WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
+SEAM_PARTS = 6  # of the seam between two hits; at most 0.1 m each, the edge of a cell
+MAX_SEAM = 0.6  # m between two hits of one surface
 
 
 @dataclass(frozen=True, slots=True)
-class GridNumbers:
-    """What is believed, and how finely it is kept, in m.
+class GridParameters:
+    """Resolution in m, and what evidence counts.
 
-    resolution: edge of a cell. reach: beyond which no ray is believed. lone_reach: likewise, of a ray that shares its
-    origin with no other: so sonar sees, which is surer of distances than of directions. largest: edge of the area.
-    settled: s after the first hit, from which on another one tells that somebody who walks about is not there.
-    gone: s after the last hit, when somebody who walks about is not there any more, though nobody looks.
+    resolution: edge of a cell. reach: length up to which a laser ray is used. lone_reach: likewise, of a sonar ray,
+    whose distance is more exact than its direction. largest: maximum edge of the area. settled: s after the first hit
+    from which on a hit shows a wall instead of a walking person. gone: s after the last hit when a walking person
+    counts as gone although the place is out of view.
     """
 
-    resolution: float = 0.1
-    reach: float = 8.0
-    lone_reach: float = 1.0
-    largest: float = 200.0
-    settled: float = 3.0
-    gone: float = 1.5
+    resolution: float
+    reach: float
+    lone_reach: float
+    largest: float
+    settled: float
+    gone: float
 
 
 class Grid:
-    """What has been seen so far. `area` is replaced as a whole when it grows, so that others may read it meanwhile."""
+    """The grid. `area` is replaced as a whole when it grows, so that other threads may read it meanwhile."""
 
-    def __init__(self, numbers: GridNumbers | None = None) -> None:
-        self._numbers = numbers or GridNumbers()
-        self._steps = np.arange(0.0, self._numbers.reach, self._numbers.resolution)
+    def __init__(self, parameters: GridParameters) -> None:
+        self._parameters = parameters
+        self._steps = np.arange(0.0, self._parameters.reach, self._parameters.resolution)
         self.forget()
 
     def forget(self) -> None:
-        """Know nothing any more."""
-        self.area = Area.of(0.0, 0.0, self._numbers.resolution, np.zeros((0, 0), np.int8))
+        """Clear the grid."""
+        self.area = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
-        """Let the area hold a place with a margin, m. False where it would become too large, and stays as it is."""
-        area, resolution = self.area, self._numbers.resolution
+        """Extend the area to a place with a margin, m; return False, without a change, where it would be too large."""
+        area, resolution = self.area, self._parameters.resolution
         low = np.array(area.cell(place[0] - margin, place[1] - margin))
         high = np.array(area.cell(place[0] + margin, place[1] + margin)) + 1
         shape = np.array(area.evidence.shape)
@@ -70,7 +70,7 @@ class Grid:
         else:
             before = np.where(low < 0, wide - low, 0)
             after = np.where(high > shape, high - shape + wide, 0)
-        if (shape + before + after).max() * resolution > self._numbers.largest:
+        if (shape + before + after).max() * resolution > self._parameters.largest:
             return False
         pad = list(zip(before.tolist(), after.tolist(), strict=True))
         self.area = Area(
@@ -86,10 +86,10 @@ class Grid:
         return True
 
     def see(self, reading: ObstRead) -> None:
-        """Note where rays have passed and where they have hit something."""
-        if not self.include(reading.pose[:2], self._numbers.reach):
+        """Add the evidence of a reading: where rays passed and where they hit an obstacle."""
+        if not self.include(reading.pose[:2], self._parameters.reach):
             return
-        rays = _Rays.of(reading, self._numbers)
+        rays = _BelievedRays.of(Perceived.of(reading).rays, self._parameters)
         area = self.area
         passed = self._passed(rays)
         people = self._flat(reading.people_x, reading.people_y)
@@ -101,66 +101,66 @@ class Grid:
         votes[hits] = HIT
         changed = np.flatnonzero(votes)
         evidence = area.evidence.reshape(-1)
-        evidence[changed] = np.clip(evidence[changed] + votes[changed], LEAST, MOST)
+        evidence[changed] = np.clip(evidence[changed] + votes[changed], MIN_EVIDENCE, MAX_EVIDENCE)
         free = changed[evidence[changed] <= SURELY_FREE]
         self._date(changed[votes[changed] == HIT], np.concatenate((free, self._unfixed(people))), reading.stamp)
         area.theirs_at.reshape(-1)[self._about(reading.people_x, reading.people_y)] = reading.stamp
-        self._let_go(area.around(reading.pose[:2], margin=self._numbers.reach), reading.stamp)
+        self._let_go(area.around(reading.pose[:2], margin=self._parameters.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
-        """What stands here does not yield: it counts as what was never free."""
+        """Count the obstacles within a radius, m, as walls, because they have not gone away."""
         part = self.area.around((x, y), margin=radius)
         part.fixed[part.occupied] = True
 
     def doubt(self, x: float, y: float, radius: float) -> None:
-        """Know nothing of what is here any more."""
+        """Clear the cells within a radius, m."""
         part = self.area.around((x, y), margin=radius)
         part.evidence[:] = 0
         part.first_hit[:], part.fixed[:] = NEVER, False
 
-    def _date(self, hit: Cells, free: Cells, stamp: float) -> None:
-        """Note since when something is there."""
+    def _date(self, hit: Ints, free: Ints, stamp: float) -> None:
+        """Update the times of hits and the walls."""
         first_hit, fixed = self.area.first_hit.reshape(-1), self.area.fixed.reshape(-1)
         self.area.hit_at.reshape(-1)[hit] = stamp
         first_hit[free], fixed[free] = PASSABLE, False
         first_hit[hit[np.isnan(first_hit[hit])]] = stamp
-        fixed[hit] |= stamp - first_hit[hit] >= self._numbers.settled
+        fixed[hit] |= stamp - first_hit[hit] >= self._parameters.settled
 
-    def _unfixed(self, people: Cells) -> Cells:
-        """Where somebody stands who walked there is floor, though nobody has seen it, unless a wall was seen there."""
+    def _unfixed(self, people: Ints) -> Ints:
+        """Return the cells of people that are not walls: where a person walked there is floor."""
         return people[~self.area.fixed.reshape(-1)[people]]
 
-    def _about(self, x: Floats, y: Floats) -> Cells:
-        """The cells at these places and beside them."""
-        edge = self._numbers.resolution
+    def _about(self, x: Floats, y: Floats) -> Ints:
+        """Return the cells at these places and their neighbours."""
+        edge = self._parameters.resolution
         beside = [self._flat(x + right * edge, y + up * edge) for right in (-1, 0, 1) for up in (-1, 0, 1)]
         return np.concatenate(beside)
 
     def _let_go(self, near: Area, stamp: float) -> None:
-        """Who walks about and is out of sight."""
-        are_theirs = near.hit_at - THEIRS < near.theirs_at
-        near.evidence[are_theirs & (stamp - near.hit_at > self._numbers.gone) & near.occupied & ~near.fixed] = 0
+        """Remove walking people who are out of view."""
+        are_theirs = near.hit_at - WALKER_TIME < near.theirs_at
+        near.evidence[are_theirs & (stamp - near.hit_at > self._parameters.gone) & near.occupied & ~near.fixed] = 0
 
-    def _passed(self, rays: "_Rays") -> Cells:
-        """The cells through which rays have passed. One that hits passes to a cell before its end."""
-        lengths = rays.lengths - np.where(rays.hits, self._numbers.resolution, 0.0)
+    def _passed(self, rays: "_BelievedRays") -> Ints:
+        """Return the cells that rays have passed; a ray that hits passes up to one cell before its end."""
+        lengths = rays.lengths - np.where(rays.hits, self._parameters.resolution, 0.0)
         going = self._steps[None, :] < lengths[:, None]
         x = (rays.origin_x[:, None] + rays.cosines[:, None] * self._steps[None, :])[going]
         y = (rays.origin_y[:, None] + rays.sines[:, None] * self._steps[None, :])[going]
         return self._flat(x, y)
 
-    def _flat(self, x: Floats, y: Floats) -> Cells:
-        """Indices of the cells at these places, those outside left out."""
+    def _flat(self, x: Floats, y: Floats) -> Ints:
+        """Return the indices of the cells at these places, without places outside the area."""
         area = self.area
         height, width = area.evidence.shape
         columns = np.floor((x - area.x) / area.resolution).astype(np.intp)
         rows = np.floor((y - area.y) / area.resolution).astype(np.intp)
         inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        cells: Cells = (rows * width + columns)[inside]
+        cells: Ints = (rows * width + columns)[inside]
         return cells
 
 
-class _Rays(NamedTuple):
+class _BelievedRays(NamedTuple):
     origin_x: Floats
     origin_y: Floats
     end_x: Floats
@@ -168,44 +168,37 @@ class _Rays(NamedTuple):
     cosines: Floats
     sines: Floats
     lengths: Floats
-    hits: Flags
+    hits: Bools
 
     @classmethod
-    def of(cls, reading: ObstRead, numbers: GridNumbers) -> "_Rays":
-        """The rays of a reading that are numbers, none longer than it is believed."""
-        dx, dy = reading.end_x - reading.origin_x, reading.end_y - reading.origin_y
+    def of(cls, rays: Rays, parameters: GridParameters) -> "_BelievedRays":
+        """Return the rays with finite coordinates, shortened to the length up to which they are used."""
+        dx, dy = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
         lengths = np.hypot(dx, dy)
         sound = np.isfinite(lengths) & (lengths > 0.0)
-        reach = np.where(_is_lone(reading), numbers.lone_reach, numbers.reach)[sound]
+        reach = np.where(rays.is_of_scanner, parameters.reach, parameters.lone_reach)[sound]
         dx, dy, lengths = dx[sound], dy[sound], lengths[sound]
         return cls(
-            reading.origin_x[sound],
-            reading.origin_y[sound],
-            reading.end_x[sound],
-            reading.end_y[sound],
+            rays.origin_x[sound],
+            rays.origin_y[sound],
+            rays.end_x[sound],
+            rays.end_y[sound],
             dx / lengths,
             dy / lengths,
             np.minimum(lengths, reach),
-            (reading.hits[sound] > 0.0) & (lengths <= reach),
+            rays.hits[sound] & (lengths <= reach),
         )
 
 
-def _is_lone(reading: ObstRead) -> Flags:
-    """Which rays share their origin with neither of their neighbours."""
-    is_other = (np.diff(reading.origin_x) != 0.0) | (np.diff(reading.origin_y) != 0.0)
-    lone: Flags = np.concatenate([[True], is_other]) & np.concatenate([is_other, [True]])
-    return lone
-
-
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Places between neighbouring hits of one surface.
+    """Return places between neighbouring hits of one surface.
 
-    Where a wall is seen at a grazing angle, rays pass within its cells before they hit it a few cells farther on; there
-    they say nothing.
+    At a grazing angle, rays pass through cells of a wall before they hit it a few cells farther on; there they do not
+    count.
     """
     if len(x) < 2:
         return x, y
-    near = np.hypot(np.diff(x), np.diff(y)) < SEAM
-    parts = np.linspace(0.0, 1.0, 7)[1:-1, None]
+    near = np.hypot(np.diff(x), np.diff(y)) < MAX_SEAM
+    parts = np.linspace(0.0, 1.0, SEAM_PARTS + 1)[1:-1, None]
     from_x, to_x, from_y, to_y = x[:-1][near], x[1:][near], y[:-1][near], y[1:][near]
     return (from_x + parts * (to_x - from_x)).ravel(), (from_y + parts * (to_y - from_y)).ravel()

@@ -1,28 +1,28 @@
-"""What the robot knows: where it is and was, what it has seen, its doors, and where it came no farther lately."""
+"""The robot's knowledge: its pose and path, the grid, the doors, and places where it was stuck lately."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import atan2, ceil, hypot
 from typing import Any
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.planning.area import drawn
-from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapNumbers
-from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers
-from apps.indoor_navigation.algorithms.planning.terrain import CostNumbers, Hints, Strip, Terrain, terrain
-from apps.indoor_navigation.data import DLEData, ObstRead, Place
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapParameters
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
+from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, Hints, Strip, Terrain, terrain
+from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
+from apps.indoor_navigation.data import DLEData, ObstRead, Place, Pose
 from geometry import wrap_angle
 
-STEP = 0.1  # m between two
-AT_ONCE = 4  # of them, to the next one to go back to, so that the way is smooth
-RECENT, BESIDE = 6, 0.3  # how many may be taken up at once, and m beside them
-MOST = 100
+CRUMB_SPACING = 0.1  # m
+LOOK_BACK = 4  # crumbs to the next target of the way back, so that this is smooth
+RECENT, RECENT_RANGE = 6, 0.3  # newest crumbs that may be taken up at once, and m from them
+MAX_CRUMBS = 100  # 10 m; farther back the robot never drives in reverse
 
 
 class Breadcrumbs:
-    """Places in odom, the last one where the robot is; going back takes up those that it comes past."""
+    """Places of the robot's path in odom, the last one at the robot; on the way back, passed crumbs are removed."""
 
     def __init__(self) -> None:
         self._places: list[Place] = []
@@ -34,65 +34,58 @@ class Breadcrumbs:
         return self._places[number]
 
     def drop(self, place: Place) -> None:
-        """The robot is here now."""
+        """Add the place of the robot."""
         places = self._places
         recent = places[-RECENT:]
         apart = [_apart(place, crumb) for crumb in recent]
-        if recent and min(apart) < BESIDE:
+        if recent and min(apart) < RECENT_RANGE:
             del places[len(places) - len(recent) + apart.index(min(apart)) + 1 :]
-        if not places or _apart(place, places[-1]) >= STEP:
+        if not places or _apart(place, places[-1]) >= CRUMB_SPACING:
             places.append(place)
-        del places[:-MOST]
+        del places[:-MAX_CRUMBS]
 
     def forget(self) -> None:
-        """The robot's pose was set anew."""
+        """Forget all crumbs, because the origin of odom has changed."""
         self._places.clear()
 
     def towards(self, number: int) -> Place:
-        """Where to go next, on the way back to one of them."""
-        return self._places[max(number, len(self._places) - 1 - AT_ONCE)]
+        """Return the next target on the way back to a crumb."""
+        return self._places[max(number, len(self._places) - 1 - LOOK_BACK)]
 
 
 def _apart(one: Place, other: Place) -> float:
     return hypot(other[0] - one[0], other[1] - one[1])
 
 
-Pose = tuple[float, float, float]
-
-BEYOND = 2.0  # m of unknown floor around all that is known through which a way may lead
-STEP = 0.1  # m between two points of the trail
-LEAST_BACK, MOST_BACK = 3, 30  # breadcrumbs
-DEEP = 0.05  # m within a robot that turns, where a cell of the grid surely is in its way
-TURN_STEP = 0.15  # rad
-BLIND = 2.0  # s; a robot of which nothing is heard for longer does not go on
-
-# What a robot can have done between two readings; more is a jump of its odometry.
-PLACE, SPEED = 0.3, 1.5  # m, m/s
-TURN, TURNING = 0.5, 2.5  # rad, rad/s
+UNKNOWN_MARGIN = 2.0  # m of unknown floor around the known floor through which a way may lead
+TRAIL_SPACING = 0.1  # m between two points of the trail
+MIN_BACK, MAX_BACK = 3, 30  # crumbs of a way back: 0.3 to 3 m
+MAX_PENETRATION = 0.05  # m inside the turning outline; half a cell, so a cell deeper inside bars the turn
+TURN_STEP = 0.15  # rad between checked headings of a turn; the corners move 0.1 m at most
 
 
 @dataclass(frozen=True, slots=True)
-class MemoryNumbers:
-    """near: m around the robot within which the way is watched at each step."""
+class MemoryParameters:
+    """near: m around the robot within which the way is checked at each step."""
 
-    near: float = 5.0
-    grid: GridNumbers = field(default_factory=GridNumbers)
-    cost: CostNumbers = field(default_factory=CostNumbers)
-    doors: MapNumbers = field(default_factory=MapNumbers)
+    near: float
+    grid: GridParameters
+    cost: CostParameters
+    doors: MapParameters
 
 
 class Memory:
-    """All in odom. outline: of the robot.
+    """Knowledge in odom. outline: of the robot.
 
-    pose: None until something was seen. travelled: m of this mission. crumbs: where it was, over all missions.
-    has_jumped: its odometry was set anew at least once.
+    pose: None before the first reading. travelled: m of this mission. crumbs: path over all missions. has_jumped:
+    whether odom was set anew at least once.
     """
 
-    def __init__(self, numbers: MemoryNumbers, outline: Outline) -> None:
-        self.numbers = numbers
+    def __init__(self, parameters: MemoryParameters, outline: Outline) -> None:
+        self.parameters = parameters
         self.outline = outline
-        self.grid = Grid(numbers.grid)
-        self.doors = DoorsMap(numbers.doors)
+        self.grid = Grid(parameters.grid)
+        self.doors = DoorsMap(parameters.doors)
         self.pose: Pose | None = None
         self.travelled = 0.0
         self.has_jumped = False
@@ -100,7 +93,7 @@ class Memory:
         self.crumbs = Breadcrumbs()
         self._stamp = 0.0
         self._avoided: list[tuple[Strip, float]] = []
-        self._ways: tuple[Strip, ...] = ()  # gone before this mission
+        self._ways: tuple[Strip, ...] = ()  # of earlier missions
         self._node: int | None = None  # the door that was passed last
         self._since_node = 0  # the part of the trail since then
 
@@ -111,13 +104,13 @@ class Memory:
 
     @property
     def place(self) -> Place:
-        """Where the robot is."""
-        assert self.pose is not None  # nobody asks before something was seen
+        """The place of the robot."""
+        assert self.pose is not None  # never used before the first reading
         return self.pose[:2]
 
     def see(self, reading: ObstRead) -> bool:
-        """Note a reading. True where the robot's pose was set anew, and all that was known of places is void."""
-        jumped = self.pose is not None and _is_jump(self.pose, reading.pose, reading.stamp - self._stamp)
+        """Take a reading; return True where odom was set anew and all places were forgotten."""
+        jumped = self.pose is not None and is_pose_jump(self.pose, reading.pose, reading.stamp - self._stamp)
         if jumped:
             self.has_jumped = True
             self.forget()
@@ -127,11 +120,11 @@ class Memory:
         return jumped
 
     def see_doors(self, data: DLEData) -> None:
-        """Note doors."""
+        """Take the doors of a scan."""
         self.doors.see(data)
 
     def forget(self) -> None:
-        """All places are void."""
+        """Forget all places."""
         self.grid.forget()
         self.doors.forget()
         self.crumbs.forget()
@@ -139,24 +132,24 @@ class Memory:
         self.begin_trail()
 
     def begin_trail(self) -> None:
-        """A mission begins here."""
+        """Begin the path of a mission."""
         self.trail = [self.pose[:2]] if self.pose is not None else []
         self._node, self._since_node = None, 0
         self._ways = self.doors.gone_before()
         self.travelled = 0.0
 
     def end_trail(self) -> None:
-        """A mission has ended here as it should: remember how the robot came here."""
+        """Remember the path of a mission that has reached its goal."""
         self.doors.gone(self._node, None, self.trail[self._since_node :])
 
     def avoid(self, place: Place, radius: float, until: float) -> None:
-        """The robot has come no farther here; ways elsewhere are better for a while."""
+        """Raise the cost around a place where the robot was stuck, until s."""
         self._avoided.append((Strip(place, place, radius), until))
 
     def may_turn(self, place: Place, start: float, end: float) -> bool:
-        """Whether the robot may be able to turn here from one heading to another, rad, as far as cells can tell.
+        """Return whether the grid allows a turn at a place from one heading to another, rad.
 
-        In a door it is not, if its corners do not fit between the jambs, since cells are too coarse to tell that.
+        In a door the corners must fit between the jambs, because cells are too coarse to show that.
         """
         door = self.doors.around(place, self.outline.sweep)
         if door is not None and self.doors.doors[door].width / 2.0 < self.outline.sweep:
@@ -168,39 +161,41 @@ class Memory:
         turn = wrap_angle(end - start)
         headings = np.asarray(start + np.linspace(0.0, turn, max(2, ceil(abs(turn) / TURN_STEP))), np.float64)
         poses = np.zeros(len(headings)) + place[0], np.zeros(len(headings)) + place[1], headings
-        return not bool((self.outline.distances(poses, x, y) < -DEEP).any())
+        return not bool((self.outline.distances(poses, x, y) < -MAX_PENETRATION).any())
 
     def may_turn_to(self, place: Place, target: Place) -> bool:
-        """Likewise, from the present heading to where another place is from there."""
-        assert self.pose is not None  # nobody asks before something was seen
+        """Return whether the robot may turn at a place from its present heading to a target."""
+        assert self.pose is not None  # never used before the first reading
         return self.may_turn(place, self.pose[2], atan2(target[1] - place[1], target[0] - place[0]))
 
     def way_back(self, target: Place) -> int | None:
-        """The nearest breadcrumb to go back to, to turn towards a place there; None if there is none near."""
+        """Return the nearest crumb where the robot can turn to a target; None if there is none within reach."""
         last = len(self.crumbs) - 1
-        numbers = range(last - LEAST_BACK, max(last - MOST_BACK, 0) - 1, -1)
+        numbers = range(last - MIN_BACK, max(last - MAX_BACK, 0) - 1, -1)
         return next((number for number in numbers if self.may_turn_to(self.crumbs[number], target)), None)
 
     def survey(self, goal: Place, now: float, *, hopes: float | None = None) -> Terrain | None:
-        """All that is known, and some of the unknown around it; None where the goal is too far away to plan."""
-        if not self.grid.include(goal, BEYOND):
+        """Return the costs of the known floor with a margin; None where the goal is too far away to plan."""
+        if not self.grid.include(goal, UNKNOWN_MARGIN):
             return None
         known = self.grid.area.known()
         height, width = known.evidence.shape
         corners = known.place(0, 0), known.place(height - 1, width - 1)
         for corner in corners:
-            self.grid.include(corner, BEYOND)
-        area = self.grid.area.around(*corners, self.place, goal, margin=BEYOND)
-        return terrain(area, self.half_width, self.numbers.cost, hints=self._hints(now), robot=self.place, hopes=hopes)
+            self.grid.include(corner, UNKNOWN_MARGIN)
+        area = self.grid.area.around(*corners, self.place, goal, margin=UNKNOWN_MARGIN)
+        return terrain(
+            area, self.half_width, self.parameters.cost, hints=self._hints(now), robot=self.place, hopes=hopes
+        )
 
     def survey_near(self, *, hopes: float | None = None) -> Terrain:
-        """What is near the robot, without hints."""
-        area = self.grid.area.around(self.place, margin=self.numbers.near)
-        return terrain(area, self.half_width, self.numbers.cost, robot=self.place, hopes=hopes)
+        """Return the costs of the floor near the robot, without hints."""
+        area = self.grid.area.around(self.place, margin=self.parameters.near)
+        return terrain(area, self.half_width, self.parameters.cost, robot=self.place, hopes=hopes)
 
     def picture(self) -> dict[str, Any]:
-        """What is known, as JSON."""
-        return {"grid": drawn(self.grid.area), "trail": [list(place) for place in self.trail], **self._doors_drawn()}
+        """Return the knowledge for a picture, as JSON."""
+        return {"grid": self.grid.area.drawn(), "trail": [list(place) for place in self.trail], **self._doors_drawn()}
 
     def _doors_drawn(self) -> Mapping[str, Any]:
         told = self.doors.to_json()
@@ -227,7 +222,7 @@ class Memory:
         return Hints(self._ways, self.doors.walls(), tuple(strip for strip, _ in self._avoided))
 
     def _go(self, pose: Pose) -> None:
-        """The robot has come here."""
+        """Update the robot's path."""
         self.pose = pose
         self.crumbs.drop(pose[:2])
         before = self.trail[-1] if self.trail else None
@@ -235,7 +230,7 @@ class Memory:
             self.trail.append(pose[:2])
             return
         step = hypot(pose[0] - before[0], pose[1] - before[1])
-        if step < STEP:
+        if step < TRAIL_SPACING:
             return
         self.travelled += step
         self.trail.append(pose[:2])
@@ -247,10 +242,3 @@ class Memory:
         self.doors.passed(door)
         self.doors.gone(self._node, door, self.trail[self._since_node :])
         self._node, self._since_node = door, len(self.trail) - 1
-
-
-def _is_jump(before: Pose, after: Pose, elapsed: float) -> bool:
-    seconds = min(abs(elapsed), BLIND)
-    went = hypot(after[0] - before[0], after[1] - before[1])
-    turned = abs(wrap_angle(after[2] - before[2]))
-    return went > PLACE + SPEED * seconds or turned > TURN + TURNING * seconds

@@ -1,4 +1,4 @@
-"""One mission after the other: where to go next, when to wait, when to look for another way, and when to give up."""
+"""Missions: what to do next from readings and doors, one mission after the other."""
 
 from collections import deque
 from collections.abc import Callable
@@ -8,24 +8,24 @@ from typing import Any
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.driving import Driving
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionNumbers, Order, is_sound
+from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionParameters, Order
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
 from apps.indoor_navigation.data import DLEData, GoalPoint, ObstRead
 
-AT_ONCE = 8  # changes of state in one step at most
+MAX_CHANGES = 8  # of state in one step; no sequence without an order is as long
 
 
 class Navigator:
-    """Is shown readings, and asked for an order at each step. All times are s of one steady clock."""
+    """Takes readings, and returns an order at each step. All times are s of one steady clock."""
 
-    def __init__(self, numbers: MissionNumbers, half_width: float) -> None:
+    def __init__(self, parameters: MissionParameters, half_width: float) -> None:
         """half_width: of the robot, m."""
-        self.numbers = numbers
-        self.memory = Memory(numbers.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
-        self._situation = Situation(numbers, self.memory)
+        self.parameters = parameters
+        self.memory = Memory(parameters.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
+        self._situation = Situation(parameters, self.memory)
         driving, pausing = Driving(self._situation), Pausing(self._situation)
         self._handlers: dict[MissionState, Callable[[float], Order | None]] = {
             MissionState.REPLANNING: pausing.replan,
@@ -38,32 +38,32 @@ class Navigator:
 
     @property
     def state(self) -> MissionState:
-        """What it is about."""
+        """The state of the mission."""
         return self._situation.state
 
     @property
     def is_active(self) -> bool:
-        """Whether a mission is under way."""
+        """Whether a mission is active."""
         return self.state in ACTIVE
 
     @property
     def why(self) -> str:
-        """Why it is in this state."""
+        """The reason for this state in words."""
         return self._situation.machine.why
 
     @property
     def notes(self) -> deque[MissionNote]:
-        """What there is to tell, taken out by whoever tells it."""
+        """Messages for people; the caller removes those that it sends."""
         return self._situation.notes
 
     def note(self, level: str, what: str) -> None:
-        """Add a message about the present mission to the notes."""
+        """Add a message about the present mission."""
         self._situation.note(level, what)
 
-    # What is heard.
+    # Inputs.
 
     def begin(self, goal: GoalPoint, now: float) -> None:
-        """Take up a mission, or cancel the present one with a goal that is no place."""
+        """Begin a mission, or cancel the present one if the goal has no place."""
         situation = self._situation
         if goal.x is None or goal.y is None:
             if self.is_active:
@@ -72,12 +72,12 @@ class Navigator:
         if self.is_active and situation.goal.mission != goal.mission:
             situation.note("warning", f"given up, because {goal.mission} replaces it")
         situation.begin(goal, now)
-        if not is_sound(goal):
+        if not goal.is_sound:
             told = f"x {goal.x!r}, y {goal.y!r}, heading {goal.heading!r}, tolerance {goal.tolerance!r}"
-            situation.give_up(now, f"{told} is no goal; give numbers, and a tolerance above 0")
+            situation.give_up(now, f"{told} is not a valid goal; give finite numbers, and a tolerance above 0")
 
     def see(self, reading: ObstRead, now: float) -> None:
-        """Something was seen."""
+        """Take a reading of obstacles."""
         situation = self._situation
         situation.seen_at = now
         if self.memory.see(reading):
@@ -90,15 +90,15 @@ class Navigator:
         situation.progress.see(reading, now)
 
     def see_doors(self, data: DLEData) -> None:
-        """Doors were seen."""
+        """Take the doors of a scan."""
         self.memory.see_doors(data)
 
-    # What is wanted.
+    # Outputs.
 
     def step(self, now: float) -> Order:
-        """What is to be done now."""
+        """Return the order for now."""
         situation = self._situation
-        for _ in range(AT_ONCE):
+        for _ in range(MAX_CHANGES):
             if not self.is_active:
                 break
             waits_for_sight = self.state is MissionState.WAITING and situation.waiting is FOR_SIGHT
@@ -109,8 +109,8 @@ class Navigator:
                 return order
         return REST
 
-    def told(self) -> dict[str, Any]:
-        """Where the mission stands, as JSON. messages: the number of its notes. since: s of the clock of the steps."""
+    def status(self) -> dict[str, Any]:
+        """Return the state of the mission as JSON. messages: number of notes. since: s of the clock of the steps."""
         situation, pose = self._situation, self.memory.pose
         points = situation.guide.points if self.is_active else ()
         return {
@@ -126,6 +126,6 @@ class Navigator:
         }
 
     def picture(self) -> dict[str, Any]:
-        """All that there is to draw, as JSON. route: from the robot over the sub-targets."""
+        """Return the data of a picture as JSON. route: from the robot over the sub-targets."""
         points = self._situation.guide.points if self.is_active else ()
-        return {**self.told(), **self.memory.picture(), "route": [list(point) for point in points]}
+        return {**self.status(), **self.memory.picture(), "route": [list(point) for point in points]}

@@ -1,50 +1,49 @@
-"""What missions are gone about with, and what comes out: orders, and notes for people."""
+"""Parameters of missions, orders to the reactive components, and messages for people."""
 
-from dataclasses import dataclass, field
-from math import isfinite
+from dataclasses import dataclass
 
-from apps.indoor_navigation.algorithms.planning.guide import GuideNumbers
-from apps.indoor_navigation.algorithms.planning.progress import ProgressNumbers
-from apps.indoor_navigation.data import GoalPoint, Place
+from apps.indoor_navigation.algorithms.planning.guide import GuideParameters
+from apps.indoor_navigation.algorithms.planning.progress import ProgressParameters
+from apps.indoor_navigation.data import Place
 
 
 @dataclass(frozen=True, slots=True)
-class MissionNumbers:
-    """How missions are gone about.
+class MissionParameters:
+    """Parameters of missions.
 
-    speed, door_speed, back_speed: m/s at most, through doors, and backward. turn_from, turn_until: rad off the next
-    sub-target, from which the robot turns on its place, and until which. door_from, door_until: likewise where it goes
-    through a door next. heading: rad off the heading that is wanted at the end. silence: s without a reading after
-    which the robot rests. look: s between two looks for a better way. detour: m of a detour that is not worth waiting;
-    a longer one is worth waiting as long as it takes, at most `patience` s. hope: s that the robot waits for something
-    in its way to go where there is no other way. sure: s after which no way is no way. courtesy: s of waiting, after
-    which the robot goes aside, at most `courtesies` times on a mission, and waits there for `aside` s or longer.
+    speed, door_speed, back_speed: maximum m/s, through doors, and backward. turn_from, turn_until: rad to the next
+    sub-target above which the robot turns on the spot, and below which the turn ends. door_from, door_until: likewise
+    before a narrow door. heading: tolerance of the heading at the goal, rad. silence: s without a reading after which
+    the robot stops. look: s between two searches for a better way. detour: m of a detour that is taken at once; for a
+    longer one the robot waits as long as the detour takes, but at most `patience` s. hope: s to wait for an obstacle
+    where there is no other way. sure: s without any way after which the mission fails. courtesy: s of waiting after
+    which the robot goes aside, at most `courtesies` times on a mission, to wait there for `aside` s or longer.
     """
 
-    speed: float = 0.5
-    door_speed: float = 0.4
-    back_speed: float = 0.2
-    turn_from: float = 1.4
-    turn_until: float = 0.25
-    door_from: float = 0.5
-    door_until: float = 0.15
-    heading: float = 0.1
-    silence: float = 1.0
-    look: float = 2.0
-    detour: float = 1.5
-    patience: float = 8.0
-    hope: float = 20.0
-    sure: float = 8.0
-    courtesy: float = 6.0
-    courtesies: int = 4
-    aside: float = 8.0
-    progress: ProgressNumbers = field(default_factory=ProgressNumbers)
-    guide: GuideNumbers = field(default_factory=GuideNumbers)
+    speed: float
+    door_speed: float
+    back_speed: float
+    turn_from: float
+    turn_until: float
+    door_from: float
+    door_until: float
+    heading: float
+    silence: float
+    look: float
+    detour: float
+    patience: float
+    hope: float
+    sure: float
+    courtesy: float
+    courtesies: int
+    aside: float
+    progress: ProgressParameters
+    guide: GuideParameters
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What the reactive components are to do; as WorldCoord, without stamp and number."""
+    """An order to the reactive components: a WorldCoord without stamp and number."""
 
     aim: str
     x: float = 0.0
@@ -57,7 +56,7 @@ class Order:
 
 @dataclass(frozen=True, slots=True)
 class MissionNote:
-    """Something that a person may want to know."""
+    """A message for people."""
 
     mission: str
     level: str
@@ -65,10 +64,3 @@ class MissionNote:
 
 
 REST = Order("rest")
-
-
-def is_sound(goal: GoalPoint) -> bool:
-    """Whether all its numbers are numbers."""
-    numbers = [goal.x, goal.y, goal.tolerance, 0.0 if goal.heading is None else goal.heading]
-    sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
-    return all(sound) and goal.tolerance > 0.0

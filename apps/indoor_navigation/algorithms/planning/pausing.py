@@ -1,12 +1,12 @@
-"""What is done while the robot stands: it looks for a way, waits, goes aside, and in the end gives up.
+"""Orders while the robot stands: it plans a way, waits, goes aside, and gives up in the end.
 
-What is in the way and was not always there may go again. Where no way is left but through something that may go, the
-robot goes up to it and waits; if it does not go, it counts as a wall from then on. So each mission ends.
+An obstacle that was not always there may go away. Where the only way leads through such an obstacle, the robot drives
+up to it and waits; if it stays, it counts as a wall. So each mission ends.
 """
 
 from math import inf
 
-from apps.indoor_navigation.algorithms.planning.guide import spoken
+from apps.indoor_navigation.algorithms.planning.guide import place_text
 from apps.indoor_navigation.algorithms.planning.orders import REST, Order
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import MissionEvent
@@ -18,19 +18,19 @@ class Pausing:
 
     def __init__(self, situation: Situation) -> None:
         self._situation = situation
-        self._numbers = situation.numbers
+        self._parameters = situation.parameters
         self._memory = situation.memory
         self._machine = situation.machine
 
     def replan(self, now: float) -> Order | None:
-        """Look for a way, or for one through something that may go; give up where there has been none for long."""
-        situation, guide, sure = self._situation, self._situation.guide, self._numbers.sure
+        """Plan a way, or one through obstacles that may go away; give up if there has been none for long."""
+        situation, guide, sure = self._situation, self._situation.guide, self._parameters.sure
         if guide.is_too_far(now):
-            situation.give_up(now, f"{spoken(guide.goal)} is too far away to plan a way there")
+            situation.give_up(now, f"{place_text(guide.goal)} is too far away to plan a way there")
         elif (found := situation.look(now)) is not None:
             self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
         elif (barred := guide.look_hoping(now)) is not None:
-            why = f"the only way is barred near {spoken(guide.barred_place())}, {barred:.1f} m from here"
+            why = f"the only way is barred near {place_text(guide.barred_place())}, {barred:.1f} m from here"
             situation.no_way_since = inf
             self._machine.happens(MissionEvent.WAY_FOUND, now, why)
         elif now - situation.no_way_since < sure:
@@ -39,13 +39,13 @@ class Pausing:
             waiting = Waiting("there is no way at the moment", now, until, place=situation.barred)
             situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         elif situation.doubts and guide.doubt_goal(now):
-            situation.doubts = False  # somebody may have stood there; it is looked at once more, from nearer
+            situation.doubts = False  # a person may have stood there; look again from nearer
         else:
             situation.give_up(now, guide.why_no_way(now))
         return None
 
     def wait(self, now: float) -> Order | None:
-        """Until there is a way that is worth it, or it has been long enough."""
+        """Wait until there is a better way, or the waiting time is over."""
         situation, waiting = self._situation, self._situation.waiting
         if waiting is FOR_SIGHT:
             if situation.is_blind(now):
@@ -57,7 +57,7 @@ class Pausing:
         if now < waiting.until:
             return self._watch(waiting)
         if waiting.is_last_hope and waiting.place is not None:
-            radius = self._numbers.guide.stop_before + self._memory.half_width
+            radius = self._parameters.guide.stop_before + self._memory.half_width
             self._memory.grid.take_for_walls(*waiting.place, radius)
         elif waiting.cost < inf and situation.has_tried_enough(now):
             return None
@@ -65,7 +65,7 @@ class Pausing:
         return None
 
     def _sees_end_of(self, waiting: Waiting, now: float) -> bool:
-        """A way is found that is worth it, or what bars it is found to be a wall."""
+        """Return whether waiting ends: there is a better way, or the obstacle is a wall."""
         situation = self._situation
         if not situation.is_time_to_look(now):
             return False
@@ -78,19 +78,19 @@ class Pausing:
         return True
 
     def _makes_way(self, waiting: Waiting, now: float) -> bool:
-        """Go aside, if that may help."""
+        """Begin to go aside, if it is time and there is room; return whether it did."""
         situation = self._situation
-        is_time = now - self._machine.since >= self._numbers.courtesy and situation.making_way.is_worth(now)
+        is_time = now - self._machine.since >= self._parameters.courtesy and situation.making_way.is_worth(now)
         if not (is_time and situation.guide.make_way(waiting.place)):
             return False
-        self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for whom or what is there")
+        self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for a person or an obstacle")
         situation.making_way.begin(waiting)
         return True
 
     def _watch(self, waiting: Waiting) -> Order:
-        """Look where the way is barred."""
+        """Face the place where the way is barred."""
         if waiting.place is None:
             return REST
         guide = self._situation.guide
         heading = guide.direction(waiting.place)
-        return Order("turn", heading=heading) if guide.off(heading) > self._numbers.turn_from else REST
+        return Order("turn", heading=heading) if guide.off(heading) > self._parameters.turn_from else REST

@@ -1,47 +1,44 @@
-"""Whether the robot comes on."""
+"""Detection of a robot that is stuck."""
 
 from dataclasses import dataclass
 from math import hypot, inf
 
-from apps.indoor_navigation.data import ObstRead, Place
+from apps.indoor_navigation.data import ObstRead, Place, Pose
 from geometry import wrap_angle
-
-Pose = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class ProgressNumbers:
-    """When the robot is stuck, and what follows.
+class ProgressParameters:
+    """When the robot counts as stuck, and what follows.
 
-    stuck: s within which it goes `step` m or turns `turn` rad, or is stuck. dead_end: s likewise in a dead end. around:
-    likewise if it moves within so many m for `long` s, whatever it does there. turns: likewise if it has to turn at one
-    place more often, since what it then does turns it away again. avoid: m around the place before it that
-    is avoided then, for `avoid_for` s. strikes: how often it may be stuck before it gives up; after `fresh` m they
-    count no more.
+    stuck: s without a motion of `step` m or `turn` rad. dead_end: s in a dead end. around, long: m around a place that
+    it does not leave for s. turns: maximum number of turns at one place. avoid, avoid_for: m around the place ahead
+    that costs more afterwards, for s. strikes: maximum number of times before the mission fails; after `fresh` m the
+    count begins again.
     """
 
-    stuck: float = 5.0
-    step: float = 0.2
-    turn: float = 0.4
-    dead_end: float = 2.0
-    around: float = 0.75
-    long: float = 20.0
-    turns: int = 3
-    avoid: float = 0.6
-    avoid_for: float = 60.0
-    strikes: int = 6
-    fresh: float = 2.0
+    stuck: float
+    step: float
+    turn: float
+    dead_end: float
+    around: float
+    long: float
+    turns: int
+    avoid: float
+    avoid_for: float
+    strikes: int
+    fresh: float
 
 
 class Progress:
-    """Since when the robot is about where it is. All times are s of one clock."""
+    """How long the robot has been at its place. All times are s of one clock."""
 
-    def __init__(self, numbers: ProgressNumbers) -> None:
-        self._numbers = numbers
+    def __init__(self, parameters: ProgressParameters) -> None:
+        self._parameters = parameters
         self.begin()
 
     def begin(self) -> None:
-        """A mission begins, or the robot's pose was set anew."""
+        """Reset for a new mission, or after odom was set anew."""
         self._neighbourhood: Place | None = None
         self._strikes, self._struck_at = 0, -inf
         self._around_for, self._checked_at = 0.0, inf
@@ -50,45 +47,49 @@ class Progress:
         self.go_on()
 
     def go_on(self) -> None:
-        """Something else is done from now on; the robot is given its time for that."""
+        """Restart the times, because the robot does something else from now on."""
         self._anchor: Pose | None = None
         self._anchored_at, self._dead_end_since = inf, inf
         self._checked_at = inf
 
     def see(self, reading: ObstRead, now: float) -> None:
-        """Note a dead end."""
+        """Take a report of a dead end."""
         self._dead_end_since = min(self._dead_end_since, now) if reading.is_dead_end else inf
 
     def turn(self, place: Place) -> None:
-        """The robot has to turn on its place, before it goes on."""
-        if _apart(place, self._turned_at) > self._numbers.step:
+        """Count a turn on the spot."""
+        if _apart(place, self._turned_at) > self._parameters.step:
             self._turned_at, self._turns = place, 0
         self._turns += 1
 
     def is_held(self, pose: Pose, now: float) -> bool:
-        """Whether it has neither gone nor turned for too long. Asked while it is to move, and only then."""
-        numbers, anchor = self._numbers, self._anchor
-        if anchor is None or _apart(pose, anchor) > numbers.step or abs(wrap_angle(pose[2] - anchor[2])) > numbers.turn:
+        """Return whether the robot has neither driven nor turned for too long; call only while it is to move."""
+        parameters, anchor = self._parameters, self._anchor
+        if (
+            anchor is None
+            or _apart(pose, anchor) > parameters.step
+            or abs(wrap_angle(pose[2] - anchor[2])) > parameters.turn
+        ):
             self._anchor, self._anchored_at = pose, now
-        return now - self._anchored_at > numbers.stuck
+        return now - self._anchored_at > parameters.stuck
 
     def is_stuck(self, pose: Pose, now: float) -> bool:
-        """Whether it has come no farther for too long, whatever it did. Asked likewise."""
-        numbers, is_held = self._numbers, self.is_held(pose, now)
-        if self._neighbourhood is None or _apart(pose, self._neighbourhood) > numbers.around:
+        """Return whether the robot has made no progress for too long; call only while it is to move."""
+        parameters, is_held = self._parameters, self.is_held(pose, now)
+        if self._neighbourhood is None or _apart(pose, self._neighbourhood) > parameters.around:
             self._neighbourhood, self._around_for = pose[:2], 0.0
         self._around_for += max(now - self._checked_at, 0.0)
         self._checked_at = now
         return (
             is_held
-            or now - max(self._anchored_at, self._dead_end_since) > numbers.dead_end
-            or self._around_for > numbers.long
-            or self._turns > numbers.turns
+            or now - max(self._anchored_at, self._dead_end_since) > parameters.dead_end
+            or self._around_for > parameters.long
+            or self._turns > parameters.turns
         )
 
     def strike(self, travelled: float) -> int:
-        """It is stuck once more; returns how often it was about here. travelled: m since the mission began."""
-        self._strikes = self._strikes + 1 if travelled - self._struck_at < self._numbers.fresh else 1
+        """Count that the robot is stuck; return how often it was around here. travelled: m of this mission."""
+        self._strikes = self._strikes + 1 if travelled - self._struck_at < self._parameters.fresh else 1
         self._struck_at = travelled
         self._neighbourhood, self._turns = None, 0
         self.go_on()

@@ -1,4 +1,4 @@
-"""A way as the robot is told it: one sub-target after the other, before and behind each door among them."""
+"""A way as a sequence of sub-targets, with places before and behind each door."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,19 +10,19 @@ from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
 from apps.indoor_navigation.data import Place
 from geometry import wrap_angle
 
-EASY = 0.17  # m beside the robot in a door that it passes at any angle
-THROUGH = 0.1  # m before the place behind a narrow door, where the robot is through it
-LEAST = 0.15  # m, as near as any robot surely gets to a line
-DEARER = 1.05  # a short cut to the sub-target after the next may be
+WIDE_ROOM = 0.17  # m on either side of the robot in a door that it can pass at any angle
+THROUGH_RANGE = 0.1  # m before the place behind a narrow door from which on the robot is through
+MIN_WITHIN = 0.15  # m from a line; every robot can come as near
+MAX_COST_RATIO = 1.05  # of a straight line to the sub-target after the next, that replaces the next
 
 
 @dataclass(frozen=True, slots=True)
 class SubTarget:
-    """Where to go next. door: the number of the one that lies before it, or None. is_last: here the way ends.
+    """A place on the way. door: number of the door that is passed on the way to it, or None. is_last: the way ends.
 
-    axis: rad, the way through the door that lies before it or behind it. within: m from the line along the axis through
-    it, as near as the robot must be to that line before it goes on. is_narrow: so is the door before it, and the robot
-    goes straight through.
+    axis: rad, direction through the door before or behind it. within: maximum distance of the robot from the line along
+    the axis before it drives on, m. is_narrow: whether the door on the way to it is narrow, so that the robot drives
+    straight through.
     """
 
     x: float
@@ -35,51 +35,65 @@ class SubTarget:
 
     @property
     def place(self) -> Place:
-        """In odom."""
+        """The place in odom."""
         return self.x, self.y
 
     @property
     def lines_up(self) -> bool:
-        """Whether the robot has to come into line here."""
+        """Whether the robot must line up with a door here."""
         return self.within < inf
 
     def is_in_line(self, robot: Place) -> bool:
-        """Whether the robot is on the line."""
+        """Return whether the robot is near enough to the line."""
         return abs((robot[1] - self.y) * cos(self.axis) - (robot[0] - self.x) * sin(self.axis)) <= self.within
 
     def is_reached(self, robot: Place, near: float) -> bool:
-        """Whether the robot is near it, m.
+        """Return whether the robot has reached it, to so many m.
 
-        Behind a door it may be beside it, since there it is only to be through; behind a narrow one wholly, or it has
-        no room to turn.
+        Behind a door the robot may be beside it, because it only must be through the door; behind a narrow door it must
+        be through wholly, because there it has no room to turn.
         """
         left_x, left_y = self.x - robot[0], self.y - robot[1]
         if self.door is None:
             return hypot(left_x, left_y) < near
-        return left_x * cos(self.axis) + left_y * sin(self.axis) < (THROUGH if self.is_narrow else near)
+        return left_x * cos(self.axis) + left_y * sin(self.axis) < (THROUGH_RANGE if self.is_narrow else near)
 
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """What is left of a way. ends_short: it ends before something that it is hoped will go; the rest of the way."""
+    """The rest of a way. ends_short: the way beyond an obstacle that may go away, before which the route ends."""
 
     targets: tuple[SubTarget, ...]
     ends_short: Way = ()
 
+    @classmethod
+    def along(cls, way: Way, doors: DoorsMap, terrain: Terrain, passage: "Passage") -> "Route":
+        """Return the sub-targets along a way: its corners, and places before and behind each door.
+
+        Where there is no room for such places, the robot passes the door as the way leads.
+        """
+        targets = [SubTarget(*place) for place in way[1:]] or [SubTarget(*way[0])]
+        for start, end in pairwise(way):
+            crossing = doors.crossed(start, end)
+            if crossing is not None:
+                targets = _through(*crossing, doors, terrain, passage, way[0], targets)
+        last = targets[-1]
+        return cls((*targets[:-1], SubTarget(last.x, last.y, last.door, is_last=True)))
+
     def points(self, robot: Place) -> Way:
-        """From where the robot is to the end."""
+        """Return the points from the robot to the end."""
         return (robot, *(target.place for target in self.targets))
 
     def length(self, robot: Place) -> float:
-        """Of what is left, m."""
+        """Return the length of the rest, m."""
         return length(self.points(robot))
 
     def advanced(self, terrain: Terrain, robot: Place, near: float) -> "Route":
-        """Without the sub-targets that the robot need not go to any more.
+        """Return the route without sub-targets that are not needed any more.
 
-        The next one is left out when the robot is near it, m, or when to go straight on to the one after it is as good;
-        in any case that must be possible. That behind a door stays until the robot is as far behind it, that before
-        one until the robot is in line with the door.
+        The next sub-target is removed when the robot is near it, m, or when a straight line to the one after it costs
+        no more; that line must be free in any case. A sub-target behind a door stays until the robot is as far behind
+        the door, and one before a door until the robot is in line with the door.
         """
         targets = self.targets
         while len(targets) > 1 and _is_needless(terrain, robot, targets, near):
@@ -87,7 +101,7 @@ class Route:
         return Route(targets, self.ends_short)
 
     def shortened(self, distance: float, robot: Place) -> "Route":
-        """One that ends so many m from the robot; the rest is what it ends short of."""
+        """Return a route that ends so many m from the robot, with the rest in `ends_short`."""
         points = self.points(robot)
         kept: list[SubTarget] = []
         for target, (start, end) in zip(self.targets, pairwise(points), strict=True):
@@ -104,38 +118,24 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """How to go through doors. before: where sub-targets are, m before and behind. half_width: of the robot, m."""
+    """How to pass doors. before: distance of sub-targets before and behind a door, m. half_width: of the robot, m."""
 
     before: float
     half_width: float
 
     def into(self, door: KnownDoor, direction: float) -> SubTarget:
-        """Before a door, along its normal (1) or against it (-1): there the robot comes into line with a narrow one."""
-        within = max(self._room(door), LEAST) if self._room(door) < EASY else inf
+        """Return the sub-target before a door, along its normal (1) or against it (-1)."""
+        within = max(self._room(door), MIN_WITHIN) if self._room(door) < WIDE_ROOM else inf
         return SubTarget(*door.beside(0.0, -direction * self.before), axis=_axis(door, direction), within=within)
 
     def out_of(self, number: int, door: KnownDoor, direction: float, aside: float = 0.0) -> SubTarget:
-        """Behind it, so many m to the left of its middle line for who looks along its normal."""
+        """Return the sub-target behind a door, so many m to the left of its middle line seen along its normal."""
         place = door.beside(aside, direction * self.before)
-        return SubTarget(*place, door=number, axis=_axis(door, direction), is_narrow=self._room(door) < EASY)
+        return SubTarget(*place, door=number, axis=_axis(door, direction), is_narrow=self._room(door) < WIDE_ROOM)
 
     def _room(self, door: KnownDoor) -> float:
-        """Beside the robot in a door, m."""
+        """Return the room on either side of the robot in a door, m."""
         return door.width / 2.0 - self.half_width
-
-
-def routed(way: Way, doors: DoorsMap, terrain: Terrain, passage: Passage) -> Route:
-    """The sub-targets along a way: its corners, and instead of those near a door places before and behind it.
-
-    A door is gone through as the way leads where there is no room for that.
-    """
-    targets = [SubTarget(*place) for place in way[1:]] or [SubTarget(*way[0])]
-    for start, end in pairwise(way):
-        crossing = doors.crossed(start, end)
-        if crossing is not None:
-            targets = _through(*crossing, doors, terrain, passage, way[0], targets)
-    last = targets[-1]
-    return Route((*targets[:-1], SubTarget(last.x, last.y, last.door, is_last=True)))
 
 
 def _through(
@@ -147,7 +147,7 @@ def _through(
     robot: Place,
     targets: list[SubTarget],
 ) -> list[SubTarget]:
-    """The same with places before and behind a door; robot and last sub-target stay, however near they are."""
+    """Return the sub-targets with places before and behind a door; the last sub-target stays in any case."""
     door, before = doors.doors[number], passage.before
     first = [target for target in targets[:-1] if door.ahead(target.place) * direction <= 0.0]
     then = [target for target in targets[:-1] if door.ahead(target.place) * direction > 0.0]
@@ -160,7 +160,7 @@ def _through(
 
 
 def _axis(door: KnownDoor, direction: float) -> float:
-    """The way through a door, rad, along its normal (1) or against it (-1)."""
+    """Return the direction through a door, rad, along its normal (1) or against it (-1)."""
     return wrap_angle(door.normal + (pi if direction < 0.0 else 0.0))
 
 
@@ -175,4 +175,4 @@ def _is_needless(terrain: Terrain, robot: Place, targets: tuple[SubTarget, ...],
         return False
     if first.is_reached(robot, near):
         return True
-    return first.door is None and straight <= DEARER * terrain.cost_of(robot, first.place, second.place)
+    return first.door is None and straight <= MAX_COST_RATIO * terrain.cost_of(robot, first.place, second.place)

@@ -1,9 +1,9 @@
 """The cheapest way over a terrain, straightened.
 
-First the cost to the goal from every cell. A sweep goes over the rows, each from the one before, and within a row both
-ways; a few sweeps up and down are enough, one more for each time that the cheapest ways turn back. All cells of a row
-are dealt with at once, so this costs as much wherever the way leads. Then the way is followed downhill, and made
-straight so far as that makes it no dearer: it may have any direction in the end.
+First the cost to the goal is computed for every cell by fast sweeping. A sweep passes over the rows, each from the one
+before, and within a row in both directions. A few sweeps up and down are enough, one more for each time that the
+cheapest ways turn back. All cells of a row are processed at once, so the time does not depend on the way. Then the way
+follows the costs downhill, and is straightened where that does not increase its cost, so it may have any direction.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,18 +13,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.planning.area import Flags
-from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
-from apps.indoor_navigation.data import Floats, Place
+from apps.indoor_navigation.algorithms.planning.area import PASSED
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Strip, Terrain, covered
+from apps.indoor_navigation.data import Bools, Floats, Place
 
-SWEEPS = 40  # at most; a labyrinth needs one for each turn back
-ENOUGH = 1e-6  # of change, after which the costs are final
-OFF_GOAL = 3.0  # cost of a metre between the goal and where the way ends
-DEARER = 1.001  # a straight piece may be, than what it replaces
+MAX_SWEEPS = 40  # a labyrinth needs one for each turn back
+MIN_CHANGE = 1e-6  # of costs; a smaller change ends the sweeps
+GOAL_OFFSET_COST = 3.0  # of a metre between the goal and the end of the way
+MAX_COST_RATIO = 1.001  # of a straight piece to the pieces that it replaces; above 1 for rounding
 
-PULLS = 2  # from either end in turn; an even number
-NO_WAY = 4e5  # cells; no way costs as much that is not barred, and one that is barred costs more
-SLIP = 1e-2  # of costs, by adding in another order
+PASSES = 2  # of straightening, from either end in turn; even, to keep the direction
+NO_WAY = 4e5  # cells; a free way costs less, and a barred one more
+ROUNDING = 1e-2  # of costs, by adding in another order
+
+# A place aside, where the robot lets a person pass.
+PASSING_ROOM = 0.5  # m beside the robot that a person needs to pass
+VIEW = 1.1  # m ahead within which a person waits for the robot to go away
+MAX_ASIDE_COST = 3.0  # of a metre of the floor where the robot waits; floor with a higher cost is too near to obstacles
+MAX_WAY_COST = 5.0  # of the way to that place
 
 Way = tuple[Place, ...]
 Cell = tuple[int, int]
@@ -42,37 +48,61 @@ THROUGH: dict[Cell, Sequence[Cell]] = {
 
 
 def find_way(terrain: Terrain, start: Place, goal: Place, tolerance: float) -> Way | None:
-    """The cheapest way from one place to another, or as near to it as is cheap within the tolerance, m.
+    """Return the cheapest way to a goal, or to a cheaper place within the tolerance, m; None where there is no way.
 
-    Both places are within the terrain. None where there is no way.
+    Both places must be within the terrain.
     """
     cells = _swept(terrain, goal, tolerance).downhill(terrain.area.cell(*start))
     if cells is None:
         return None
     places = [terrain.area.place(*cell) for cell in cells]
     last = goal if cells[-1] == terrain.area.cell(*goal) else places[-1]
-    return straightened(terrain, (start, *places[1:-1], last))
+    return _straightened(terrain, (start, *places[1:-1], last))
+
+
+def way_aside(
+    ground: Terrain, robot: Place, ways: Sequence[Way], barred: Place | None, half_width: float
+) -> Way | None:
+    """Return the cheapest way to known floor beside other ways, and away from where they are barred; None if far.
+
+    There the robot is in nobody's way who wants to come from where it is going, or from where it was.
+
+    Args:
+        ground: Around the robot.
+        robot: Where it is.
+        ways: Ways that must stay free.
+        barred: Where the way is barred, if known.
+        half_width: Of the robot, m.
+    """
+    strips = [Strip(*piece, half_width + PASSING_ROOM) for way in ways for piece in pairwise(way)]
+    strips += [Strip(barred, barred, half_width + VIEW)] if barred is not None else []
+    is_place = (ground.area.evidence <= PASSED) & (ground.cost <= MAX_ASIDE_COST) & ~covered(ground.area, strips)
+    costs = np.where(is_place, costs_to(ground, robot, 0.0), np.inf)
+    row, column = np.unravel_index(int(costs.argmin()), costs.shape)
+    if not costs[row, column] * ground.area.resolution <= MAX_WAY_COST:
+        return None
+    return find_way(ground, robot, ground.area.place(int(row), int(column)), 0.0)
 
 
 def costs_to(terrain: Terrain, goal: Place, tolerance: float) -> Floats:
-    """From each cell to the goal, by the length of a cell; NO_WAY or more where there is no way."""
+    """Return the cost from each cell to the goal, in lengths of a cell; NO_WAY or more where there is no way."""
     return _swept(terrain, goal, tolerance).costs
 
 
-def straightened(terrain: Terrain, way: Way) -> Way:
-    """The same way with as few corners as are needed; nowhere dearer."""
-    for _ in range(PULLS):
+def _straightened(terrain: Terrain, way: Way) -> Way:
+    """Return the way with as few corners as possible at the same cost."""
+    for _ in range(PASSES):
         way = tuple(reversed(_pulled(terrain, _dense(way, terrain.area.resolution))))
     return way
 
 
 def length(way: Sequence[Place]) -> float:
-    """Of a way, m."""
+    """Return the length of a way, m."""
     return sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(way))
 
 
 def _ends(terrain: Terrain, goal: Place, tolerance: float) -> list[tuple[Cell, float]]:
-    """The cells where the way may end, and how far from the goal, m."""
+    """Return the cells where the way may end, and their distances from the goal, m."""
     area = terrain.area
     row, column = area.cell(*goal)
     reach = ceil(tolerance / area.resolution)
@@ -99,7 +129,7 @@ class _Step(NamedTuple):
 
     @classmethod
     def of(cls, cost: Floats, rows: int, columns: int) -> "_Step":
-        """Its length, in cells, times the mean of the costs of the cells that it leads through."""
+        """Return the cost of a step: its length in cells times the mean cost of its cells."""
         height, width = cost.shape[0] - rows, cost.shape[1] - abs(columns)
         left = max(-columns, 0)
 
@@ -117,7 +147,7 @@ class _Step(NamedTuple):
         return cls(rows, columns, np.ascontiguousarray(steps))
 
     def spread(self, total: Floats, row: int, source: int) -> None:
-        """Into one row of costs from another that is a step away."""
+        """Update one row of costs from another that is a step away."""
         ahead, back = (self.columns, 0) if self.columns >= 0 else (0, -self.columns)
         if source > row:
             ahead, back = back, ahead
@@ -126,7 +156,7 @@ class _Step(NamedTuple):
         np.minimum(into, total[source, back : width - ahead] + self.cost[min(row, source)], out=into)
 
     def from_cell(self, cell: Cell) -> Iterator[tuple[Cell, float]]:
-        """Where it leads from a cell, on and back, and what that costs."""
+        """Yield the cells before and after a cell, and the costs of the steps to them."""
         for row, column in (
             (cell[0] + self.rows, cell[1] + self.columns),
             (cell[0] - self.rows, cell[1] - self.columns),
@@ -153,12 +183,12 @@ class _Field:
         return self._total.T if self._is_turned else self._total
 
     def sweep(self) -> None:
-        """Down and up until nothing becomes cheaper. A row is spread only where it has changed since it was."""
+        """Sweep down and up until no cost decreases; rows without a change are skipped."""
         rows = len(self._total)
         for row in range(rows):
             self._spread_within(row)
         to_lower = to_upper = np.ones(rows, np.bool_)
-        for _ in range(SWEEPS):
+        for _ in range(MAX_SWEEPS):
             changed = self._sweep(range(1, rows), -1, to_lower)
             to_lower, to_upper = np.zeros(rows, np.bool_), to_upper | changed
             changed = self._sweep(range(rows - 2, -1, -1), 1, to_upper)
@@ -166,8 +196,8 @@ class _Field:
             if not to_lower.any():
                 return
 
-    def _sweep(self, rows: range, towards: int, is_news: Flags) -> Flags:
-        """Spread into each row from those before it that have news, or have just been given some."""
+    def _sweep(self, rows: range, towards: int, is_news: Bools) -> Bools:
+        """Update each row from those before it that have changed; return the changed rows."""
         changed = np.zeros(len(self._total), np.bool_)
         for row in rows:
             before_it = (source for source in (row + towards, row + 2 * towards) if 0 <= source < len(changed))
@@ -177,7 +207,7 @@ class _Field:
                 for source in sources:
                     self._spread_into(row, source)
                 self._spread_within(row)
-                changed[row] = before - self._total[row].sum() > ENOUGH
+                changed[row] = before - self._total[row].sum() > MIN_CHANGE
         return changed
 
     def _spread_into(self, row: int, source: int) -> None:
@@ -197,7 +227,7 @@ class _Field:
         np.minimum(total, spread, out=total)
 
     def downhill(self, start: Cell) -> list[Cell] | None:
-        """The cells of the terrain from the start to where the cost is least; None where there is no way."""
+        """Return the cells from the start to the least cost; None where there is no way."""
         total, cell = self._total, self._turned(start)
         if not total[cell] < NO_WAY:
             return None
@@ -205,7 +235,7 @@ class _Field:
         while True:
             beside = (found for step in (self._along, *self._steps) for found in step.from_cell(cell))
             by_way_of, following = min((total[other] + cost, other) for other, cost in beside)
-            if not total[following] < total[cell] or by_way_of > total[cell] + SLIP:
+            if not total[following] < total[cell] or by_way_of > total[cell] + ROUNDING:
                 return cells
             cell = following
             cells.append(self._turned(cell))
@@ -217,14 +247,14 @@ class _Field:
 def _swept(terrain: Terrain, goal: Place, tolerance: float) -> _Field:
     total = np.full(terrain.cost.shape, BARRED)
     for cell, off in _ends(terrain, goal, tolerance):
-        total[cell] = off * OFF_GOAL / terrain.area.resolution
+        total[cell] = off * GOAL_OFFSET_COST / terrain.area.resolution
     field = _Field(terrain.cost, total)
     field.sweep()
     return field
 
 
 def _pulled(terrain: Terrain, way: Way) -> Way:
-    """From each corner straight to the farthest point that is worth it, as if the way were a string."""
+    """Replace pieces of a way by straight lines, from each corner to the farthest point where the cost allows it."""
     if len(way) < 2:
         return way
     so_far = np.concatenate([[0.0], np.cumsum(terrain.costs_of_pieces(way))])
@@ -236,7 +266,7 @@ def _pulled(terrain: Terrain, way: Way) -> Way:
 
 
 def _dense(way: Way, spacing: float) -> Way:
-    """With points so near to each other that corners may be moved to any of them."""
+    """Return the way with additional points, which may become corners."""
     dense = list(way[:1])
     for (ax, ay), (bx, by) in pairwise(way):
         count = max(1, round(hypot(bx - ax, by - ay) / spacing))
@@ -246,10 +276,12 @@ def _dense(way: Way, spacing: float) -> Way:
 
 
 def _farthest(terrain: Terrain, way: Way, so_far: Floats, at: int) -> int:
-    """By steps that double as long as they are worth it, and then are halved."""
+    """Return the farthest point for a straight line, by doubling the step and then halving it."""
 
     def is_worth(to: int) -> bool:
-        return terrain.cost_between(way[at], way[to]) <= min(float(so_far[to] - so_far[at]) * DEARER, BARRED - 1.0)
+        return terrain.cost_between(way[at], way[to]) <= min(
+            float(so_far[to] - so_far[at]) * MAX_COST_RATIO, BARRED - 1.0
+        )
 
     last = len(way) - 1
     if is_worth(last):

@@ -1,43 +1,43 @@
-"""One mission under way: what is known about how it stands, and what those share who decide what is done next."""
+"""The state of a mission, shared by `Driving`, `Pausing` and `Navigator`."""
 
 from collections import deque
 from math import inf
 
-from apps.indoor_navigation.algorithms.planning.guide import Guide, spoken
+from apps.indoor_navigation.algorithms.planning.guide import Guide, place_text
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.orders import MissionNote, MissionNumbers
+from apps.indoor_navigation.algorithms.planning.orders import MissionNote, MissionParameters
 from apps.indoor_navigation.algorithms.planning.progress import Progress
 from apps.indoor_navigation.algorithms.planning.states import TRANSITIONS, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting
 from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.state_machine import Change, StateMachine
 
-SAID = 64  # messages that wait to be fetched
-LOOK_WAITING = 0.5  # s between two looks whether waiting has an end
+MAX_NOTES = 64  # messages that wait to be sent
+WAITING_LOOK = 0.5  # s between two searches for a way while the robot waits
 
 
 class Situation:
     """All times are s of one steady clock.
 
-    notes: what there is to tell. noted: how many notes there were of this mission. waiting: for what, in the state that
-    is called so. barred: where the way was barred last. no_way_since: s. looked_at, seen_at: when a way was looked for
-    last, and when anything was seen, s. is_there: it only has to turn yet. doubts: that the goal is barred.
+    notes: messages for people. noted: number of notes of this mission. waiting: reason and end in the state WAITING.
+    barred: where the way was barred last. no_way_since: s. looked_at: s of the last search for a way. seen_at: s of the
+    last reading. is_there: whether only the final turn is left. doubts: an obstacle at the goal may be a person.
     """
 
-    def __init__(self, numbers: MissionNumbers, memory: Memory) -> None:
-        self.numbers = numbers
+    def __init__(self, parameters: MissionParameters, memory: Memory) -> None:
+        self.parameters = parameters
         self.memory = memory
-        self.notes: deque[MissionNote] = deque(maxlen=SAID)
+        self.notes: deque[MissionNote] = deque(maxlen=MAX_NOTES)
         self.machine: StateMachine[MissionState, MissionEvent] = StateMachine(
             TRANSITIONS, MissionState.IDLE, self._changed
         )
-        self.progress = Progress(numbers.progress)
+        self.progress = Progress(parameters.progress)
         self.waiting = FOR_SIGHT
         self.seen_at = -inf
         self._set_out(GoalPoint("", None, None))
 
     def begin(self, goal: GoalPoint, now: float) -> None:
-        """Take up a mission."""
+        """Begin a mission."""
         self._set_out(goal)
         self.progress.begin()
         self.memory.begin_trail()
@@ -45,15 +45,15 @@ class Situation:
 
     @property
     def state(self) -> MissionState:
-        """What the robot is about."""
+        """The state of the mission."""
         return self.machine.state
 
     def is_blind(self, now: float) -> bool:
-        """Whether nothing has been seen for too long."""
-        return now - self.seen_at > self.numbers.silence
+        """Return whether readings have been missing for too long."""
+        return now - self.seen_at > self.parameters.silence
 
     def look(self, now: float, budget: float = inf) -> float | None:
-        """Look for a way, and take it where it costs no more than the budget. Its length, m, or None."""
+        """Plan a way, and take it if it costs no more than the budget; return its length, m, or None."""
         self.looked_at = now
         found = self.guide.look(now, budget)
         if found is not None:
@@ -61,50 +61,50 @@ class Situation:
         return found
 
     def wait_for(self, now: float, event: MissionEvent, waiting: Waiting) -> None:
-        """Stand and wait."""
+        """Stop and wait."""
         self.waiting = waiting
         self.machine.happens(event, now, waiting.why)
 
     def is_time_to_look(self, now: float) -> bool:
-        """Whether to look once more if waiting has an end."""
-        return now >= self.looked_at + LOOK_WAITING
+        """Return whether to search for a way again while the robot waits."""
+        return now >= self.looked_at + WAITING_LOOK
 
     def look_past(self, waiting: Waiting, now: float) -> float | None:
-        """Look for a way that is worth it to wait no longer, and take it. Its length, m, or None."""
-        return self.look(now, waiting.budget(now, self.numbers.detour, self.numbers.speed))
+        """Plan a way that is better than waiting, and take it; return its length, m, or None."""
+        return self.look(now, waiting.budget(now, self.parameters.detour, self.parameters.speed))
 
     def end_making_way(self, now: float) -> None:
-        """If nobody is in the way any more."""
+        """Stop making way if the way is free."""
         waiting = self.making_way.waiting
         if waiting is not None and self.is_time_to_look(now) and self.look_past(waiting, now) is not None:
             self.making_way.end(now)
             self.note("info", "nobody has to be made way for any more")
 
     def arrive(self, now: float) -> None:
-        """The mission has ended as it should."""
+        """End a mission that has reached its goal."""
         self.memory.end_trail()
         self.machine.happens(MissionEvent.ARRIVED, now, f"there, after {self.memory.travelled:.1f} m")
 
     def give_up(self, now: float, why: str) -> None:
-        """The mission has ended otherwise."""
+        """End a mission that cannot reach its goal."""
         self.machine.happens(MissionEvent.GIVEN_UP, now, why)
 
     def has_tried_enough(self, now: float) -> bool:
-        """It has come no farther once more; after some times it gives up."""
+        """Count that the robot is stuck; after some times give up, and return True."""
         tried = self.progress.strike(self.memory.travelled)
-        if tried <= self.numbers.progress.strikes:
+        if tried <= self.parameters.progress.strikes:
             return False
-        self.give_up(now, f"the robot comes no farther at {spoken(self.memory.place)}, though {tried - 1} times tried")
+        self.give_up(now, f"the robot comes no farther at {place_text(self.memory.place)} after {tried - 1} attempts")
         return True
 
     def note(self, level: str, what: str) -> None:
-        """There is something to tell."""
+        """Add a message for people."""
         self.noted += 1
         self.notes.append(MissionNote(self.goal.mission, level, what))
 
     def _set_out(self, goal: GoalPoint) -> None:
-        self.goal, self.guide, self.noted = goal, Guide(self.numbers.guide, self.memory, goal), 0
-        self.making_way = MakingWay(self.numbers.courtesies)
+        self.goal, self.guide, self.noted = goal, Guide(self.parameters.guide, self.memory, goal), 0
+        self.making_way = MakingWay(self.parameters.courtesies)
         self.barred: Place | None = None
         self.no_way_since, self.looked_at = inf, -inf
         self.is_there, self.doubts = False, True

@@ -1,4 +1,4 @@
-"""The states of a mission, and what leads from one to another."""
+"""The states of a mission, and the transitions between them."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -8,7 +8,7 @@ from apps.indoor_navigation.state_machine import from_each
 
 
 class MissionState(StrEnum):
-    """What the robot is about."""
+    """The state of a mission; the values are part of its JSON."""
 
     IDLE = "idle"
     TURNING = "turning"
@@ -23,7 +23,7 @@ class MissionState(StrEnum):
 
 
 class MissionEvent(StrEnum):
-    """What happens to a mission."""
+    """An event of a mission."""
 
     TOLD = "told"
     CALLED_OFF = "called off"

@@ -1,4 +1,4 @@
-"""What it costs to go where: dear near obstacles, a little in the unknown, and more where a wall may be expected."""
+"""The cost map: high near obstacles, a little above 1 in the unknown, and higher where a wall is expected."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,40 +8,40 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.algorithms.planning.area import Area, Flags
-from apps.indoor_navigation.data import Floats, Place
+from apps.indoor_navigation.algorithms.planning.area import Area
+from apps.indoor_navigation.data import Bools, Floats, Ints, Place
 
-BARRED = 1e6  # cost of a cell where the robot does not fit
-STUCK = 20.0  # likewise, but right where the robot is, so that it finds out
-ONTO = 0.15  # m around the robot, beside its own size, where it may be stuck
-SAMPLES = 2.0  # to each cell along a line
+BARRED = 1e6  # cost of a metre where the robot does not fit; no way that is free costs as much
+START_COST = 20.0  # likewise, but at the robot's place, so that a way out can be found
+START_MARGIN = 0.15  # m around the robot where this cost applies, beside the half width; grid cells are coarse
+SAMPLES = 2.0  # of a line per cell, so that it does not miss a corner of a cell
 
 
 @dataclass(frozen=True, slots=True)
-class CostNumbers:
-    """Costs are of a metre; 1 on known free floor.
+class CostParameters:
+    """Costs of a metre; known free floor costs 1.
 
-    margin: m that must be left beside the robot. comfort: m beside that where nearness to an obstacle costs something.
-    tight: cost added at the margin itself. squeeze: cost added nearer than the margin, as far as cells are too coarse
-    to tell whether the robot fits; only where it surely does not, it is barred. unknown: cost where nothing is known.
-    off_ways: likewise, once ways are remembered, which are known to lead somewhere. wall: in the unknown beside a door,
-    since doors are in walls. hope: where an obstacle is that was not always there, in a search that hopes it will go.
-    detour: added where the robot has come no farther lately.
+    margin: m that must be free beside the robot. comfort: m beyond the margin where nearness to an obstacle adds cost.
+    tight: cost added at the margin. squeeze: cost added within the margin, where cells are too coarse to show whether
+    the robot fits; only where it certainly does not fit, the cell is barred. unknown: cost of unknown floor. off_ways:
+    likewise, once ways are remembered, because these are known to lead somewhere. wall: cost of unknown floor beside a
+    door, because doors are in walls. hope: cost added at an obstacle that may go away. detour: cost added where the
+    robot was stuck lately.
     """
 
-    margin: float = 0.0
-    comfort: float = 0.35
-    tight: float = 4.0
-    squeeze: float = 20.0
-    unknown: float = 1.3
-    off_ways: float = 2.0
-    wall: float = 15.0
-    hope: float = 10.0
-    detour: float = 10.0
+    margin: float
+    comfort: float
+    tight: float
+    squeeze: float
+    unknown: float
+    off_ways: float
+    wall: float
+    hope: float
+    detour: float
 
 
 class Strip(NamedTuple):
-    """A straight strip of floor, from one place to another, so many m wide to each side."""
+    """A straight strip of floor from one place to another. half_width: m to each side."""
 
     start: Place
     end: Place
@@ -50,7 +50,7 @@ class Strip(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Hints:
-    """What is known beside what was seen: ways that were gone before, where walls must be, where it went on no more."""
+    """Knowledge beside the grid: ways of earlier missions, expected walls, and places where the robot was stuck."""
 
     ways: tuple[Strip, ...] = ()
     walls: tuple[Strip, ...] = ()
@@ -61,23 +61,23 @@ NO_HINTS = Hints()
 
 
 class Terrain(NamedTuple):
-    """Cost of a metre in each cell of an area, BARRED where the robot does not fit."""
+    """The cost of a metre in each cell of an area; BARRED where the robot does not fit."""
 
     area: Area
     cost: Floats
 
     def is_barred(self, x: float, y: float) -> bool:
-        """Whether the robot cannot be there."""
+        """Return whether the robot does not fit at a place."""
         row, column = self.area.cell(x, y)
         height, width = self.cost.shape
         return 0 <= row < height and 0 <= column < width and bool(self.cost[row, column] >= BARRED)
 
     def cost_of(self, *points: Place) -> float:
-        """Of a line of points; BARRED or more where it leads through what is barred."""
+        """Return the cost of a polyline; BARRED or more where a cell is barred."""
         return float(self.costs_of_pieces(points).sum())
 
     def cost_between(self, start: Place, end: Place) -> float:
-        """Of a straight line within the area; BARRED or more where it leads through what is barred."""
+        """Return the cost of a straight line within the area; BARRED or more where a cell is barred."""
         x, y, resolution = self.area.x, self.area.y, self.area.resolution
         dx, dy = end[0] - start[0], end[1] - start[1]
         whole = hypot(dx, dy)
@@ -89,7 +89,7 @@ class Terrain(NamedTuple):
         return float(costs.sum()) * whole / count if costs.max() < BARRED else BARRED
 
     def costs_of_pieces(self, points: Sequence[Place]) -> Floats:
-        """Of each straight piece of a line of points; BARRED or more for one that leads through what is barred."""
+        """Return the cost of each piece of a polyline; BARRED or more for a piece with a barred cell."""
         line = _sampled(np.asarray(points, np.float64), self.area.resolution)
         costs = self._costs(line.places)
         pieces: Floats = np.bincount(line.pieces, line.lengths * costs, len(points) - 1).astype(np.float64)
@@ -97,7 +97,7 @@ class Terrain(NamedTuple):
         return pieces + np.where(barred, BARRED, 0.0)
 
     def first_barred(self, points: Sequence[Place]) -> float | None:
-        """How far along a line it is barred, m; None where it is not."""
+        """Return the distance along a polyline to the first barred cell, m; None where there is none."""
         line = _sampled(np.asarray(points, np.float64), self.area.resolution)
         barred = np.flatnonzero(self._costs(line.places) >= BARRED)
         return float(line.lengths[: barred[0]].sum()) if len(barred) else None
@@ -115,55 +115,55 @@ class Terrain(NamedTuple):
 def terrain(
     area: Area,
     half_width: float,
-    numbers: CostNumbers,
+    parameters: CostParameters,
     *,
     hints: Hints = NO_HINTS,
     robot: Place | None = None,
     hopes: float | None = None,
 ) -> Terrain:
-    """Judge an area.
+    """Return the costs of an area.
 
     Args:
-        area: What was seen.
+        area: The grid.
         half_width: Of the robot, m.
-        numbers: What is how dear.
-        hints: What is known beside.
-        robot: Where it is: however near obstacles seem, it can leave that place.
-        hopes: Bar only walls; something else that is in the way may go, and costs so much.
+        parameters: The costs.
+        hints: Knowledge beside the grid.
+        robot: Its place, which is never barred, however near obstacles seem.
+        hopes: Cost of an obstacle that may go away; only walls are barred then. By default all obstacles are.
     """
     occupied = area.occupied
     standing = occupied if hopes is None else area.walls
-    narrow = half_width + numbers.margin
-    cost = np.where(area.unknown, numbers.off_ways if hints.ways else numbers.unknown, 1.0)
+    narrow = half_width + parameters.margin
+    cost = np.where(area.unknown, parameters.off_ways if hints.ways else parameters.unknown, 1.0)
     for way in hints.ways:
         _lay(cost, area, way, area.unknown, 1.0)
     for wall in hints.walls:
-        _lay(cost, area, wall, area.unknown, numbers.wall)
+        _lay(cost, area, wall, area.unknown, parameters.wall)
     for avoided in hints.avoided:
-        _lay(cost, area, avoided, None, numbers.detour)
-    cost += _nearness(standing, narrow, numbers, area.resolution)
+        _lay(cost, area, avoided, None, parameters.detour)
+    cost += _nearness(standing, narrow, parameters, area.resolution)
     if hopes is not None:
         barred = _squared(narrow - area.resolution, area.resolution)
         in_the_way = clearance_squared(occupied, narrow, area.resolution) <= barred
         cost[in_the_way] += hopes
     if robot is not None:
-        _let_out(cost, area, robot, narrow + ONTO)
+        _let_out(cost, area, robot, narrow + START_MARGIN)
     np.minimum(cost, BARRED, out=cost)
     return Terrain(area, cost)
 
 
-def covered(area: Area, strips: Iterable[Strip]) -> Flags:
-    """The cells of some strips."""
+def covered(area: Area, strips: Iterable[Strip]) -> Bools:
+    """Return the cells of some strips."""
     onto = np.zeros(area.evidence.shape)
     for strip in strips:
         _lay(onto, area, strip, None, 1.0)
     return np.asarray(onto > 0.0)
 
 
-def clearance_squared(occupied: Flags, farthest: float, resolution: float) -> NDArray[np.int16]:
-    """For each cell, squared distance to the nearest occupied one, in cells, exact up to `farthest` m, and more beyond.
+def clearance_squared(occupied: Bools, farthest: float, resolution: float) -> NDArray[np.int16]:
+    """Return the squared distance of each cell to the nearest occupied cell, in cells; exact up to `farthest` m.
 
-    First the distance within each row, by what was occupied last from either side; then the nearest over the rows.
+    First the distance within each row, from the last occupied cell on either side; then the minimum over the rows.
     """
     reach = ceil(farthest / resolution) + 1
     width = occupied.shape[1]
@@ -178,25 +178,25 @@ def clearance_squared(occupied: Flags, farthest: float, resolution: float) -> ND
     return nearest
 
 
-def _nearness(standing: Flags, narrow: float, numbers: CostNumbers, resolution: float) -> Floats:
-    """Cost for being near to obstacles."""
-    wide = narrow + numbers.comfort
+def _nearness(standing: Bools, narrow: float, parameters: CostParameters, resolution: float) -> Floats:
+    """Return the cost of nearness to obstacles."""
+    wide = narrow + parameters.comfort
     squared = clearance_squared(standing, wide, resolution)
     distance = np.sqrt(np.arange(int(squared.max(initial=0)) + 1)) * resolution
-    lacking = np.clip((wide - distance) / numbers.comfort, 0.0, 1.0)
-    table = numbers.tight * lacking**2
-    table[: _squared(narrow, resolution) + 1] += numbers.squeeze
+    lacking = np.clip((wide - distance) / parameters.comfort, 0.0, 1.0)
+    table = parameters.tight * lacking**2
+    table[: _squared(narrow, resolution) + 1] += parameters.squeeze
     table[: _squared(narrow - resolution, resolution) + 1] = BARRED
     return np.asarray(table[squared])
 
 
 def _squared(distance: float, resolution: float) -> int:
-    """Squared cells within a distance, m."""
+    """Return a distance in m as squared cells."""
     return int((max(distance, 0.0) / resolution) ** 2 + 1e-9)
 
 
-def _lay(cost: Floats, area: Area, strip: Strip, where: Flags | None, value: float) -> None:
-    """Give the cells of a strip a cost where they are flagged; add it where there are no flags."""
+def _lay(cost: Floats, area: Area, strip: Strip, where: Bools | None, value: float) -> None:
+    """Set the cost of the flagged cells of a strip; without flags, add it to all its cells."""
     part = area.around(strip.start, strip.end, margin=strip.half_width)
     height, width = part.evidence.shape
     if not height or not width:
@@ -213,7 +213,7 @@ def _lay(cost: Floats, area: Area, strip: Strip, where: Flags | None, value: flo
 
 
 def _distance(x: Floats, y: Floats, strip: Strip) -> Floats:
-    """From a strip's middle line, m."""
+    """Return the distance from the middle line of a strip, m."""
     (start_x, start_y), (end_x, end_y) = strip.start, strip.end
     dx, dy = end_x - start_x, end_y - start_y
     length = hypot(dx, dy)
@@ -224,16 +224,16 @@ def _distance(x: Floats, y: Floats, strip: Strip) -> Floats:
 
 
 def _let_out(cost: Floats, area: Area, robot: Place, radius: float) -> None:
-    """Where the robot is, it cannot be barred."""
-    cost[covered(area, [Strip(robot, robot, radius)]) & (cost >= BARRED)] = STUCK
+    """Unbar the cells around the robot."""
+    cost[covered(area, [Strip(robot, robot, radius)]) & (cost >= BARRED)] = START_COST
 
 
 class _Samples(NamedTuple):
-    """Short bits of a line: their middles, their lengths, m, and of which straight piece they are."""
+    """Samples of a polyline: their middles, lengths in m, and the indices of their pieces."""
 
     places: Floats
     lengths: Floats
-    pieces: NDArray[np.intp]
+    pieces: Ints
 
 
 def _sampled(points: Floats, resolution: float) -> _Samples:
@@ -241,6 +241,6 @@ def _sampled(points: Floats, resolution: float) -> _Samples:
     lengths = np.hypot(ways[:, 0], ways[:, 1])
     counts = np.maximum(np.ceil(lengths * SAMPLES / resolution), 1.0).astype(np.intp)
     pieces = np.repeat(np.arange(len(counts)), counts)
-    numbers = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
-    parts = (numbers + 0.5) / counts[pieces]
+    indices = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
+    parts = (indices + 0.5) / counts[pieces]
     return _Samples(starts[pieces] + parts[:, None] * ways[pieces], (lengths / counts)[pieces], pieces)

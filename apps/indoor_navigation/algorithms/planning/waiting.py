@@ -1,19 +1,19 @@
-"""What the robot waits for, and for how long."""
+"""Reasons and ends of waiting."""
 
 from dataclasses import dataclass, replace
 from math import inf
 
 from apps.indoor_navigation.data import Place
 
-AGAIN = 15.0  # s before the robot makes way once more
+MIN_INTERVAL = 15.0  # s before the robot makes way again, so that it can drive on meanwhile
 
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """Ends with a way within the budget, at the time until, s, or when what bars the way turns out to be a wall.
+    """Waiting ends with a way within the budget, at the time `until`, s, or when the obstacle is found to be a wall.
 
-    why: in words. since: s. cost: of the way if nothing were on it; `inf` where any way will do. place: where the way
-    is barred, if it is known. is_last_hope: if that does not go, there is no way.
+    why: reason in words. since: s. cost: of the way without the obstacle; `inf` if any way ends waiting. place: where
+    the way is barred, if known. is_last_hope: whether there is no other way.
     """
 
     why: str
@@ -25,15 +25,15 @@ class Waiting:
 
     @property
     def hopes(self) -> bool:
-        """Whether something must go that may go."""
+        """Whether the robot waits for an obstacle to go away."""
         return self.is_last_hope or self.cost < inf
 
     def budget(self, now: float, detour: float, speed: float) -> float:
-        """Cost of a way that is worth it: a detour that takes no longer than the robot has waited, or is short, m."""
+        """Return the cost of a way that ends waiting: with a detour as long as the time waited, or a short one, m."""
         return self.cost + detour + speed * (now - self.since)
 
     def aside(self, until: float) -> "Waiting":
-        """The same, aside, and not ended before this time."""
+        """Return the same waiting aside, until this time at least."""
         return replace(self, why=f"aside, since {self.why}", until=max(self.until, until))
 
 
@@ -41,27 +41,27 @@ FOR_SIGHT = Waiting("nothing is seen; see whether sonar and laser work", -inf, i
 
 
 class MakingWay:
-    """Who stands in the way may be waiting for the robot to go out of theirs, so it goes aside now and then.
+    """Counts how often the robot went aside: a person in its way may be waiting for the robot to let them pass.
 
-    waiting: what it goes on to wait for when it is aside; None while it does not make way.
+    waiting: continues when the robot is aside; None while it does not make way.
     """
 
     def __init__(self, most: int) -> None:
-        """most: times on one mission."""
+        """most: maximum number of times on one mission."""
         self._left = most
         self._went = -inf
         self.waiting: Waiting | None = None
 
     def is_worth(self, now: float) -> bool:
-        """Whether it may be of use now, s."""
-        return self._left > 0 and now - self._went >= AGAIN
+        """Return whether the robot may go aside at s."""
+        return self._left > 0 and now - self._went >= MIN_INTERVAL
 
     def begin(self, waiting: Waiting) -> None:
-        """Go aside."""
+        """Begin to go aside."""
         self._left -= 1
         self.waiting = waiting
 
     def end(self, now: float) -> None:
-        """The robot is aside, or does something else."""
+        """End going aside at s."""
         if self.waiting is not None:
             self.waiting, self._went = None, now

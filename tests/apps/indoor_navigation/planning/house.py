@@ -4,7 +4,7 @@ The robot stops short of what it would touch, and goes along it where it can; th
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import cos, hypot, inf, pi, sin
 from typing import Self
@@ -15,8 +15,9 @@ from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import Order
 from apps.indoor_navigation.algorithms.planning.search import find_way, length
-from apps.indoor_navigation.algorithms.planning.terrain import CostNumbers, terrain
+from apps.indoor_navigation.algorithms.planning.terrain import terrain
 from apps.indoor_navigation.data import DLEData, Door, Floats, GoalPoint, ObstRead, Place
+from apps.indoor_navigation.parameters import shipped_parameters
 from geometry import wrap_angle
 
 Line = tuple[float, float, float, float]
@@ -224,7 +225,14 @@ def shortest(plan: House, start: Place, goal: Place, time: float = 0.0) -> float
         rows = np.floor((ay + parts * (by - ay) - y0) / 0.05).astype(int)
         evidence[rows, np.floor((ax + parts * (bx - ax) - x0) / 0.05).astype(int)] = 8
     area = Area.of(x0, y0, 0.05, evidence)
-    flat = CostNumbers(margin=0.05, tight=0.0, squeeze=0.0, comfort=0.1, unknown=1.0)
+    flat = replace(
+        shipped_parameters("path_planning").mission.guide.memory.cost,
+        margin=0.05,
+        tight=0.0,
+        squeeze=0.0,
+        comfort=0.1,
+        unknown=1.0,
+    )
     way = find_way(terrain(area, HALF_WIDTH, flat), start, goal, 0.1)
     assert way is not None
     return length(way)

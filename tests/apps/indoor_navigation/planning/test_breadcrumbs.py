@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.planning.memory import AT_ONCE, MOST, STEP, Breadcrumbs
+from apps.indoor_navigation.algorithms.planning.memory import CRUMB_SPACING, LOOK_BACK, MAX_CRUMBS, Breadcrumbs
 from apps.indoor_navigation.data import Place
 
 
@@ -31,7 +31,7 @@ def test_going_back_takes_them_up() -> None:
 
 def test_the_way_back_leads_over_those_between_and_never_beyond() -> None:
     crumbs = along(*straight(0.0, 2.0))
-    assert crumbs.towards(0) == crumbs[len(crumbs) - 1 - AT_ONCE]
+    assert crumbs.towards(0) == crumbs[len(crumbs) - 1 - LOOK_BACK]
     assert crumbs.towards(len(crumbs) - 2) == crumbs[len(crumbs) - 2]
 
 
@@ -45,5 +45,5 @@ def test_a_pose_that_was_set_anew_leaves_none() -> None:
 def test_the_last_one_is_where_the_robot_is(places: list[Place]) -> None:
     crumbs = along(*places)
     (x, y), (last_x, last_y) = places[-1], crumbs[len(crumbs) - 1]
-    assert (x - last_x) ** 2 + (y - last_y) ** 2 < STEP**2 * 1.001
-    assert 1 <= len(crumbs) <= MOST
+    assert (x - last_x) ** 2 + (y - last_y) ** 2 < CRUMB_SPACING**2 * 1.001
+    assert 1 <= len(crumbs) <= MAX_CRUMBS

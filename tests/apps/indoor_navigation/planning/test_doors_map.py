@@ -5,14 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, read_map, thinned, write_map
+from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, thinned
 from apps.indoor_navigation.data import DLEData, Door
+from apps.indoor_navigation.parameters import shipped_parameters
+
+PARAMETERS = shipped_parameters("path_planning").mission.guide.memory.doors
 
 DOOR = Door(2.0, 3.0, 0.9, 0.0, 0.9)
 
 
 def seen(*doors: Door, times: int = 3) -> DoorsMap:
-    doors_map = DoorsMap()
+    doors_map = DoorsMap(PARAMETERS)
     for _ in range(times):
         doors_map.see(DLEData(0.0, (0.0, 0.0, 0.0), doors))
     return doors_map
@@ -68,16 +71,16 @@ def test_a_file_brings_back_what_is_believed(tmp_path: Path) -> None:
     doors_map = seen(Door(9.0, 9.0, 0.9, 0.0, 0.1), DOOR, Door(8.0, 3.0, 0.9, 0.0, 0.9))
     doors_map.gone(1, 2, [(2.0, 3.0), (8.0, 3.0)])
     doors_map.gone(2, None, [(8.0, 3.0), (9.0, 3.0)])
-    write_map(doors_map, tmp_path / "doors.json")
-    again = DoorsMap()
-    read_map(again, tmp_path / "doors.json")
+    doors_map.write(tmp_path / "doors.json")
+    again = DoorsMap(PARAMETERS)
+    again.read(tmp_path / "doors.json")
     assert again.doors == doors_map.doors[1:]
     assert [(way.start, way.end) for way in again.ways] == [(0, 1), (1, None)]
 
 
 def test_a_file_that_is_not_there_is_no_error(tmp_path: Path) -> None:
-    doors_map = DoorsMap()
-    read_map(doors_map, tmp_path / "doors.json")
+    doors_map = DoorsMap(PARAMETERS)
+    doors_map.read(tmp_path / "doors.json")
     assert doors_map.doors == []
 
 
@@ -94,8 +97,8 @@ def test_a_file_that_is_not_there_is_no_error(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_used_is_told_and_leaves_the_map_as_it_is(tmp_path: Path, text: str) -> None:
     doors_map, path = seen(DOOR), tmp_path / "doors.json"
     path.write_text(text)
-    with pytest.raises(ValueError, match=r"the map of doors .* cannot be used: .*; take it away to begin a new one"):
-        read_map(doors_map, path)
+    with pytest.raises(ValueError, match=r"the map of doors .* cannot be used: .*; remove it to begin a new one"):
+        doors_map.read(path)
     assert len(doors_map.doors) == 1
 
 

@@ -8,9 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.planning.area import drawn, undrawn
-from apps.indoor_navigation.algorithms.planning.grid import Grid, GridNumbers
+from apps.indoor_navigation.algorithms.planning.area import undrawn
+from apps.indoor_navigation.algorithms.planning.grid import Grid
 from apps.indoor_navigation.data import ObstRead
+from apps.indoor_navigation.parameters import shipped_parameters
+
+PARAMETERS = shipped_parameters("path_planning").mission.guide.memory.grid
 
 Ray = tuple[float, float, bool]  # end, and whether it hits
 
@@ -35,7 +38,7 @@ def unknown(grid: Grid, x: float, y: float) -> bool:
 
 
 def test_a_hit_is_an_obstacle_and_all_before_it_is_free() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     grid.see(reading((3.05, 0.05, True)))
     assert occupied(grid, 3.05, 0.05)
     assert not unknown(grid, 1.05, 0.05)
@@ -45,7 +48,7 @@ def test_a_hit_is_an_obstacle_and_all_before_it_is_free() -> None:
 
 
 def test_sonar_is_believed_near_by_only() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     ends, hits = np.array([3.05, 0.85]), np.ones(2)
     sonar = ObstRead(
         0.0, (0.0, 0.0, 0.0), None, 0.0, np.array([0.0, 0.1]), np.array([0.05, 0.55]), ends, ends, hits, False
@@ -56,13 +59,13 @@ def test_sonar_is_believed_near_by_only() -> None:
 
 
 def test_a_ray_that_only_ends_says_nothing_of_its_end() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     grid.see(reading((3.05, 0.05, False)))
     assert not occupied(grid, 3.05, 0.05)
 
 
 def test_somebody_who_has_walked_on_is_forgotten_within_a_second_of_readings() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     for _ in range(50):
         grid.see(reading((3.05, 0.05, True)))
     for _ in range(10):
@@ -78,7 +81,7 @@ def with_somebody(x: float, y: float, stamp: float) -> ObstRead:
 
 @pytest.mark.parametrize("was_free", [True, False])
 def test_somebody_who_walked_and_is_out_of_sight_has_walked_on(was_free: bool) -> None:
-    grid = Grid(GridNumbers(gone=1.5))
+    grid = Grid(replace(PARAMETERS, gone=1.5))
     for stamp in np.arange(0.0, 1.0, 0.1) if was_free else ():
         grid.see(reading((5.05, 0.05, True), stamp=stamp))
     for stamp in np.arange(1.0, 9.0, 0.1):
@@ -90,7 +93,7 @@ def test_somebody_who_walked_and_is_out_of_sight_has_walked_on(was_free: bool) -
 
 
 def test_what_never_walked_is_believed_to_stand_there_though_nobody_looks() -> None:
-    grid = Grid(GridNumbers(gone=1.5))
+    grid = Grid(replace(PARAMETERS, gone=1.5))
     for stamp in np.arange(0.0, 1.0, 0.1):
         grid.see(reading((5.05, 0.05, True), stamp=stamp))
     grid.see(reading((3.05, 0.05, True), stamp=1.0))
@@ -101,7 +104,7 @@ def test_what_never_walked_is_believed_to_stand_there_though_nobody_looks() -> N
 
 
 def test_somebody_who_did_not_yield_is_not_forgotten() -> None:
-    grid = Grid(GridNumbers(gone=1.5))
+    grid = Grid(replace(PARAMETERS, gone=1.5))
     grid.see(with_somebody(3.05, 0.05, 0.0))
     grid.take_for_walls(3.0, 0.0, 0.5)
     grid.see(reading((-1.05, 0.05, True), stamp=20.0))
@@ -113,7 +116,7 @@ def is_wall(grid: Grid, x: float, y: float) -> bool:
 
 
 def test_what_was_free_and_is_not_is_no_wall_until_it_does_not_yield() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     for stamp in range(10):
         grid.see(reading((5.05, 0.05, True), stamp=stamp))
     for stamp in range(10, 20):
@@ -126,7 +129,7 @@ def test_what_was_free_and_is_not_is_no_wall_until_it_does_not_yield() -> None:
 
 
 def test_what_was_never_free_is_a_wall_when_it_has_stood_there_for_long() -> None:
-    grid = Grid(GridNumbers(settled=3.0))
+    grid = Grid(replace(PARAMETERS, settled=3.0))
     for stamp, wanted in ((0.0, False), (2.0, False), (3.5, True)):
         grid.see(reading((3.05, 0.05, True), stamp=stamp))
         assert is_wall(grid, 3.05, 0.05) == wanted
@@ -137,7 +140,7 @@ def test_what_was_never_free_is_a_wall_when_it_has_stood_there_for_long() -> Non
 
 
 def test_a_wall_seen_at_a_grazing_angle_stays() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     near = [(x, 0.52, True) for x in np.arange(-4.0, 4.0, 0.05)]
     far = [(x, 0.52 + 0.0 * x, True) for x in np.arange(2.0, 7.9, 0.45)]
     for _ in range(10):
@@ -148,7 +151,7 @@ def test_a_wall_seen_at_a_grazing_angle_stays() -> None:
 
 
 def test_the_area_grows_with_the_robot_and_keeps_what_was_seen() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     grid.see(reading((3.05, 0.05, True)))
     grid.see(reading((40.0, 33.0, True), pose=(40.0, 30.0, 0.0)))
     assert occupied(grid, 3.05, 0.05)
@@ -156,7 +159,7 @@ def test_the_area_grows_with_the_robot_and_keeps_what_was_seen() -> None:
 
 
 def test_an_area_that_would_be_too_large_stays_as_it_is() -> None:
-    grid = Grid(GridNumbers(largest=40.0))
+    grid = Grid(replace(PARAMETERS, largest=40.0))
     assert grid.include((0.0, 0.0), 5.0)
     before = grid.area
     assert not grid.include((100.0, 0.0))
@@ -164,7 +167,7 @@ def test_an_area_that_would_be_too_large_stays_as_it_is() -> None:
 
 
 def test_rays_that_are_no_numbers_and_rays_without_length_are_left_out() -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     grid.see(reading((nan, 1.0, True), (inf, 0.0, True), (0.0, 0.0, True), (2.05, 0.05, True)))
     assert occupied(grid, 2.05, 0.05)
     assert int(grid.area.occupied.sum()) == 1
@@ -172,7 +175,7 @@ def test_rays_that_are_no_numbers_and_rays_without_length_are_left_out() -> None
 
 @given(st.lists(st.tuples(SOMEWHERE, SOMEWHERE, st.booleans()), max_size=20))
 def test_no_hit_is_ever_cleared_by_the_same_reading(rays: list[Ray]) -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     grid.see(reading(*rays))
     for x, y, hits in rays:
         if hits and 0.0 < np.hypot(x, y) <= 8.0:
@@ -181,9 +184,9 @@ def test_no_hit_is_ever_cleared_by_the_same_reading(rays: list[Ray]) -> None:
 
 @given(st.lists(st.tuples(SOMEWHERE, SOMEWHERE, st.booleans()), max_size=20))
 def test_a_picture_of_the_grid_holds_all_that_is_known(rays: list[Ray]) -> None:
-    grid = Grid()
+    grid = Grid(PARAMETERS)
     grid.see(reading(*rays))
-    picture = drawn(grid.area)
+    picture = grid.area.drawn()
     values, known = undrawn(picture), grid.area.known()
     assert (values == 2).sum() == grid.area.occupied.sum()
     assert (values == 1).sum() == (grid.area.evidence < 0).sum()

@@ -86,8 +86,8 @@ def others(site: Site) -> Others:
     return Others(site)
 
 
-def start(site: Site, **numbers: Any) -> None:
-    site.start(PathPlanning(f"path_planning@{ROBOT}", {**PROPERTIES, "numbers": numbers}))
+def start(site: Site, **parameters: Any) -> None:
+    site.start(PathPlanning(f"path_planning@{ROBOT}", {**PROPERTIES, "numbers": parameters}))
 
 
 def test_a_goal_becomes_an_order_and_an_end(site: Site, others: Others) -> None:
@@ -183,7 +183,7 @@ def test_a_fuser_that_is_busy_is_spared(site: Site, others: Others) -> None:
     others.tell(GoalPoint("m1", 2.0, 0.0))
     others.see(0.5)
     assert others.orders[-1].speed == 0.25
-    assert "the fuser works 95% of its time" in others.said()
+    assert "the fuser is busy 95% of its time" in others.said()
 
 
 def test_the_robot_says_how_large_it_is(site: Site, others: Others) -> None:
@@ -210,7 +210,7 @@ def test_a_file_that_cannot_be_used_is_told_and_left_alone(site: Site, others: O
     path = tmp_path / "doors.json"
     path.write_text("dear to somebody")
     start(site, doors_file=str(path))
-    assert "take it away to begin a new one" in site.reports[0]
+    assert "remove it to begin a new one" in site.reports[0]
     others.see(0.5)
     others.tell(GoalPoint("m1", 0.1, 0.0))
     others.see(0.5)
@@ -231,4 +231,4 @@ def test_a_goal_that_is_none_is_refused_in_words(site: Site, others: Others) -> 
         send_key(ROBOT, "path_planning", GoalPoint), {"mission": "m1", "x": "far", "y": 0.0, "tolerance": 0.2}
     )
     others.see(0.3)
-    assert "error failed: x 'far', y 0.0, heading None, tolerance 0.2 is no goal" in others.said()
+    assert "error failed: x 'far', y 0.0, heading None, tolerance 0.2 is not a valid goal" in others.said()

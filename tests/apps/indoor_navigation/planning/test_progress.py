@@ -1,15 +1,20 @@
 """Whether a robot comes on, told by where it has been."""
 
+from dataclasses import replace
+
 import pytest
 
-from apps.indoor_navigation.algorithms.planning.progress import Progress, ProgressNumbers
+from apps.indoor_navigation.algorithms.planning.progress import Progress
+from apps.indoor_navigation.parameters import shipped_parameters
 
-NUMBERS = ProgressNumbers(stuck=5.0, step=0.2, turn=0.4, around=0.75, long=20.0, turns=3)
+PARAMETERS = replace(
+    shipped_parameters("path_planning").mission.progress, stuck=5.0, step=0.2, turn=0.4, around=0.75, long=20.0, turns=3
+)
 
 
 @pytest.fixture
 def progress() -> Progress:
-    return Progress(NUMBERS)
+    return Progress(PARAMETERS)
 
 
 def test_a_robot_that_goes_or_turns_is_not_stuck(progress: Progress) -> None:

@@ -1,6 +1,7 @@
 """Ways over a terrain: never through what is known, and no longer than they must be."""
 
 import heapq
+from dataclasses import replace
 from itertools import pairwise, product
 from math import hypot, sqrt
 
@@ -14,7 +15,6 @@ from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.search import NO_WAY, Way, costs_to, find_way, length
 from apps.indoor_navigation.algorithms.planning.terrain import (
     BARRED,
-    CostNumbers,
     Hints,
     Strip,
     Terrain,
@@ -22,8 +22,10 @@ from apps.indoor_navigation.algorithms.planning.terrain import (
     terrain,
 )
 from apps.indoor_navigation.data import Floats, Place
+from apps.indoor_navigation.parameters import shipped_parameters
 
-FLAT = CostNumbers(comfort=0.1, tight=0.0, squeeze=0.0, unknown=1.0)
+COSTS = shipped_parameters("path_planning").mission.guide.memory.cost
+FLAT = replace(COSTS, comfort=0.1, tight=0.0, squeeze=0.0, unknown=1.0)
 HALF_WIDTH = 0.2
 SIZE = 24
 PASSED = {  # the cells that steps of each length lead through, as rows and columns on; in equal parts
@@ -126,7 +128,7 @@ def test_clearance_is_the_distance_to_the_nearest_obstacle(blocks: list[tuple[in
 @settings(max_examples=60)
 @given(BLOCKS, CELLS)
 def test_costs_are_those_of_brute_force(blocks: list[tuple[int, int, int, int]], goal: tuple[int, int]) -> None:
-    ground = terrain(area(*blocks), HALF_WIDTH, CostNumbers())
+    ground = terrain(area(*blocks), HALF_WIDTH, COSTS)
     costs = costs_to(ground, ground.area.place(*goal), 0.0)
     if ground.cost[goal] >= BARRED:
         assert (costs >= NO_WAY).all()
@@ -142,7 +144,7 @@ def test_costs_are_those_of_brute_force(blocks: list[tuple[int, int, int, int]],
 def test_a_way_never_leads_through_what_is_known(
     blocks: list[tuple[int, int, int, int]], start: tuple[int, int], goal: tuple[int, int]
 ) -> None:
-    ground = terrain(area(*blocks), HALF_WIDTH, CostNumbers())
+    ground = terrain(area(*blocks), HALF_WIDTH, COSTS)
     way = find_way(ground, ground.area.place(*start), ground.area.place(*goal), 0.0)
     if way is None:
         return
@@ -182,7 +184,7 @@ def test_round_an_obstacle_a_way_is_as_short_as_brute_force_finds_within_3_perce
 
 
 def test_there_is_no_way_through_a_wall() -> None:
-    ground = terrain(area((12, 0, 1, SIZE)), HALF_WIDTH, CostNumbers())
+    ground = terrain(area((12, 0, 1, SIZE)), HALF_WIDTH, COSTS)
     assert find_way(ground, (1.2, 0.3), (1.2, 2.1), 0.25) is None
 
 
@@ -192,7 +194,7 @@ def test_no_way_cuts_a_corner_between_two_obstacles_that_touch() -> None:
 
 
 def test_a_way_ends_beside_a_goal_that_is_barred_within_the_tolerance() -> None:
-    ground = terrain(area((12, 0, 1, SIZE)), HALF_WIDTH, CostNumbers())
+    ground = terrain(area((12, 0, 1, SIZE)), HALF_WIDTH, COSTS)
     way = find_way(ground, (1.2, 0.3), (1.2, 1.15), 0.25)
     assert way is not None
     assert hypot(way[-1][0] - 1.2, way[-1][1] - 1.15) <= 0.25
@@ -200,14 +202,14 @@ def test_a_way_ends_beside_a_goal_that_is_barred_within_the_tolerance() -> None:
 
 
 def test_a_robot_that_seems_to_be_in_a_wall_finds_out() -> None:
-    ground = terrain(area((0, 0, 3, SIZE)), HALF_WIDTH, CostNumbers(), robot=(1.2, 0.35))
+    ground = terrain(area((0, 0, 3, SIZE)), HALF_WIDTH, COSTS, robot=(1.2, 0.35))
     way = find_way(ground, (1.2, 0.35), (1.2, 1.8), 0.1)
     assert way is not None
     assert way[0] == (1.2, 0.35)
 
 
 def test_a_way_keeps_to_the_middle_of_a_corridor() -> None:
-    ground = terrain(area((0, 0, 2, SIZE), (12, 0, 2, SIZE)), HALF_WIDTH, CostNumbers())
+    ground = terrain(area((0, 0, 2, SIZE), (12, 0, 2, SIZE)), HALF_WIDTH, COSTS)
     way = find_way(ground, (0.2, 0.7), (2.2, 0.7), 0.0)
     assert way is not None
     assert all(abs(y - 0.7) < 0.16 for _, y in way)
@@ -216,7 +218,7 @@ def test_a_way_keeps_to_the_middle_of_a_corridor() -> None:
 def test_beside_a_door_a_wall_is_expected_and_the_way_leads_through_the_door() -> None:
     unseen = area(size=60, seen=False)
     wall = Hints(walls=(Strip((3.0, 0.0), (3.0, 3.9), 0.15), Strip((3.0, 4.9), (3.0, 6.0), 0.15)))
-    ground = terrain(unseen, HALF_WIDTH, CostNumbers(), hints=wall)
+    ground = terrain(unseen, HALF_WIDTH, COSTS, hints=wall)
     way = find_way(ground, (1.0, 3.0), (5.0, 3.0), 0.0)
     assert way is not None
     crossing = [a[1] + (3.0 - a[0]) / (b[0] - a[0]) * (b[1] - a[1]) for a, b in pairwise(way) if a[0] < 3.0 <= b[0]]
@@ -226,7 +228,7 @@ def test_beside_a_door_a_wall_is_expected_and_the_way_leads_through_the_door() -
 def test_a_way_that_was_gone_is_preferred_to_the_unknown() -> None:
     unseen = area(size=60, seen=False)
     gone = Hints(ways=(Strip((1.0, 3.0), (3.0, 3.6), 0.15), Strip((3.0, 3.6), (5.0, 3.0), 0.15)))
-    way = find_way(terrain(unseen, HALF_WIDTH, CostNumbers(), hints=gone), (1.0, 3.0), (5.0, 3.0), 0.0)
+    way = find_way(terrain(unseen, HALF_WIDTH, COSTS, hints=gone), (1.0, 3.0), (5.0, 3.0), 0.0)
     assert way is not None
     assert max(y for _, y in way) > 3.35
 
@@ -234,7 +236,7 @@ def test_a_way_that_was_gone_is_preferred_to_the_unknown() -> None:
 def test_what_was_free_once_may_go_for_who_hopes() -> None:
     walled = area((12, 0, 1, SIZE))
     walled.fixed[12, 8:16] = False
-    way = find_way(terrain(walled, HALF_WIDTH, CostNumbers(), hopes=10.0), (0.3, 0.3), (0.3, 2.1), 0.1)
+    way = find_way(terrain(walled, HALF_WIDTH, COSTS, hopes=10.0), (0.3, 0.3), (0.3, 2.1), 0.1)
     assert way is not None
     assert any(0.7 < x < 1.7 for x, _ in way)
 

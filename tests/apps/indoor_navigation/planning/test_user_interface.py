@@ -9,7 +9,7 @@ import pytest
 from agents.platform import Agent, Outcome
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import query_key, send_key
-from apps.indoor_navigation.components.user_interface import LATEST, UserInterface
+from apps.indoor_navigation.components.user_interface import MESSAGE_TIMEOUT, UserInterface
 from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import MemoryBus, Sample
 from bus.messages import decode_json
@@ -124,7 +124,7 @@ def test_a_message_that_is_lost_holds_up_the_end_of_a_mission_no_longer_than_two
     mission = person.ask("go", x=1.0, y=2.0).result["mission"]
     planner.told = {"mission": mission, "state": "failed", "why": "a wall", "messages": 1}
     waiting = person.begin("wait", mission=mission)
-    site.run(LATEST + 1.1)
+    site.run(MESSAGE_TIMEOUT + 1.1)
     assert (waiting.result().result["state"], waiting.result().result["logged"]) == ("failed", None)
 
 
