@@ -37,7 +37,7 @@ NO_RATE = (0,)  # a line in memory has no baud rate to look for
 class Lockstep:
     """A team of robots in a world, each with its driver, on a bus in memory.
 
-    Everything happens in `run`; the same arguments and the same calls give the same bytes and messages.
+    Everything happens in `run`; the same arguments and the same calls call the same bytes and messages.
     """
 
     def __init__(
@@ -190,10 +190,10 @@ class _Element:
         """Stop everything that moves."""
         self.command(lambda driver, now: driver.halt(now))
 
-    def command(self, give: Callable[[ElementDriver, float], T]) -> T:
+    def command(self, call: Callable[[ElementDriver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
         try:
-            return give(self.driver, self._clock())
+            return call(self.driver, self._clock())
         finally:
             self._flush()
 
@@ -257,10 +257,10 @@ class _Host:
         for element in self._elements:
             element.step(self._stamp_ns())
 
-    def command(self, give: Callable[[Driver, float], T]) -> T:
+    def command(self, call: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
         try:
-            return give(self._driver, self._clock())
+            return call(self._driver, self._clock())
         finally:
             self._flush()
 

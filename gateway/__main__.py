@@ -19,7 +19,7 @@ from gateway.cables.cable_thread import CableKind
 from gateway.driver import Driver
 from gateway.elements.all_elements import cable_kinds
 from gateway.errors import GatewayError, NoSuchPort, PortBusy
-from gateway.gateway import Gateway, GatewayOptions, tell, tell_problem
+from gateway.gateway import Gateway, GatewayOptions, report_event, report_problem
 from gateway.line import RADIO_BAUD
 from gateway.link_diagnosis import LinkDiagnosis, LinkReports
 from gateway.local_ports import holders
@@ -48,7 +48,7 @@ exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Parse, build and run; returns an exit code."""
+    """Run `p2os-gateway`; return its exit code."""
     parser = _parser()
     arguments = parser.parse_args(argv)
     if arguments.radio and arguments.baud not in (None, RADIO_BAUD):
@@ -140,9 +140,9 @@ def _open_first(options: GatewayOptions) -> Port:
             diagnosis.begin(steady_clock())
             diagnosis.note_no_port(str(error))
         if not is_told:
-            tell(options, f"waiting for {options.port}", {"event": "waiting"})
+            report_event(options, f"waiting for {options.port}", {"event": "waiting"})
             is_told = True
-        tell_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
+        report_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
         time.sleep(REOPEN_PERIOD)
 
 

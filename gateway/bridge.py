@@ -48,7 +48,7 @@ SIGNS_OF_LIFE = (SipReceived, ElementFound)
 
 
 def steady_clock() -> float:
-    """Seconds that go on while the computer sleeps, where the system has such a clock."""
+    """Return the steady time, s; it includes sleep of the computer where the system has such a clock."""
     return time.clock_gettime(_CLOCK)
 
 
@@ -71,7 +71,7 @@ class Backoff:
         return pause
 
     def reset(self) -> None:
-        """An attempt has succeeded: begin with the first pause again."""
+        """Begin with the first pause again, after a success."""
         self._next = self._first
 
 
@@ -135,30 +135,30 @@ class Bridge(Generic[D]):
                 driver.port_opened(clock())
                 self._flush()
 
-    def command(self, give: Callable[[D, float], T]) -> T:
+    def command(self, call: Callable[[D, float], T]) -> T:
         """Give the driver a command from any thread; what follows is written before this returns.
 
         Args:
-            give: Called with the driver and the steady time, under the lock; what it raises comes through.
+            call: Called with the driver and the steady time, under the lock; what it raises comes through.
         """
         with self._lock:
             try:
-                return give(self._driver, self._clock())
+                return call(self._driver, self._clock())
             finally:
                 self._flush()
                 if self._driver.deadline < self._waits_until:
                     self.wake()
 
-    def post(self, give: Callable[[D, float], object]) -> None:
+    def post(self, call: Callable[[D, float], object]) -> None:
         """Give the driver a command without waiting: now if nobody has the lock, and otherwise on the bridge's thread.
 
         Args:
-            give: As for `command`; must not raise.
+            call: As for `command`; must not raise.
         """
-        self._posted.append(give)
+        self._posted.append(call)
         if self._lock.acquire(blocking=False):
             try:
-                self._give_posted()
+                self._run_posted()
                 self._flush()
             finally:
                 self._lock.release()
@@ -171,7 +171,7 @@ class Bridge(Generic[D]):
             if self._port is None and self._clock() >= self._reopen_at:
                 self._open_again()
             with self._lock:
-                self._give_posted()
+                self._run_posted()
                 now = self._clock()
                 data = self._read() if has_bytes else b""
                 stamp_ns = time.time_ns()
@@ -188,9 +188,9 @@ class Bridge(Generic[D]):
         with self._lock:
             if self._port is not None:
                 with suppress(PortLost):  # nobody may be there to say goodbye to
-                    self._port.write(self._driver.stopping_words)
+                    self._port.write(self._driver.stopping_bytes)
                     self._let_it_brake(self._port)
-                    self._port.write(self._driver.last_words)
+                    self._port.write(self._driver.closing_bytes)
                 self._port.close()
                 self._port = None
         with self._waking:
@@ -199,7 +199,7 @@ class Bridge(Generic[D]):
                 os.close(self._wake_reader)
                 os.close(self._wake_writer)
 
-    def _give_posted(self) -> None:
+    def _run_posted(self) -> None:
         while self._posted:
             self._posted.popleft()(self._driver, self._clock())
 
@@ -262,7 +262,7 @@ class Bridge(Generic[D]):
             self.wake()
 
     def _open_again(self) -> None:
-        """Try to open the port; not under the lock, since a connection may take its time to fail."""
+        """Try to open the port; without the lock, since a connection may fail slowly."""
         try:
             port = self._reopen()
         except GatewayError as error:  # it is not back yet

@@ -106,7 +106,7 @@ class CommandServer(Subscription):
         return min(self.leases.deadline, self.bindings.deadline)
 
     def recent_notice(self, now: float) -> str | None:
-        """The latest refusal or lost commander, while it is news."""
+        """Return the latest refusal or lost commander while it is recent."""
         at, what = self._last_notice or (now - NOTICE_SHOWN, "")
         return what if now - at < NOTICE_SHOWN else None
 
@@ -115,7 +115,7 @@ class CommandServer(Subscription):
         self._commander.command(lambda driver, now: self._settle(now))
 
     def close(self) -> None:
-        """Listen no more."""
+        """Withdraw the subscribers and queryables."""
         for declared in self._declared:
             declared.close()
 
@@ -126,7 +126,7 @@ class CommandServer(Subscription):
         self._drive(keys.CMD_VEL_STAMPED, sample, lambda: self._fresh(sample.payload))
 
     def _fresh(self, payload: bytes) -> Twist:
-        """The twist of a stamped command, unless its stamp says that it is old; a stamp of zero says nothing."""
+        """Return the twist of a stamped command; refuse an old one. A stamp of zero is not checked."""
         message = decode(keys.CMD_VEL_STAMPED.type_name, payload)
         stamp = stamp_ns(message.header)
         age = (self._wall_clock() - stamp) / NS_PER_S if stamp else 0.0
@@ -141,7 +141,7 @@ class CommandServer(Subscription):
         return twist
 
     def _drive(self, topic: Topic, sample: Sample, read: Callable[[], Twist]) -> None:
-        """Take a velocity from a stream; a stream has nobody to answer, so what is wrong is counted and shown."""
+        """Obey a velocity from a stream; a stream has no reply, so errors are counted and published."""
 
         def drive(driver: Driver, now: float) -> None:
             try:
@@ -154,7 +154,7 @@ class CommandServer(Subscription):
         self._commander.command(drive)
 
     def _answerer(self, topic: Topic, handle: Handler) -> Callable[[dict[str, Any]], dict[str, Any]]:
-        """Turn a handler into what the bus serves: under the lock, refusals counted and answered."""
+        """Wrap a handler for the bus: it runs under the lock, and refusals are counted and replied."""
 
         def answer(given: dict[str, Any]) -> dict[str, Any]:
             def call(driver: Driver, now: float) -> dict[str, Any]:
@@ -303,5 +303,5 @@ class CommandServer(Subscription):
 
 
 def _told(lease: Lease, now: float) -> dict[str, Any]:
-    """What its holder is answered."""
+    """Return the reply to the holder of a lease."""
     return {"element": lease.what, **lease.state(now)}

@@ -41,7 +41,7 @@ class CachedDescription:
         self._encoded = b""
 
     def encoded(self, elements: tuple[str, ...]) -> bytes:
-        """The description in JSON. elements: those that are present."""
+        """Return the description in JSON. elements: those that are present."""
         state = elements, self._driver.is_connected, self._driver.configuration
         now = self._clock()
         if state != self._state or now - self._made_at >= MOST_AGE:

@@ -13,9 +13,8 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from math import inf
 
-from gateway import accelerations
+from gateway.accelerations import acceleration_frames, known_accelerations, travel_time
 from gateway.connector import CLOSE, STOP, Connector
-from gateway.durations import travel_time
 from gateway.elements.element import Element
 from gateway.elements.gyro.element import Gyro
 from gateway.elements.standard.element import ControllerConfiguration
@@ -105,14 +104,14 @@ class Driver(RobotCommands):
         """How hard the robot speeds up and brakes, m/s² and rad/s²; None as long as it may still say so itself."""
         if self.model is None or (self.configuration is None and self.lookup(ControllerConfiguration).is_awaited):
             return None
-        return accelerations.known(self._settings.limits, self.model, self.configuration)
+        return known_accelerations(self._settings.limits, self.model, self.configuration)
 
     def time_to_move(self, distance: float) -> float:
-        """Expected duration of a `move` over a distance in m, s."""
+        """Return the expected duration of a `move` over a distance in m, s."""
         return self._travel_time(distance, self.max_linear, "acceleration", "deceleration")
 
     def time_to_turn(self, angle: float) -> float:
-        """Expected duration of a `turn` by an angle in rad, s."""
+        """Return the expected duration of a `turn` by an angle in rad, s."""
         return self._travel_time(angle, self.max_angular, "angular_acceleration", "angular_deceleration")
 
     # The port's side.
@@ -138,24 +137,24 @@ class Driver(RobotCommands):
         )
 
     @property
-    def stopping_words(self) -> bytes:
+    def stopping_bytes(self) -> bytes:
         """What to say first on leaving."""
         return STOP
 
     @property
-    def last_words(self) -> bytes:
+    def closing_bytes(self) -> bytes:
         """What to say once the robot stands: CLOSE takes the power off its motors, and it would coast."""
         return CLOSE
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         self._last_run = now
         self.has_port = True
         self._diagnosis.begin(now)
         self._begin(now, is_new_connection=True)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone: cable, adapter or emulator; or it cannot be opened again, for this reason.
+        """Note that the port is lost or cannot be opened again, and why.
 
         `receive` still reports what follows from it.
         """
@@ -208,7 +207,7 @@ class Driver(RobotCommands):
             raise CommandRefused("the gateway has just been frozen and does not know how old this command is")
 
     def _wake(self, now: float) -> bool:
-        """Notice that nobody has called for too long; say whether everything begins anew."""
+        """Detect that the last call is too long ago; return whether the connection begins again."""
         silence = 0.0 if self._last_run is None else now - self._last_run
         self._last_run = now
         if silence <= LONGEST_SILENCE or not self.has_port:
@@ -274,7 +273,7 @@ class Driver(RobotCommands):
             self._read(payload, now)
 
     def _meet(self, identity: Identity, now: float) -> None:
-        """A robot has said who it is: open and configure it, if it is one that this gateway serves."""
+        """Open and configure the robot that has identified itself, if this gateway serves it."""
         try:
             if self.identity is not None and identity != self.identity:
                 raise WrongRobot(
@@ -298,7 +297,7 @@ class Driver(RobotCommands):
         self._sip_at = now
         self._events.append(HandshakeCompleted(identity, model, self.baud))
         self._outbox.put("open", encode_command(Command.OPEN))
-        for name, frame in accelerations.told(self._settings.limits):
+        for name, frame in acceleration_frames(self._settings.limits):
             self._outbox.put(name, frame)
         self._motion.begin_link(now)
         for element in self._elements.values():
@@ -361,11 +360,11 @@ class Driver(RobotCommands):
     def _travel_time(self, way: float, speed: float, acceleration: str, deceleration: str) -> float:
         if self.model is None:
             return 0.0  # the command is refused: there is no robot yet
-        known = self.accelerations or accelerations.known(self._settings.limits, self.model, None)
+        known = self.accelerations or known_accelerations(self._settings.limits, self.model, None)
         return travel_time(way, speed, known[acceleration], known[deceleration])
 
     def _limit_speeds(self) -> None:
-        """The least of what model, robot and user allow; zero in a CONFIGpac means that it does not say."""
+        """Set the lowest limits of model, robot and user; zero in a CONFIGpac means that it has none."""
         assert self.model is not None
         said = self.configuration or Configuration()
         limits = self._settings.limits

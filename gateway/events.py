@@ -46,7 +46,7 @@ class SipReceived(NamedTuple):
 
 
 class ConfigurationReceived(NamedTuple):
-    """The robot has sent its CONFIGpac."""
+    """Take the robot's CONFIGpac."""
 
     configuration: Configuration
 
@@ -270,7 +270,7 @@ class MotionEnded(NamedTuple):
         return f"{self.end.value} after {covered}"
 
     def as_json(self) -> Mapping[str, Any]:
-        """As it is published on `<robot>/command/result/<id>`."""
+        """Return the JSON object for `<robot>/command/result/<id>`."""
         return {
             "id": self.motion_id,
             "command": self.kind,

@@ -13,7 +13,7 @@ from p2os import StandardSip
 def faults(
     driver: Driver, sip: StandardSip | None, refusal: str | None, cables: Sequence[ElementCable] = ()
 ) -> list[str]:
-    """What is wrong, a sentence each.
+    """Return what is wrong, a sentence each.
 
     Args:
         driver: Of the robot.
@@ -46,7 +46,7 @@ def faults(
 
 
 def robot_state(name: str, driver: Driver, sip: StandardSip | None, found: Sequence[str], stamp: int) -> RobotState:
-    """The robot's state, with its faults."""
+    """Return the robot's state, with its faults."""
     flags = sip or StandardSip()
     return RobotState(
         header(stamp, frame(name, "base_link")),
@@ -68,7 +68,7 @@ def diagnostics(
     cables: Sequence[ElementCable] = (),
     unpublished: Mapping[str, int] | None = None,
 ) -> DiagnosticArray:
-    """Counters since the gateway's start.
+    """Return the counters since the gateway's start.
 
     Damaged frames, implausible SIPs, lost links, refused commands, and messages that errors kept from being published.
     """
@@ -115,7 +115,7 @@ def diagnostics(
 
 
 def _element_status(driver: ElementDriver) -> tuple[int, str, dict[str, Any]]:
-    """Level, message and values of an element on a cable of its own."""
+    """Return level, message and values of an element on a cable of its own."""
     found = driver.faults()
     level = DiagnosticStatus.WARN if found else DiagnosticStatus.OK
     values = {

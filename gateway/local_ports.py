@@ -63,7 +63,7 @@ def _processes() -> Iterator[int]:
 
 
 def _open_devices(pid: int) -> set[int]:
-    """Numbers of the character devices that a process has open; empty for processes that may not be looked at."""
+    """Return the numbers of the character devices that a process has open; empty without permission."""
     found: set[int] = set()
     try:
         for entry in (PROC / str(pid) / "fd").iterdir():
@@ -97,7 +97,7 @@ def _has_uart(name: str) -> bool:
 
 
 def _emulated() -> Iterator[Path]:
-    """Links that running emulators were told to make: PATH, or PATH-NAME for each of several robots."""
+    """Return the links that running emulators make: PATH, or PATH-NAME for each of several robots."""
     for pid in _processes():
         arguments = _arguments(pid)
         if not any(name in argument for name in EMULATOR_COMMANDS for argument in arguments[:3]):

@@ -117,7 +117,7 @@ class MotionTracker:
         return self._mode in (_Mode.DRIVING, _Mode.TRAVELLING)
 
     def begin_link(self, now: float) -> None:
-        """The robot is open and its motors are off: zero its setpoints, and switch the motors on if they are wanted."""
+        """Zero the setpoints of a robot that has just been opened, and switch its motors on if wanted."""
         self._is_open = True
         self._mode = _Mode.UNASKED
         self._speeds.clear()
@@ -128,7 +128,7 @@ class MotionTracker:
             self._enabled_at = now
 
     def lose_link(self) -> None:
-        """The robot is out of touch: nothing is in force any more."""
+        """Drop all commands: the robot is lost."""
         self._finish(MotionEnd.LOST)
         self._is_open = False
         self._mode = _Mode.UNASKED
@@ -185,7 +185,7 @@ class MotionTracker:
         self._outbox.put_first("stop", ESTOP if self.is_estopped else STOP)
         self._stopped_at = now
 
-    def let_go(self, now: float) -> None:
+    def release_wheels(self, now: float) -> None:
         """Stop, and then only keep the robot awake: a joystick drives it.
 
         Raises:
@@ -205,7 +205,7 @@ class MotionTracker:
         self.halt(now)
 
     def release(self) -> None:
-        """Unlatch the e-stop; the motors stay off until `enable`."""
+        """Release the e-stop; the motors stay off until `enable`."""
         self.is_estopped = False
 
     def enable(self, on: bool, now: float) -> None:

@@ -21,7 +21,7 @@ SLOWEST = 0.05
 
 
 def is_at_rest(sip: StandardSip) -> bool:
-    """Both wheels stand."""
+    """Return whether both wheels stand still."""
     return max(abs(sip.left_velocity), abs(sip.right_velocity)) < AT_REST
 
 
@@ -49,11 +49,11 @@ class MotionInProgress(ABC):
 
     @abstractmethod
     def frames(self) -> Iterator[bytes]:
-        """The frames that are due now, given what is done."""
+        """Return the frames that are due now, given the progress."""
 
     @abstractmethod
     def _progress(self) -> float:
-        """How much is done, m or rad in the direction of the goal's axis."""
+        """Return the progress, m or rad in the direction of the goal's axis."""
 
     @property
     def times_out_at(self) -> float:
@@ -83,7 +83,7 @@ class MotionInProgress(ABC):
         return None
 
     def _why_it_rests(self, sip: StandardSip) -> MotionEnd:
-        """How the motion ended of a robot that rests elsewhere than at the goal."""
+        """Return how the motion ended of a robot that stands elsewhere than at the goal."""
         if self._stalled_at >= self._resting_since - REST_TO_GIVE_UP:
             return MotionEnd.STALLED
         if sip.stop_button or sip.e_stalled:
@@ -111,7 +111,7 @@ class Move(MotionInProgress):
         self._frames = [encode_command(Command.RVEL, 0.0), encode_command(Command.MOVE, command)]
 
     def frames(self) -> Iterator[bytes]:
-        """Rotation ends, translation begins; once."""
+        """Return the frames that end rotation and begin translation; once."""
         while self._frames:
             yield self._frames.pop(0)
 
@@ -146,7 +146,7 @@ class Turn(MotionInProgress):
         self._is_extended = False  # DCHEAD was the last command
 
     def frames(self) -> Iterator[bytes]:
-        """Translation ends, rotation begins; further steps as the turn goes on."""
+        """Return the frames that end translation and begin rotation, and later those of further steps."""
         if self._told is None:
             self._told = self._next_step(0)
             yield encode_command(Command.VEL, 0.0)
@@ -167,7 +167,7 @@ class Turn(MotionInProgress):
             yield encode_command(Command.DCHEAD, radians(step))
 
     def _next_step(self, turned: int) -> int:
-        """Degrees that a robot at rest is told next, when so many are done."""
+        """Return the degrees of the next command to a robot at rest that has turned so many."""
         left = self._total - turned
         return left if abs(left) <= self.LARGEST_AT_ONCE else self._step()
 

@@ -37,7 +37,7 @@ class OdometryTracker:
         return tuple(self._variances)
 
     def forget_counters(self) -> None:
-        """The robot's counters no longer go on from the last SIP; the pose does."""
+        """Note that the robot's counters begin again; the pose continues."""
         self._last = None
         if self._unwrapper is not None:
             self._unwrapper.rebase()

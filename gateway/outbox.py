@@ -65,7 +65,7 @@ class Outbox:
         self._requests[kind] = frame
 
     def is_waiting(self, kind: Hashable) -> bool:
-        """Whether a frame of this kind is queued and has not left."""
+        """Return whether a frame of this kind is queued and has not left."""
         return kind in self._waiting or kind in self._requests
 
     def drop(self, *kinds: Hashable) -> None:
@@ -98,7 +98,7 @@ class Outbox:
         return frame
 
     def time_to_send(self, *frames: bytes) -> float:
-        """Seconds until the last byte of these frames is on its way, if nothing else waits."""
+        """Return the seconds until the last byte of these frames is sent, if nothing else waits."""
         return sum(max(PACE, self._time_for(frame)) for frame in frames[:-1]) + sum(map(self._time_for, frames[-1:]))
 
     def _time_for(self, frame: bytes) -> float:

@@ -49,7 +49,7 @@ class Plausibility:
         self._is_new_link = True
 
     def begin_link(self) -> None:
-        """The robot was out of touch: its next SIP may hold any position."""
+        """Accept any position in the next SIP: the robot was lost."""
         self._is_new_link = True
         self._doubted = None
 
@@ -101,5 +101,5 @@ class Plausibility:
         return None
 
     def _around(self, difference: float) -> float:
-        """The shorter way round the position counter, m."""
+        """Return the shorter way round the position counter, m."""
         return abs((difference + self._span / 2.0) % self._span - self._span / 2.0)

@@ -49,7 +49,7 @@ class RobotCommands(ABC):
 
     @abstractmethod
     def _wake(self, now: float) -> bool:
-        """Notice that nobody has called for too long; say whether everything begins anew."""
+        """Detect that the last call is too long ago; return whether the connection begins again."""
 
     @abstractmethod
     def _check_link(self, now: float) -> None:
@@ -167,14 +167,14 @@ class RobotCommands(ABC):
         self._wake(now)
         self._elements[kind].halt(now)
 
-    def let_go(self, now: float) -> None:
+    def release_wheels(self, now: float) -> None:
         """Stop, and ask nothing of the wheels until the next command: somebody else drives.
 
         Raises:
             CommandRefused: Not connected, or the e-stop is latched.
         """
         self._check_link(now)
-        self._motion.let_go(now)
+        self._motion.release_wheels(now)
 
     def emergency_stop(self, on: bool, now: float) -> None:
         """Stop as fast as the robot can and latch; or unlatch, which leaves the motors off. Never refused."""
@@ -195,11 +195,11 @@ class RobotCommands(ABC):
         self._motion.enable(on, now)
 
     def has(self, kind: type[Element]) -> bool:
-        """Whether the robot is known to have an element."""
+        """Return whether the robot is known to have an element."""
         return self._elements[kind].is_present
 
     def element(self, kind: type[E], now: float) -> E:
-        """An element of the robot, to command it.
+        """Return an element of the robot, to command it.
 
         Raises:
             CommandRefused: The robot is not connected, or has no such element.
@@ -220,7 +220,7 @@ class RobotCommands(ABC):
             raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
 
     def lookup(self, kind: type[E]) -> E:
-        """An element, to see what is known of it, whether the robot has it or not."""
+        """Return the state of an element, whether the robot has it or not."""
         element = self._elements[kind]
         assert isinstance(element, kind)
         return element
@@ -244,5 +244,5 @@ class RobotCommands(ABC):
 
 
 def _words(kind: type[Element]) -> str:
-    """What people call an element: `PowerOutputs` is "power outputs", and `ArmElement` is "arm"."""
+    """Return the name of an element in sentences: "power outputs" for `PowerOutputs`, "arm" for `ArmElement`."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__.removesuffix("Element")).lower()

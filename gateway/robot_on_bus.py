@@ -42,7 +42,7 @@ class ElementTokens(Subscription):
         self._shown: dict[str, Subscription] = {}
 
     def follow(self, present: Iterable[str]) -> None:
-        """Show the tokens of these elements, and no others."""
+        """Declare the tokens of these elements, and withdraw all others."""
         wanted = set(present)
         if wanted == self._shown.keys():
             return
@@ -83,7 +83,7 @@ class RobotOnBus(Subscription):
         steady_clock: Callable[[], float] = time.monotonic,
         process: BusProgram | None = None,
     ) -> None:
-        """Declare everything.
+        """Declare publishers, subscribers, queryables and tokens.
 
         Args:
             name: The robot's name on the bus.

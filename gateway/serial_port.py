@@ -41,7 +41,7 @@ class Port(ABC):
 
     @abstractmethod
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
 
     @abstractmethod
     def set_rate(self, rate: int) -> None:
@@ -100,7 +100,7 @@ def open_port(name: str) -> Port:
 
 
 def has_rate(name: str) -> bool:
-    """Whether the port of this name or URL has a rate to set; a socket has none."""
+    """Return whether the port of this name or URL has a rate to set; a socket has none."""
     return urlsplit(name).scheme != SOCKET
 
 
@@ -125,7 +125,7 @@ class DevicePort(Port):
         self._rate_set = int(self._serial.baudrate)
 
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
         return int(self._serial.fileno())
 
     def set_rate(self, rate: int) -> None:
@@ -162,11 +162,11 @@ class SocketPort(Port):
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
         return self._socket.fileno()
 
     def set_rate(self, rate: int) -> None:
-        """A socket has no rate; the serial server at the other end has it."""
+        """Do nothing: the serial server at the other end has the rate."""
 
     def close(self) -> None:
         """Close the connection."""
@@ -195,11 +195,11 @@ class PumpedPort(Port):
         self._pump.start()
 
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
         return self._reader
 
     def set_rate(self, rate: int) -> None:
-        """Tell the other end the rate."""
+        """Set the rate at the other end."""
         if rate != self._serial.baudrate:
             try:
                 self._serial.baudrate = rate
@@ -222,7 +222,7 @@ class PumpedPort(Port):
             os.close(self._reader)
 
     def _run(self) -> None:
-        """Pump until the port fails or is closed; the end of the pipe says so to whoever reads."""
+        """Copy bytes until the port fails or is closed; the reader sees the end of the pipe."""
         try:
             while not self._is_closed.is_set():
                 data = self._serial.read(1)

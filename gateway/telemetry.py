@@ -82,7 +82,7 @@ class Telemetry:
         self._charge = nan
 
     def odometry(self, event: SipReceived, stamp: int) -> Odometry:
-        """Pose in `<robot>/odom`, twist in `<robot>/base_link`."""
+        """Return the pose in `<robot>/odom` and the twist in `<robot>/base_link`."""
         xx, xy, xh, _, yy, yh, _, _, hh = event.covariance
         covariance = self._pose_covariance
         covariance[[0, 1, 5, 6, 7, 11, 30, 31, 35]] = xx, xy, xh, xy, yy, yh, xh, yh, hh
@@ -98,19 +98,19 @@ class Telemetry:
         )
 
     def transform(self, event: SipReceived, stamp: int) -> TFMessage:
-        """`<robot>/base_link` in `<robot>/odom`."""
+        """Return `<robot>/base_link` in `<robot>/odom`."""
         pose = event.pose
         return TFMessage(transforms=[placed(header(stamp, self._odom), self._base, pose.x, pose.y, pose.heading)])
 
     def static_transforms(self, stamp: int) -> TFMessage:
-        """The sonar discs in `<robot>/base_link`."""
+        """Return the sonar discs in `<robot>/base_link`."""
         base = header(stamp, self._base)
         return TFMessage(
             transforms=[placed(base, name, disc.x, disc.y, disc.heading) for disc, name in self._discs.values()]
         )
 
     def sonar(self, sip: StandardSip, stamp: int) -> RangeArray:
-        """The fresh readings; infinite where no echo came back (REP 117)."""
+        """Return the new readings; infinite where no echo came back (REP 117)."""
         base = header(stamp, self._base)
         at = base.stamp  # the same for all: one object serves
         nearest, farthest = SONAR_RANGE
@@ -132,7 +132,7 @@ class Telemetry:
         )
 
     def sonar_points(self, sip: StandardSip, stamp: int) -> PointCloud2:
-        """The echoes among the fresh readings, on the axes of their discs."""
+        """Return the echoes among the new readings, on the axes of their discs."""
         points = []
         for number, distance in sip.sonar:
             if number in self._discs and distance < SONAR_RANGE[1]:
@@ -153,7 +153,7 @@ class Telemetry:
         )
 
     def bumpers(self, sip: StandardSip, stamp: int) -> Bumpers:
-        """Segments that the robot has, and the wheels' stalls."""
+        """Return the bumper segments that the robot has, and the wheels' stalls."""
         model = self._model
         return Bumpers(
             header(stamp, self._base),
@@ -164,7 +164,7 @@ class Telemetry:
         )
 
     def battery(self, sip: StandardSip, stamp: int) -> BatteryState:
-        """Voltage and charging; NaN where the robot does not say."""
+        """Return voltage and charging; NaN for unknown values."""
         status = CHARGE_STATES.get(ChargeState.UNKNOWN if sip.charge_state is None else sip.charge_state)
         if status is None:
             status = CHARGING if sip.charger_good else BatteryState.POWER_SUPPLY_STATUS_UNKNOWN
@@ -188,18 +188,18 @@ class Telemetry:
         )
 
     def user_ports(self, sip: StandardSip, stamp: int) -> InputsOutputs:
-        """The eight digital inputs and outputs that every SIP carries."""
+        """Return the eight digital inputs and outputs that every SIP carries."""
         return InputsOutputs(header(stamp, self._base), _bits(sip.digital_in, 8), _bits(sip.digital_out, 8))
 
     def inputs_outputs(self, event: InputsOutputsReceived, stamp: int) -> InputsOutputs:
-        """All ports of an I/O packet."""
+        """Return all ports of an I/O packet."""
         ports = event.ports
         return InputsOutputs(
             header(stamp, self._base), _all_bits(ports.digital_in), _all_bits(ports.digital_out), ports.analog
         )
 
     def joints(self, event: EncodersReceived, stamp: int) -> JointState:
-        """Angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
+        """Return angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
         ticks = event.encoders.left, event.encoders.right
         last = self._ticks or ticks
         self._ticks = ticks
@@ -216,15 +216,15 @@ class Telemetry:
         )
 
     def note_wheels(self, sip: StandardSip) -> None:
-        """Keep the wheel speeds for the encoder packet that follows the SIP."""
+        """Keep the wheel speeds for the encoder packet after the SIP."""
         self._wheel_speeds = sip.left_velocity, sip.right_velocity
 
     def note_charge(self, fraction: float) -> None:
-        """Keep what the batteries say of themselves, 0 to 1, for SIPs that do not say it."""
+        """Keep the charge that the batteries report, 0 to 1, for SIPs without it."""
         self._charge = fraction
 
     def forget_ticks(self) -> None:
-        """The robot was out of touch: its encoders may count from zero again, and the angles go on."""
+        """Forget the counts: the encoders may begin at zero again, and the angles continue."""
         self._ticks = None
 
 

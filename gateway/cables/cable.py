@@ -26,21 +26,21 @@ class CableDriver(Protocol):
         ...
 
     @property
-    def stopping_words(self) -> bytes:
+    def stopping_bytes(self) -> bytes:
         """What to say first on leaving, so that everything comes to rest."""
         ...
 
     @property
-    def last_words(self) -> bytes:
+    def closing_bytes(self) -> bytes:
         """What to say at the very end, when everything rests or has had its time."""
         ...
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         ...
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone, or cannot be opened for this reason. `receive` still reports what follows from it."""
+        """Note that the port is lost or cannot be opened, and why. `receive` reports what follows."""
         ...
 
     def receive(self, data: bytes, now: float) -> list[Event]:
@@ -65,15 +65,15 @@ class ElementDriver(CableDriver, Protocol):
     lost: Counter[str]
 
     def faults(self) -> Sequence[str]:
-        """What is wrong with the element, a sentence each."""
+        """Return what is wrong with the element, a sentence each."""
         ...
 
     def figures(self) -> Mapping[str, Any]:
-        """What diagnostics say of the element beside the counters."""
+        """Return the values for diagnostics, beside the counters."""
         ...
 
     def halt(self, now: float) -> None:
-        """Stand still: somebody has stopped the robot. Nothing to do for what cannot move."""
+        """Stop where it is, because the robot was stopped. Does nothing for an element that cannot move."""
         ...
 
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bus.heartbeat import LONGEST_PERIOD, SILENCE
-from gateway.durations import travel_time
+from gateway.accelerations import travel_time
 from gateway.settings import Settings
 from tests.gateway.test_arm_on_bus import office as office_with_arm
 from tests.gateway.test_elements_on_bus import MakeFitted, make_fitted

@@ -46,7 +46,7 @@ class Reaching(Protocol):
         ...
 
     def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
-        """Expected duration until the joints are at their targets, s; home if None."""
+        """Return the expected duration until the joints are at their targets, s; home if None."""
         ...
 
     def halt(self, now: float) -> None:
@@ -92,7 +92,7 @@ def order(arm: Reaching, driver: Driver, arguments: Arguments, now: float) -> No
 
 
 def duration(arm: Reaching, arguments: Arguments) -> float:
-    """Expected duration of an order, s; 0 of one that moves nothing, or is none.
+    """Return the expected duration of an order, s; 0 for one that moves nothing, or is none.
 
     Raises:
         CommandRefused: A joint or its target is not one of this arm's.
@@ -109,7 +109,7 @@ def duration(arm: Reaching, arguments: Arguments) -> float:
 
 
 def describe(limits: Sequence[JointLimits], names: Sequence[str]) -> list[dict[str, Any]]:
-    """The joints as a description says them: ends, speed and home in the unit that is named."""
+    """Return the joints for a description: limits, speed and home in the unit given."""
     return [
         {
             "name": name,

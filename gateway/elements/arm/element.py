@@ -29,15 +29,15 @@ class Scale(NamedTuple):
     limits: JointLimits
 
     def place(self, tick: float) -> float:
-        """rad or m at a count."""
+        """Return the position of a count, rad or m."""
         return (tick - self.zero) * self.per_tick
 
     def tick(self, place: float) -> int:
-        """The count at a place."""
+        """Return the count of a position, rad or m."""
         return self.zero + round(place / self.per_tick)
 
     def pace(self, speed: float) -> int:
-        """ms a count for a speed."""
+        """Return the ms for each count that give a speed."""
         return min(max(round(abs(self.per_tick) / speed / MS), 1), LONGEST_MS)
 
 
@@ -67,7 +67,7 @@ class ArmElement(AskedElement):
         super().begin_link(model, now)
 
     def take(self, packet: object, now: float) -> None:
-        """The robot says what arm it has, or how it is."""
+        """Take the arm's data or its state."""
         if isinstance(packet, ArmInformation):
             self._meet(packet)
             if not self.is_present:
@@ -115,7 +115,7 @@ class ArmElement(AskedElement):
         self._instead(Command.ARM_PARK, None)
 
     def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
-        """Expected duration until the joints are at their targets, s; home if None."""
+        """Return the expected duration until the joints are at their targets, s; home if None."""
         if targets is None:
             targets = {joint: scale.limits.home for joint, scale in enumerate(self._scales)}
         times = []
@@ -128,7 +128,7 @@ class ArmElement(AskedElement):
         return max(times, default=0.0)
 
     def is_moving(self, now: float) -> bool:
-        """Some joint, by the last ARMpac."""
+        """Return whether a joint moves, by the last ARMpac."""
         return self._moves
 
     def halt(self, now: float) -> None:
@@ -172,7 +172,7 @@ class ArmElement(AskedElement):
             raise CommandRefused('the arm has no power; send arm {"do": "power", "on": true}')
 
     def _instead(self, command: Command, value: int | None) -> None:
-        """Order something that takes the place of whatever still waits."""
+        """Queue an order that replaces those still waiting."""
         self._drop()
         self._ask(command, value)
 
@@ -188,7 +188,7 @@ class ArmElement(AskedElement):
 
 @cache
 def pioneer_arm() -> ArmModel:
-    """What the arm's file says."""
+    """Return the model of the Pioneer arm."""
     return load(ArmModel, "accessories", "pioneer-arm")
 
 

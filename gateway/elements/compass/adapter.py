@@ -18,7 +18,7 @@ class CompassAdapter(BusAdapter):
     streams = (keys.COMPASS,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every packet."""
+        """Return one message for each packet."""
         if isinstance(event, CompassSeen):
             report = event.report
             message = Compass(

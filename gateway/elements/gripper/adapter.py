@@ -25,7 +25,7 @@ class GripperAdapter(BusAdapter):
     streams = (keys.GRIPPER, keys.JOINT_STATES)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One of each with every SIP; a joint whose place nobody knows is left out."""
+        """Return two messages for each SIP; a joint whose position is unknown is left out."""
         match event:
             case GripperSeen():
                 yield keys.GRIPPER, Gripper(self._header(stamp), True, *event)

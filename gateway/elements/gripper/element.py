@@ -66,7 +66,7 @@ class GripperElement(AskedElement):
         return ("the gripper reports an error of its paddles or its lift",) if self._has_failed else ()
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """An older firmware has no GRIPPERpac, and says here that there is one."""
+        """Take the gripper of an older firmware, which has no GRIPPERpac."""
         if configuration.gripper and not self.is_present:
             self._meet(configuration.gripper)
 
@@ -77,13 +77,13 @@ class GripperElement(AskedElement):
         self.deadline = inf
 
     def take(self, packet: object, now: float) -> None:
-        """The robot says which gripper it has."""
+        """Take the robot's gripper."""
         super().take(packet, now)
         assert isinstance(packet, GripperReport)
         self._meet(packet.kind)
 
     def see(self, sip: StandardSip, now: float) -> None:
-        """Every SIP carries the gripper's state."""
+        """Take the gripper's state."""
         if not self.is_present:
             return
         state = GripperFlags(sip.gripper_state or sip.analog_port)
@@ -125,7 +125,7 @@ class GripperElement(AskedElement):
             self._ask(Command.GRIPPER, argument, kind)
 
     def duration(self, what: str) -> float:
-        """Expected duration of an order, s; 0 of one that moves nothing."""
+        """Return the expected duration of an order, s; 0 for one that moves nothing."""
         if not self.is_present or what in STOPPING:
             return 0.0
         paddles = self._travel.opening / 2.0 / self._travel.paddle_speed
@@ -133,7 +133,7 @@ class GripperElement(AskedElement):
         return {"open": paddles, "close": paddles}.get(what, max(paddles, lift))
 
     def is_moving(self, now: float) -> bool:
-        """Paddles or lift, by the last SIP."""
+        """Return whether paddles or lift move, by the last SIP."""
         return self._moves
 
     def halt(self, now: float) -> None:
@@ -152,7 +152,7 @@ class GripperElement(AskedElement):
         self.is_present = kind != GripperKind.NONE
 
     def _joints(self, seen: GripperSeen) -> GripperJoints:
-        """Where the joints are, as far as switches tell: paddles that hold something stand somewhere."""
+        """Return the positions of the joints as far as switches show them; unknown for paddles that hold something."""
         holds = seen.left_contact or seen.right_contact or seen.outer_beam or seen.inner_beam
         opening = self._travel.opening if seen.paddles_open else None
         if seen.paddles_closed and not holds:

@@ -41,7 +41,7 @@ class Gyro(Element):
     _has_turned = False
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """The robot says what gyro it has; a slow line cannot carry what it would send."""
+        """Take the kind of gyro; a slow line cannot carry its readings."""
         self.is_present = configuration.has_gyro == GyroKind.PACKETS and self._settings.line.streams
         self.is_inside = configuration.has_gyro >= GyroKind.INSIDE
         self.deadline = inf
@@ -54,7 +54,7 @@ class Gyro(Element):
         self.deadline = now + SILENCE
 
     def lose_link(self) -> None:
-        """Nobody knows what the wheels do meanwhile."""
+        """Forget the turn: the wheels may move meanwhile."""
         self.deadline = inf
         self._standing_since = inf
         self._turned, self._has_turned = 0.0, False

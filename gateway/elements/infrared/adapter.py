@@ -22,14 +22,14 @@ class InfraredAdapter(BusAdapter):
     streams = (keys.IR,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every IOpac."""
+        """Return one message for each reading of the sensors."""
         if isinstance(event, InfraredSeen):
             base = header(stamp, frame(self._robot, "base_link"))
             ranges = [self._range(base, number, near) for number, near in event.near]
             yield keys.IR, RangeArray(base, ranges)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """Where the sensors look, as far as the model says so."""
+        """Return the poses of the sensors, as far as the model has them."""
         base = header(stamp, frame(self._robot, "base_link"))
         return [placed(base, self._frame(sensor.number), sensor.x, sensor.y, 0.0) for sensor in self._model.irs]
 

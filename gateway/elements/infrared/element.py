@@ -25,7 +25,7 @@ class InfraredElement(Element):
     _sensors: Sequence[InfraredSensor] = ()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """The model says what there is."""
+        """Take the sensors or outputs of the model."""
         on_inputs = model.table_sensing_ir and not model.new_table_sensing_ir
         self._on_user_inputs = on_inputs and not model.irs
         self._sensors = _ON_USER_INPUTS if self._on_user_inputs else model.irs

@@ -30,7 +30,7 @@ class JoystickElement(AskedElement):
             super().begin_link(model, now)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass it on, if it is one."""
+        """Announce a packet of a joystick that is there."""
         assert isinstance(packet, JoystickReport)
         self.is_present = self.is_present or _is_held(packet)
         if self.is_present:
@@ -53,7 +53,7 @@ class JoystickElement(AskedElement):
             self._outbox.put(Command.JOYDRIVE, encode_command(Command.JOYDRIVE, 0))
 
     def lose_link(self) -> None:
-        """The CLOSE that comes first on the next link ends its driving."""
+        """End its driving, as the CLOSE of the next link does."""
         super().lose_link()
         self._drives = False
 

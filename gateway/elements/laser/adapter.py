@@ -44,18 +44,18 @@ class LaserAdapter(BusAdapter):
         self._is_flipped = mount.flipped if own.flipped is None else own.flipped
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """The scan."""
+        """Return the scan."""
         if isinstance(event, LaserScanned):
             yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """`<robot>/laser` in `<robot>/base_link`."""
+        """Return `<robot>/laser` in `<robot>/base_link`."""
         transform = placed(header(stamp, self._base), self._frame, self._x, self._y, self._heading)
         transform.transform.translation.z = self._z
         yield transform
 
     def describe(self) -> Mapping[str, Any]:
-        """Geometry and reach."""
+        """Return geometry and range."""
         variant = self._laser.variant
         return {
             "type": self._laser.type,

@@ -76,7 +76,7 @@ UNITS: Mapping[LaserUnit, Unit] = {
 }
 
 
-class _Ask(NamedTuple):
+class _LaserRequest(NamedTuple):
     """A command and what ends the waiting: an answer of this code, or time, s."""
 
     command: bytes
@@ -85,7 +85,7 @@ class _Ask(NamedTuple):
     tries: int = TRIES
 
 
-_Script = Generator[_Ask, LmsTelegram, None]
+_Script = Generator[_LaserRequest, LmsTelegram, None]
 
 
 class LaserDriver:
@@ -116,9 +116,9 @@ class LaserDriver:
         self._plan: list[int] = []
         self._known: int | None = None
         self._script: _Script | None = None
-        self._ask = _Ask(b"", None, 0.0)
+        self._ask = _LaserRequest(b"", None, 0.0)
         self._tries_left = 0
-        self._talks = False  # a sound telegram has come at this rate
+        self._is_at_rate = False  # a sound telegram has come at this rate
         self._waits_for_end = False  # a telegram had begun when an answer was due
         self._last_run: float | None = None
         self._scan_at = 0.0
@@ -144,23 +144,23 @@ class LaserDriver:
         return self._is_sending
 
     @property
-    def stopping_words(self) -> bytes:
+    def stopping_bytes(self) -> bytes:
         """Fall silent."""
         return STOP
 
     @property
-    def last_words(self) -> bytes:
+    def closing_bytes(self) -> bytes:
         """Be as after the power switch, so that any client finds the laser."""
         return encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[RATES[0]],))) if self._has_rate else b""
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         self._last_run = now
         self.has_port = True
         self._search(now)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone. `receive` still reports what follows from it."""
+        """Note that the port is lost, and why. `receive` reports what follows."""
         self._last_run = now
         self.has_port = False
         self._lose(reason)
@@ -195,14 +195,14 @@ class LaserDriver:
     # The bus's side.
 
     def faults(self) -> Sequence[str]:
-        """What is wrong with the laser, a sentence each."""
+        """Return what is wrong with the laser, a sentence each."""
         if not self.is_connected:
             return ["the laser does not answer" if self.has_port else "the laser's port is gone"]
         found = [self._refused] if self._refused else []
         return [*found, "the laser's window is dirty"] if self._is_polluted else found
 
     def figures(self) -> Mapping[str, Any]:
-        """What diagnostics say of the laser beside the counters."""
+        """Return the values for diagnostics, beside the counters."""
         rate = 1.0 / self.scan_period if self.is_connected else 0.0
         return {
             "type": self.type,
@@ -212,7 +212,7 @@ class LaserDriver:
         }
 
     def halt(self, now: float) -> None:
-        """Nothing of a laser can hurt: it goes on."""
+        """Do nothing: a laser has no dangerous motion."""
 
     # Inside.
 
@@ -230,16 +230,16 @@ class LaserDriver:
             self.deadline = now + PAUSE
             return
         self.baud = self._plan.pop(0)
-        self._talks = False
+        self._is_at_rate = False
         self._script = self._set_up()
         self._put(next(self._script), now)
 
-    def _put(self, ask: _Ask, now: float) -> None:
+    def _put(self, ask: _LaserRequest, now: float) -> None:
         self._ask = ask
         self._tries_left = ask.tries
-        self._say(now)
+        self._send(now)
 
-    def _say(self, now: float) -> None:
+    def _send(self, now: float) -> None:
         self._tries_left -= 1
         self._waits_for_end = False
         self._outgoing = self._ask.command
@@ -247,7 +247,7 @@ class LaserDriver:
         self.deadline = now + sending + self._ask.window
 
     def _run_late(self, now: float) -> None:
-        """Nothing has come in time."""
+        """Act on a timeout."""
         if self.is_connected:
             self._lose("the laser fell silent")
             self._search(now)
@@ -259,7 +259,7 @@ class LaserDriver:
             self._waits_for_end = True  # something long may be on the line, and the answer behind it
             self.deadline = now + self._line_time(LONGEST_TELEGRAM) + FIRST_WINDOW
         elif self._tries_left:
-            self._say(now)
+            self._send(now)
         else:
             self._try_next(now)
 
@@ -276,9 +276,9 @@ class LaserDriver:
             self._go_on(telegram, now)
         elif telegram.code == LmsAnswerCode.NOT_UNDERSTOOD:
             self.deadline = now  # the next try at once
-        elif not self._talks:
+        elif not self._is_at_rate:
             # This is the rate. The answer follows the scan that is on the line when the command arrives.
-            self._talks = True
+            self._is_at_rate = True
             self._tries_left = TRIES
             self.deadline = max(self.deadline, now + self._line_time(LONGEST_TELEGRAM) + FIRST_WINDOW)
 
@@ -294,25 +294,25 @@ class LaserDriver:
             self._try_next(now)
 
     def _set_up(self) -> _Script:
-        """Silence the laser, bring it to the rate and the settings that are wanted, and let it scan."""
+        """Stop the laser's output, set the rate and the settings wanted, and start the scans."""
         # One try more than at a known rate: half a command that somebody left in its receiver swallows the first.
-        yield _Ask(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
+        yield _LaserRequest(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
         self._known = self.baud
         if self._wanted_baud not in (self.baud, 0):
-            yield _Ask(
+            yield _LaserRequest(
                 encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[self._wanted_baud],))),
                 LmsAnswerCode.MODE,
                 ANSWER_WINDOW,
             )
-            yield _Ask(b"", None, SETTLING)
+            yield _LaserRequest(b"", None, SETTLING)
             if self._has_rate:
                 self.baud = self._known = self._wanted_baud
-        self.type = (yield _Ask(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
+        self.type = (yield _LaserRequest(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
             "ascii", "replace"
         )
         yield from self._set_variant()
         yield from self._configure()
-        yield _Ask(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
+        yield _LaserRequest(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
         self._is_sending = True
         self.is_connected = True
         self.scan_period = max(self.variant.passes * MIRROR_PERIOD, self._line_time(2 * self.variant.beams))
@@ -323,10 +323,10 @@ class LaserDriver:
         wanted = self._variant
         self._refused = ""
         self.variant = read_status(
-            (yield _Ask(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
+            (yield _LaserRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
         )
         if self.variant != wanted:
-            answer = yield _Ask(
+            answer = yield _LaserRequest(
                 encode(LmsRequestCode.VARIANT, variant_data(wanted)), LmsAnswerCode.VARIANT, ANSWER_WINDOW
             )
             accepted, self.variant = read_variant(answer.data)
@@ -335,14 +335,16 @@ class LaserDriver:
                 self._refused = f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
 
     def _configure(self) -> _Script:
-        answer = yield _Ask(encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW)
+        answer = yield _LaserRequest(
+            encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW
+        )
         self.configuration = LmsConfiguration.unpack(answer.data)
         wanted = self.configuration._replace(
             unit=UNITS[self._settings.unit], measuring_mode=REFLECTOR_MODE[self._settings.reflector_bits]
         )
         if wanted != self.configuration:
-            yield _Ask(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
-            yield _Ask(
+            yield _LaserRequest(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
+            yield _LaserRequest(
                 encode(LmsRequestCode.SET_CONFIGURATION, wanted.pack()), LmsAnswerCode.CONFIGURED, CONFIGURING_WINDOW
             )
             self.configuration = wanted
@@ -382,7 +384,7 @@ class LaserDriver:
         return max(LEAST_SILENCE, SCANS_MISSED * max(self.scan_period, self._line_time(LONGEST_TELEGRAM)))
 
     def _line_time(self, size: int) -> float:
-        """Seconds for so many bytes."""
+        """Return the seconds that so many bytes take."""
         return size * BITS_PER_BYTE / self.baud if self.baud else 0.0
 
     def _lose(self, reason: str) -> None:

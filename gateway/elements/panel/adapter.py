@@ -15,7 +15,7 @@ class ChargerAdapter(BusAdapter):
     element = ChargerElement
 
     def describe(self) -> dict[str, str]:
-        """Which."""
+        """Return the kind of the contacts."""
         return {"kind": self._driver.lookup(ChargerElement).kind}
 
     def _charge(self, arguments: Arguments, now: float) -> None:
@@ -60,7 +60,7 @@ class PowerAdapter(BusAdapter):
     element = PowerOutputs
 
     def describe(self) -> dict[str, list[str]]:
-        """What can be switched."""
+        """Return the names of the outputs."""
         return {"outputs": list(self._driver.lookup(PowerOutputs).outputs)}
 
     def _power(self, arguments: Arguments, now: float) -> dict[str, Any]:

@@ -41,12 +41,12 @@ class ChargerElement(Element):
     kind = ""
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """The robot says whether it has charging contacts."""
+        """Take the kind of charging contacts."""
         self.is_present = configuration.charger != ChargerKind.NONE
         self.kind = _CHARGERS.get(configuration.charger, f"number {configuration.charger}")
 
     def deploy(self, on: bool) -> None:
-        """Put the contacts out, or draw them in."""
+        """Lower or raise the contacts."""
         self._ask(Command.CHARGE, int(on))
 
 
@@ -54,7 +54,7 @@ class Display(Element):
     """A display that only the settings know of."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """The settings say whether there is one."""
+        """Take from the settings whether there is one."""
         self.is_present = self._settings.fitted.lcd
 
     def write(self, text: str) -> None:
@@ -72,7 +72,7 @@ class Servos(Element):
     """Four ports for the pulses of RC servos."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """Every board has them but the AmigoBot's."""
+        """Note that every board but the AmigoBot's has them."""
         self.is_present = model.firmware is not Family.AMIGOS
 
     def move(self, port: int, pulse: float) -> None:
@@ -95,12 +95,12 @@ class PowerOutputs(Element):
     _ports: Mapping[str, int] = {}
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """The model says what there is."""
+        """Take the sensors or outputs of the model."""
         self._ports = _IO_PORTS.get(model.name, {})
         self._offer(self._ports)
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """Later firmware has a command for each output."""
+        """Offer the outputs of later firmware, which has a command for each."""
         if configuration.power_bits:
             self._offer(_POWER_COMMANDS)
 

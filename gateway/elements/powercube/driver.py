@@ -39,7 +39,7 @@ REFUSAL_SHOWN = 5.0
 ROUNDS_AT_REST = 2
 """After which an arm that parks has arrived."""
 
-STAND = ModuleRequest(CubeCommand.MOVE, MotionKind.VELOCITY_ACKNOWLEDGED, 0.0)
+STOP_MODULE = ModuleRequest(CubeCommand.MOVE, MotionKind.VELOCITY_ACKNOWLEDGED, 0.0)
 FIGURES = (ModuleParameter.MINIMUM, ModuleParameter.MAXIMUM, ModuleParameter.MOST_VELOCITY)
 WHY = {
     CubeState.LAGS: "could not follow",
@@ -70,7 +70,7 @@ class Module:
         return self.state is not None and self.position is not None and len(self.figures) == len(FIGURES)
 
     def has(self, state: CubeState) -> bool:
-        """It was in a state when last heard."""
+        """Return whether it was in a state by its last answer."""
         return self.state is not None and state in self.state
 
 
@@ -101,7 +101,7 @@ class PowerCubeDriver:
         self._gripper = len(model.joints) + 1
         self._line = CubeLine(self.damaged)
         self._modules: dict[int, Module] = {}
-        self._unheard: set[int] = set()  # in this round
+        self._unanswered: set[int] = set()  # in this round
         self._events: list[Event] = []
         self._last_run: float | None = None
         self._search_until = inf
@@ -116,23 +116,23 @@ class PowerCubeDriver:
         return self.is_connected and any(module.has(CubeState.MOVING) for module in self._modules.values())
 
     @property
-    def stopping_words(self) -> bytes:
+    def stopping_bytes(self) -> bytes:
         """Stand still, all of you."""
-        return b"".join(encode_request(number, STAND) for number in self._modules)
+        return b"".join(encode_request(number, STOP_MODULE) for number in self._modules)
 
     @property
-    def last_words(self) -> bytes:
+    def closing_bytes(self) -> bytes:
         """None: an arm that stands holds itself."""
         return b""
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         self._last_run = now
         self.has_port = True
         self._begin(now)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone. `receive` still reports what follows from it."""
+        """Note that the port is lost, and why. `receive` reports what follows."""
         self._last_run = now
         self.has_port = False
         self._lose(reason)
@@ -159,7 +159,7 @@ class PowerCubeDriver:
     # The bus's side.
 
     def faults(self) -> Sequence[str]:
-        """What is wrong with the arm, a sentence each."""
+        """Return what is wrong with the arm, a sentence each."""
         if not self.is_connected:
             return ["the arm does not answer" if self.has_port else "the arm's port is gone"]
         at, refusal = self._refusal
@@ -167,7 +167,7 @@ class PowerCubeDriver:
         return [*self._halted(), *([refusal] if is_news else ())]
 
     def figures(self) -> Mapping[str, Any]:
-        """What diagnostics say of the arm beside the counters."""
+        """Return the values for diagnostics, beside the counters."""
         return {"baud": self.baud, "unanswered orders": self._line.unanswered}
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
@@ -207,7 +207,7 @@ class PowerCubeDriver:
         self._rounds_at_rest = 0
 
     def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
-        """Expected duration until the joints are at their targets, s; their zeros if None."""
+        """Return the expected duration until the joints are at their targets, s; their zeros if None."""
         if targets is None:
             targets = dict.fromkeys(range(len(self.limits)), 0.0)
         times = []
@@ -224,7 +224,7 @@ class PowerCubeDriver:
         self._line.drop_orders()
         for number, module in self._modules.items():
             if not module.has(CubeState.HALTED):
-                self._line.order(number, STAND, now)
+                self._line.order(number, STOP_MODULE, now)
 
     def switch(self, on: bool, now: float) -> None:
         """End what has halted the modules; or halt them at once, on their brakes.
@@ -240,7 +240,7 @@ class PowerCubeDriver:
     # Inside.
 
     def _wake(self, now: float) -> bool:
-        """Notice that nobody has called for too long; say whether everything begins anew."""
+        """Detect that the last call is too long ago; return whether the connection begins again."""
         silence = 0.0 if self._last_run is None else now - self._last_run
         self._last_run = now
         if silence <= LONGEST_SILENCE or not self.has_port:
@@ -255,7 +255,7 @@ class PowerCubeDriver:
         self._search_until = now + PATIENCE
         self._rounds_at_rest = None
         for number in self._modules:
-            self._line.ask(number, STAND)
+            self._line.ask(number, STOP_MODULE)
         self._begin_round(now)
 
     def _lose(self, reason: str) -> None:
@@ -265,7 +265,7 @@ class PowerCubeDriver:
         self.is_connected = False
 
     def _begin_round(self, now: float) -> None:
-        """Look who is there, then ask everyone."""
+        """Check which modules answer, then ask all of them."""
         self.deadline = now + PERIOD
         if self.is_connected:
             silent = [n for n, module in self._modules.items() if now - module.answered_at > PATIENCE]
@@ -277,7 +277,7 @@ class PowerCubeDriver:
             self._search_until = now + PATIENCE
             self._events.append(ElementSilent(NAME))
         self._line.repeat(now)
-        self._unheard = set(self._modules)
+        self._unanswered = set(self._modules)
         for number, module in self._modules.items():
             missing = [each for each in FIGURES if each not in module.figures]
             for parameter in (ModuleParameter.STATE, ModuleParameter.POSITION, *missing):
@@ -295,12 +295,12 @@ class PowerCubeDriver:
         elif value is not None and about not in FIGURES:
             module.position = value
         if command == CubeCommand.GET and about == ModuleParameter.POSITION:
-            self._unheard.discard(number)
-            if not self._unheard:
+            self._unanswered.discard(number)
+            if not self._unanswered:
                 self._end_round()
 
     def _end_round(self) -> None:
-        """Everyone has said where it is."""
+        """Report the arm: all modules have answered."""
         modules = self._modules.values()
         if not all(module.is_known for module in modules):
             return

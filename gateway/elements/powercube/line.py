@@ -78,7 +78,7 @@ class CubeLine:
         return bool(self._server)
 
     def drop_orders(self) -> None:
-        """Repeat nothing that was ordered up to now, and let nothing of it leave that has not."""
+        """Drop all orders, sent or not."""
         self._server.clear()
         self._outgoing.clear()
 
@@ -118,5 +118,5 @@ class CubeLine:
 
 
 def _subject(module: int, about: ModuleRequest | ModuleReply) -> _Subject:
-    """What an answer has in common with its request; a new motion takes the place of one of any kind."""
+    """Return what identifies a request and its answer; a new motion replaces one of any kind."""
     return module, about.command, 0 if about.command == CubeCommand.MOVE else about.about

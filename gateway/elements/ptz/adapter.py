@@ -21,12 +21,12 @@ class PtzAdapter(BusAdapter):
     streams = (keys.PTZ,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One whenever it is known where it looks."""
+        """Return one message for each report of the head."""
         if isinstance(event, HeadSeen):
             yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
 
     def describe(self) -> Mapping[str, Any]:
-        """What it is, what it can be told, and its widest horizontal view."""
+        """Return model, limits and widest horizontal field of view."""
         model = self._driver.lookup(PtzElement).model
         return {
             "model": model.name,

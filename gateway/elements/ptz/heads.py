@@ -37,10 +37,10 @@ class Declined(NamedTuple):
     is_asleep: bool = False
 
 
-Heard = Direction | Zoom | Obeyed | Declined
+HeadReply = Direction | Zoom | Obeyed | Declined
 
 
-class HeadTalk(Protocol):
+class HeadProtocol(Protocol):
     """One kind of head.
 
     probe: harmless, and answered by this kind of head only. start: in order, to make a head obey.
@@ -59,21 +59,21 @@ class HeadTalk(Protocol):
         """Bytes that have come of an answer that is not complete yet."""
         ...
 
-    def hear(self, data: bytes) -> list[Heard]:
+    def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
         ...
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
-        """Look somewhere, rad."""
+        """Return the exchange that turns the head, rad."""
         ...
 
     def zoom(self, ratio: float) -> AuxExchange:
-        """Magnify."""
+        """Return the exchange that sets the magnification."""
         ...
 
 
-class Vcc4Talk:
-    """The Canon VC-C4; implements `HeadTalk`."""
+class Vcc4Protocol:
+    """The Canon VC-C4; implements `HeadProtocol`."""
 
     kind: HeadKind = HeadKind.VCC4
 
@@ -98,19 +98,19 @@ class Vcc4Talk:
         """Bytes of an answer that is not complete yet."""
         return self._decoder.pending
 
-    def hear(self, data: bytes) -> list[Heard]:
+    def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
         return [self._meaning(answer) for answer in self._decoder.receive(data)]
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
-        """Look somewhere, rad."""
+        """Return the exchange that turns the head, rad."""
         return _plain(vcc4.move(self.model.pan.count(pan), self.model.tilt.count(tilt)))
 
     def zoom(self, ratio: float) -> AuxExchange:
-        """Magnify."""
+        """Return the exchange that sets the magnification."""
         return _plain(vcc4.zoom(self.model.lens.count_at(ratio)))
 
-    def _meaning(self, answer: HeadAnswer) -> Heard:
+    def _meaning(self, answer: HeadAnswer) -> HeadReply:
         if answer.status != Status.OK:
             return Declined(answer.status == Status.BUSY, answer.status == Status.NOT_HOST_CONTROLLED)
         counts = vcc4.read_pair(answer.data)
@@ -124,8 +124,8 @@ def _plain(request: bytes, patience: float = 0.5) -> AuxExchange:
     return AuxExchange(request, vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
 
 
-class ViscaTalk:
-    """The Sony EVI-D30; implements `HeadTalk`."""
+class ViscaProtocol:
+    """The Sony EVI-D30; implements `HeadProtocol`."""
 
     kind: HeadKind = HeadKind.EVID30
 
@@ -145,21 +145,21 @@ class ViscaTalk:
         """Bytes of a message that is not complete yet."""
         return self._decoder.pending
 
-    def hear(self, data: bytes) -> list[Heard]:
+    def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
         meanings = (self._meaning(message) for message in self._decoder.receive(data))
         return [meaning for meaning in meanings if meaning is not None]
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
-        """Look somewhere, rad."""
+        """Return the exchange that turns the head, rad."""
         return _command(visca.move(self.model.pan.count(pan), self.model.tilt.count(tilt), *self._speeds))
 
     def zoom(self, ratio: float) -> AuxExchange:
-        """Magnify."""
+        """Return the exchange that sets the magnification."""
         return _command(visca.zoom(self.model.lens.count_at(ratio)))
 
-    def _meaning(self, message: ViscaMessage) -> Heard | None:
-        """None for what nobody has asked for: completions, and what the head did not understand."""
+    def _meaning(self, message: ViscaMessage) -> HeadReply | None:
+        """Return the meaning of a message; None for completions and for errors of syntax."""
         header, payload = message
         if header == visca.BROADCAST:
             return Obeyed() if payload[:1] == visca.ADDRESS_SET else None

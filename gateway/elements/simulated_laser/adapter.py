@@ -36,19 +36,19 @@ class SimulatedLaserAdapter(BusAdapter):
         self._is_seen = False
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """A scan with every sweep."""
+        """Return a scan for each sweep."""
         if isinstance(event, SweepReceived):
             self._is_seen = True
             yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """`<robot>/laser` in `<robot>/base_link`."""
+        """Return `<robot>/laser` in `<robot>/base_link`."""
         if self._is_seen:
             mount = self._model.laser
             yield placed(header(stamp, self._base), self._frame, mount.x, mount.y, mount.heading)
 
     def describe(self) -> Mapping[str, Any]:
-        """Geometry and reach."""
+        """Return geometry and range."""
         mount = self._model.laser
         beams = self._driver.lookup(SimulatedLaserScanner).beams
         return {

@@ -16,7 +16,7 @@ class SoundAdapter(BusAdapter):
     element = SoundElement
 
     def describe(self) -> dict[str, Any]:
-        """The sounds that an AmigoBot has answered."""
+        """Return the sounds that an AmigoBot has reported."""
         sounds = self._driver.lookup(SoundElement).sounds
         return {"sounds": [{"number": number, "name": name} for number, name in sorted(sounds.items())]}
 

@@ -38,7 +38,7 @@ class SoundElement(AskedElement):
             super().begin_link(model, now)
 
     def take(self, packet: object, now: float) -> None:
-        """The first packet of a list says how many follow."""
+        """Take a sound; the first packet of a list only carries their number."""
         super().take(packet, now)
         assert isinstance(packet, PlaylistEntry)
         if self._has_count:

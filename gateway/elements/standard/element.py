@@ -3,9 +3,8 @@
 Source of the battery packet: client libraries.
 """
 
-from gateway.elements.asked import AskedElement
+from gateway.elements.asked import AskedElement, PolledElement
 from gateway.elements.element import Element
-from gateway.elements.polled import PolledElement
 from gateway.errors import CommandRefused
 from gateway.events import ChargeSeen, EncodersReceived, InputsOutputsReceived
 from p2os import BatteryReport, Command, Configuration, Encoders, IoReport, RobotModel
@@ -37,7 +36,7 @@ class SonarElement(Element):
             self.switch(self._wanted)
 
     def switch(self, on: bool) -> None:
-        """All arrays on or off."""
+        """Switch all arrays on or off."""
         self._wanted = on
         self._ask(Command.SONAR, int(on))
 
@@ -59,7 +58,7 @@ class UserPorts(PolledElement):
             self.set_outputs(self._mask, self._value)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass them on."""
+        """Announce the packet."""
         super().take(packet, now)
         assert isinstance(packet, IoReport)
         self._announce(InputsOutputsReceived(packet))
@@ -92,7 +91,7 @@ class WheelEncoders(PolledElement):
             self.begin(now)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass them on."""
+        """Announce the packet."""
         super().take(packet, now)
         assert isinstance(packet, Encoders)
         self._announce(EncodersReceived(packet, self._model))

@@ -197,10 +197,10 @@ def test_leaving_lets_everything_stand(bench: ArmBench) -> None:
     bench.homed()
     bench.move(1, 1.5)
     bench.run(1.0)
-    bench.device.receive(bench.driver.stopping_words)
+    bench.device.receive(bench.driver.stopping_bytes)
     bench.run(0.8)
     assert not bench.driver.is_moving
-    assert bench.driver.last_words == b""
+    assert bench.driver.closing_bytes == b""
 
 
 def test_orders_arrive_over_a_noisy_line_and_damage_is_counted(bench: ArmBench) -> None:
