@@ -1,1 +1,1 @@
-"""The gateway: one robot on a serial port becomes one robot on the bus."""
+"""The gateway: brings one robot on a serial port to the bus."""

@@ -1,4 +1,4 @@
-"""The motions that are bound to the heartbeat of their commander, and end when it falls silent.
+"""Motions that are bound to the heartbeat of their commander, and end when it is silent.
 
 A motion that runs for seconds would outlive a commander that dies. So the command names a heartbeat
 (`bus/heartbeat.py`), and the gateway stops what it moves 0.5 s after the last beat: the process may be dead or frozen,

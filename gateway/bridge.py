@@ -1,7 +1,7 @@
 """Joins one driver and one port, on one thread, and lets other threads command the driver.
 
-The thread waits for bytes, for the driver's next deadline, or to be woken. A lock guards the driver; whoever commands
-it, on a thread of the bus, writes what follows to the port at once, so that a command does not wait for this thread.
+The thread waits for bytes, for the driver's next deadline, or to be woken. A lock guards the driver; a command
+from a thread of the bus writes its bytes to the port at once, so it does not wait for this thread.
 """
 
 import os
@@ -76,7 +76,7 @@ class Backoff:
 
 
 class BridgeListener(Protocol):
-    """Who is told what happens, on the bridge's thread."""
+    """Receives the driver's events, on the bridge's thread."""
 
     def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events, maybe none.
@@ -90,12 +90,12 @@ class BridgeListener(Protocol):
 
     @property
     def deadline(self) -> float:
-        """When to be called again even without events, s."""
+        """When the next call is due even without events, s."""
         ...
 
 
 class Bridge(Generic[D]):
-    """One driver on one port, which may vanish and return."""
+    """One driver on one port, which may be lost and opened again."""
 
     def __init__(
         self,
@@ -108,7 +108,7 @@ class Bridge(Generic[D]):
         """Begin to talk: the first bytes leave before this returns.
 
         Args:
-            driver: Nobody else may call it from now on, but through `command`.
+            driver: From now on called only through `command` and `post`.
             port: Open, and the bridge closes it; None begins by opening one.
             reopen: Opens it again after it was lost; raises GatewayError while it cannot.
             clock: Steady, s.
@@ -136,7 +136,7 @@ class Bridge(Generic[D]):
                 self._flush()
 
     def command(self, call: Callable[[D, float], T]) -> T:
-        """Give the driver a command from any thread; what follows is written before this returns.
+        """Call a function with the driver from any thread; the bytes due are written before this returns.
 
         Args:
             call: Called with the driver and the steady time, under the lock; what it raises comes through.
@@ -150,7 +150,7 @@ class Bridge(Generic[D]):
                     self.wake()
 
     def post(self, call: Callable[[D, float], object]) -> None:
-        """Give the driver a command without waiting: now if nobody has the lock, and otherwise on the bridge's thread.
+        """Call a function with the driver without waiting: now if the lock is free, else on the bridge's thread.
 
         Args:
             call: As for `command`; must not raise.
@@ -184,10 +184,10 @@ class Bridge(Generic[D]):
         self.wake()
 
     def close(self) -> None:
-        """Bring what hangs on the cable to rest, say goodbye and let go of the port."""
+        """Stop what moves, write the closing bytes and close the port."""
         with self._lock:
             if self._port is not None:
-                with suppress(PortLost):  # nobody may be there to say goodbye to
+                with suppress(PortLost):  # the other end may be gone
                     self._port.write(self._driver.stopping_bytes)
                     self._let_it_brake(self._port)
                     self._port.write(self._driver.closing_bytes)
@@ -211,7 +211,7 @@ class Bridge(Generic[D]):
                 self._driver.receive(port.read(), self._clock())
 
     def _wait(self, listener_deadline: float) -> bool:
-        """Wait for something to do; say whether bytes have come."""
+        """Wait for something to do; return whether bytes have arrived."""
         with self._lock:
             port = self._port
             deadline = min(self._driver.deadline, self._reopen_at, listener_deadline)
@@ -243,7 +243,7 @@ class Bridge(Generic[D]):
             self._lose_port(PortLost("the connection is dead"), now)
         self._flush()
         if self._port is not None and any(isinstance(event, RobotRejected) for event in events):
-            # It is not ours to hold: whose the port is by then, a later look will tell.
+            # Another program may need the port; it is opened again later.
             self._lose_port(PortLost("another robot is there"), now)
             self._reopen_at = now + REJECTED_PERIOD
         return events
@@ -290,6 +290,6 @@ class Bridge(Generic[D]):
         """Let `run` look after everything now; from any thread or signal handler, and after `close` as well."""
         with self._waking:
             if self._is_closed:
-                return  # the descriptor may be somebody else's by now
+                return  # the descriptor may be in other use by now
             with suppress(BlockingIOError):  # it is being woken already
                 os.write(self._wake_writer, b"!")

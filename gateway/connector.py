@@ -1,4 +1,4 @@
-"""Finds the robot on a line: which rate, which robot. No port and no clock.
+"""Finds the robot and its rate on a line. No port and no clock.
 
 A robot may have been left in any state: streaming, moving, waiting, at another rate, half a frame in its receiver. Any
 packet it hears makes it resume what its watchdog stopped, and SYNC0 is a PULSE to a robot that is open. So each round
@@ -63,7 +63,7 @@ class _ConnectPhase(Enum):
 
 
 class Connector:
-    """Sweeps the rates until a robot has said who it is.
+    """Sweeps the rates until a robot has identified itself.
 
     baud: bit/s that the line must have now; `AS_IT_IS` where there is nothing to set.
     hangs_up_on_close: the peer closed the connection after CLOSE, or echoed STOP, as some simulators do.
@@ -207,7 +207,7 @@ class Connector:
 
     @property
     def so_far(self) -> SweepFailed:
-        """What the sweep under way has shown, as if it ended now."""
+        """The result of the current sweep, as if it ended now."""
         return SweepFailed(self._rates, self._bytes_heard, self._frames_heard, self._answers_at)
 
     @property

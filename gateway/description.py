@@ -1,4 +1,4 @@
-"""What a robot is, as JSON: model, elements, geometry, versions. Agents are made from it."""
+"""The description of a robot as JSON: model, elements, geometry, versions. Agents are made from it."""
 
 from collections.abc import Callable, Iterable
 from functools import cache
@@ -20,9 +20,9 @@ MOST_AGE = 1.0
 
 
 class CachedDescription:
-    """The description of one robot, encoded; made anew when elements, link or configuration have changed, or with time.
+    """The description of one robot, encoded; made again when elements, link or configuration change, or after a second.
 
-    A description takes a millisecond to make, and anybody who may look may ask for it.
+    A description takes a millisecond to make, and every client may request it.
     """
 
     def __init__(self, make: Callable[[], dict[str, Any]], driver: Driver, clock: Callable[[], float]) -> None:
@@ -63,7 +63,7 @@ def describe(robot: RobotContext, adapters: Iterable[BusAdapter], process: BusPr
     """
     name, model, driver, identity = robot.name, robot.model, robot.driver, robot.driver.identity
     if identity is None:
-        raise ValueError("the robot has not said who it is yet")
+        raise ValueError("the robot has not identified itself yet")
     configuration = driver.configuration or Configuration()
     return {
         "name": name,

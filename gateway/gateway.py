@@ -1,4 +1,4 @@
-"""A gateway at work: looks for the robot, opens the bus meanwhile, joins the two, and says how it goes."""
+"""Searches for the robot, opens the bus meanwhile, brings the robot to the bus, and prints what happens."""
 
 import gc
 import json
@@ -31,11 +31,11 @@ SECOND_LOOK = 1.0
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """What the command line says beyond the settings.
+    """Options of the command line beyond the settings.
 
     name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
-    forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: say nothing but
-    errors. is_json: say it in JSON, a line each.
+    forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: print errors
+    only. is_json: print events as JSON, one line each.
     """
 
     port: str
@@ -67,7 +67,7 @@ def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None
 
 
 class Gateway:
-    """Hears the bridge, and brings the robot to the bus as soon as both are there.
+    """Receives the bridge's events, and brings the robot to the bus as soon as both are there.
 
     The bus is opened, and the robot brought to it, on a thread of its own: that takes longer than the handshake, and
     would keep the bridge's thread so long that the driver takes it for a freeze.
@@ -96,7 +96,7 @@ class Gateway:
         self._bus_error: Exception | None = None
         self._joined: RobotOnBus | None = None
         self._robot: RobotOnBus | None = None
-        self._is_known = threading.Event()  # who the robot is; or all is over, and it does not matter
+        self._is_known = threading.Event()  # the robot is known, or the gateway is closing
         self._is_closed = threading.Event()
         self._opener = threading.Thread(target=self._open_bus, name="bus opener", daemon=True)
         self._opener.start()

@@ -1,4 +1,4 @@
-"""How the robot, its cable and its commands are doing: state, faults, diagnostics."""
+"""State, faults and diagnostics of the robot, its line and its commands."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -18,10 +18,10 @@ LONGEST_SECONDS = 60.0
 
 
 class Lease:
-    """Who may move one thing. No clock: call `expire` with the steady time before anything else.
+    """The right to move one thing. No clock: call `expire` with the steady time before anything else.
 
     what: an element's name, or `ROBOT`. holder: the name it gave, None while the thing is free. priority: of the
-    holder. deadline: when the lease ends if nobody renews it, s; infinite while nobody holds it.
+    holder. deadline: when the lease ends without renewal, s; infinite without a holder.
     """
 
     def __init__(self, what: str, new_token: Callable[[], str]) -> None:
@@ -54,14 +54,14 @@ class Lease:
 
         Args:
             holder: A name for people.
-            priority: A higher one takes the lease from whoever holds it.
+            priority: A higher one takes the lease from its holder.
             seconds: How long without `renew`.
             now: Steady time, s.
         Raises:
             CommandRefused: The arguments make no sense.
         """
         if not holder:
-            raise CommandRefused("a lease needs a holder; say who you are")
+            raise CommandRefused("a lease needs a holder; send a name")
         self._seconds = _checked(seconds)
         self._token = self._new_token()
         self.holder, self.priority = holder, priority
@@ -104,7 +104,7 @@ class Leases:
         """Begin without holders.
 
         Args:
-            new_token: Makes one that nobody can guess.
+            new_token: Makes one that cannot be guessed.
             elements: What can move.
         """
         self.robot = Lease(ROBOT, new_token)
@@ -112,7 +112,7 @@ class Leases:
 
     @property
     def deadline(self) -> float:
-        """When the next lease ends if nobody renews it, s."""
+        """When the next lease ends without renewal, s."""
         return min(lease.deadline for lease in self._all)
 
     def take(self, what: str, holder: str, priority: int, seconds: float, now: float) -> tuple[Lease, str, list[str]]:
@@ -121,7 +121,7 @@ class Leases:
         Args:
             what: An element, or `ROBOT`, which takes the place of the leases on all elements.
             holder: A name for people.
-            priority: A higher one takes the lease from whoever holds it.
+            priority: A higher one takes the lease from its holder.
             seconds: How long without `renew`.
             now: Steady time, s.
         Raises:
@@ -193,7 +193,7 @@ class Leases:
         for lease in self._all:
             if lease.is_held_with(token):
                 return lease
-        raise CommandRefused("this token does not hold the lease; take it anew")
+        raise CommandRefused("this token does not hold the lease; take it again")
 
 
 def _checked(seconds: float) -> float:

@@ -1,4 +1,4 @@
-"""Long motions: the robot is told once, and its SIPs tell how it ends."""
+"""Long motions: the robot gets one command, and its SIPs show how the motion ends."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ def is_at_rest(sip: StandardSip) -> bool:
 class MotionInProgress(ABC):
     """A move or a turn on its way.
 
-    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, as unit says, signed. done: how
+    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, by `unit`, signed. done: how
     much of it is done.
     """
 
@@ -61,7 +61,7 @@ class MotionInProgress(ABC):
         return self._started + TIME_TO_SPARE + abs(self.goal) / SLOWEST
 
     def update(self, sip: StandardSip, now: float) -> MotionEnd | None:
-        """Take a SIP that the odometry has already taken; say when and how the motion is over."""
+        """Take a SIP that the odometry has already taken; return how the motion ended, once it has."""
         self.done = self._progress()
         if not is_at_rest(sip):
             self._resting_since = now
@@ -121,11 +121,11 @@ class Move(MotionInProgress):
 
 
 class Turn(MotionInProgress):
-    """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is told in steps.
+    """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is commanded in steps.
 
     Headings on the wire are whole degrees; the steps of one turn add up to the whole degree nearest to its angle. Steps
     are added with DCHEAD while the robot turns. A robot that comes to rest after that does not know DCHEAD, as some
-    simulators, or the frame was lost: the rest of the turn is told with DHEAD, from the measured heading.
+    simulators, or the frame was lost: the rest of the turn is commanded with DHEAD, from the measured heading.
     """
 
     tolerance = radians(3.0)

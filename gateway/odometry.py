@@ -48,7 +48,7 @@ class OdometryTracker:
         Args:
             sip: As it came.
             model: Of the robot.
-            turned: rad since the last SIP by a gyro, which knows better than the wheels; None for what they say.
+            turned: rad since the last SIP by a gyro, which is more accurate than the wheels; None to use the wheels.
         """
         if self._unwrapper is None:
             self._unwrapper = OdometryUnwrapper(model)

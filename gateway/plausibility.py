@@ -1,4 +1,4 @@
-"""Whether a SIP can be true: a checksum lets through some of what noise makes, and that must not become data.
+"""Checks whether a SIP is plausible: some frames damaged by noise pass the checksum.
 
 Source: fact sheet section 1: of a million frames with random errors, hundreds to thousands pass the checksum.
 """
@@ -20,16 +20,16 @@ SLACK = 0.3, 1.0
 HIGHEST_VOLTAGE = 2.5
 """Times the nominal voltage."""
 INSISTENCE = 3
-"""SIPs in a row that agree with each other are believed against the ones before: the counters were set anew."""
+"""SIPs in a row that agree with each other replace those before: the counters were reset."""
 ROLLING = 5.0
 """Seconds for which a robot that is out of touch may roll on: its watchdog's two, and three to come to rest."""
 
 
 class SipVerdict(NamedTuple):
-    """What is thought of a SIP.
+    """The verdict on a SIP.
 
-    doubt: what is wrong with it, in a word; None when it can be true and is believed.
-    continues: its counters go on from the last SIP believed.
+    doubt: what is wrong with it, in a word; None for a plausible SIP.
+    continues: its counters continue those of the last plausible SIP.
     """
 
     doubt: str | None
@@ -37,7 +37,7 @@ class SipVerdict(NamedTuple):
 
 
 class Plausibility:
-    """Judges each SIP by the model and by the SIP believed before it."""
+    """Judges each SIP by the model and by the last plausible SIP."""
 
     def __init__(self, model: RobotModel) -> None:
         self._model = model

@@ -1,7 +1,7 @@
 """Raises the rate of a robot's host port once it is connected, where the settings want it.
 
-The robot is told the rate, and both ends change theirs. If no SIP comes at the new one, it was not to be: back to the
-old rate, and that once and for all. A robot that is lost meanwhile is looked for at every rate, as always. The rate
+The robot is told the rate, and both ends change theirs. If no SIP comes at the new one, both ends return to
+the old rate for good. A robot that is lost meanwhile is looked for at every rate, as always. The rate
 outlives this program: any other client that tries the usual rates finds the robot.
 Source: Pioneer 3 operations manual (HOSTBAUD); client libraries for the pauses.
 """

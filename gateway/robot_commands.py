@@ -1,4 +1,4 @@
-"""What a commander may ask of a robot: velocities, long motions, stops, and its elements.
+"""Commands of a robot: velocities, long motions, stops, and access to its elements.
 
 `Driver` obeys these commands with a robot at the other end of a line.
 """
@@ -22,7 +22,7 @@ from gateway.settings import Settings
 from geometry import wrap_angle
 
 LONGEST_MOVE = 30.0
-"""m; the int argument of MOVE carries 65 m, and nobody means that."""
+"""m; the argument of MOVE carries 65 m, which is more than a room."""
 LONGEST_TURN = 100.0
 """rad."""
 
@@ -96,8 +96,8 @@ class RobotCommands(ABC):
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with how the robot moves, and with its elements, a sentence each."""
-        ignored = ["the robot stands although it is told to drive; does it hear the gateway?"]
+        """Faults of the robot's motion and of its elements, a sentence each."""
+        ignored = ["the robot stands although it is told to drive; check the line from the gateway to the robot"]
         return [
             *(ignored if self._motion.is_ignored else []),
             *(fault for element in self._elements.values() for fault in element.faults),
@@ -150,13 +150,8 @@ class RobotCommands(ABC):
         self._motion.stop(now)
         self._halt_elements(now)
 
-    def halt(self, now: float) -> None:
-        """Stop whatever is in force, without holding: whoever commands next drives."""
-        self.halt_base(now)
-        self._halt_elements(now)
-
     def halt_base(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
-        """Stop the wheels, whoever drives them, as `halt` does; end: what is reported of a motion under way."""
+        """Stop the wheels without holding them; the next command moves them. end: reported for a motion under way."""
         self._wake(now)
         if self._motion.is_asked_to_move:
             self._motion.halt(now, end)
@@ -168,7 +163,7 @@ class RobotCommands(ABC):
         self._elements[kind].halt(now)
 
     def release_wheels(self, now: float) -> None:
-        """Stop, and ask nothing of the wheels until the next command: somebody else drives.
+        """Stop, and send nothing to the wheels until the next command: the joystick drives.
 
         Raises:
             CommandRefused: Not connected, or the e-stop is latched.

@@ -1,6 +1,6 @@
-"""One robot as the bus sees it: its streams, its commands, its leases, its description.
+"""One robot on the bus: its streams, commands, leases and description.
 
-It has no thread and no clock of its own: whoever has the driver calls `on_events`.
+It has no thread and no clock of its own: the owner of the driver calls `on_events`.
 """
 
 import secrets
@@ -88,9 +88,9 @@ class RobotOnBus(Subscription):
         Args:
             name: The robot's name on the bus.
             bus: Outlives this.
-            driver: Of a robot that has said who it is.
+            driver: Of a robot that has identified itself.
             commander: The way to the driver from the bus's threads.
-            settings: What the robot's description says besides.
+            settings: Of the robot.
             cables: Elements on cables of their own; from now on their events are published.
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
@@ -101,7 +101,7 @@ class RobotOnBus(Subscription):
         """
         model = driver.model
         if model is None:
-            raise ValueError("the robot has not said who it is yet")
+            raise ValueError("the robot has not identified itself yet")
         self.name = name
         self._driver = driver
         robot = RobotContext(name, model, settings, driver)
@@ -137,12 +137,12 @@ class RobotOnBus(Subscription):
             now: Steady time, s.
             stamp_ns: Wall clock when the bytes came that brought the events about.
         """
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+        with suppress(BusUnavailable):  # the bus is being closed
             for index, event in enumerate(events):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns + index * STAMPS_APART)
             self._has_answered |= self._driver.is_connected
-            if self._has_answered:  # whoever acts on a token finds a robot that obeys
+            if self._has_answered:  # a client that finds a token finds a robot that obeys
                 with self._streams.guarded("elements"):
                     self._elements.follow(self._present())
             if now >= self._server.deadline:
@@ -157,7 +157,7 @@ class RobotOnBus(Subscription):
 
     def publish_kept(self, events: Iterable[tuple[Event, int]]) -> None:
         """Publish events from before the robot was on the bus, each with its stamp as in `on_events`."""
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+        with suppress(BusUnavailable):  # the bus is being closed
             for event, stamp_ns in events:
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns)
@@ -169,7 +169,7 @@ class RobotOnBus(Subscription):
 
     def _publish_element(self, adapter: BusAdapter, events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread."""
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+        with suppress(BusUnavailable):  # the bus is being closed
             for event in events:
                 self._streams.publish_element(adapter, event, stamp_ns)
 

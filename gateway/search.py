@@ -1,4 +1,4 @@
-"""Looking for a robot on a port: which rates, which model, and what to tell a person when there is none."""
+"""The search for a robot on a port: rates, model, and the error when there is none."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ SWEEPS = 2
 NO_SWEEPS = (Cause.NO_PORT, Cause.HANG_UP)
 """Causes for which no rate is tried to the end."""
 FAILURES: Mapping[Cause, type[GatewayError]] = {Cause.NO_PORT: NoSuchPort, Cause.NO_ANSWER: RobotSilent}
-"""What a cause means to whoever started the gateway; other causes are `NotARobot`."""
+"""The error for a cause; other causes are `NotARobot`."""
 NOT_IN_A_KEY = re.compile(r"[^\w.+-]", re.ASCII)
 
 

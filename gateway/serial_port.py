@@ -156,7 +156,7 @@ class SocketPort(Port):
         except OSError as err:
             reason = err.strerror or str(err)
             raise NoSuchPort(
-                f"nothing answers at {url} ({reason}); start what listens there, or mend the address"
+                f"nothing answers at {url} ({reason}); start the server there, or correct the address"
             ) from err
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -186,7 +186,7 @@ class PumpedPort(Port):
             ) from err
         except (OSError, serial.SerialException) as err:
             raise NoSuchPort(
-                f"nothing answers at {url} ({err}); start what listens there, or mend the address"
+                f"nothing answers at {url} ({err}); start the server there, or correct the address"
             ) from err
         self.rate = int(self._serial.baudrate)
         self._reader, self._writer = os.pipe()
@@ -214,7 +214,7 @@ class PumpedPort(Port):
             raise PortLost(f"{self.name} is gone: {err}") from err
 
     def close(self) -> None:
-        """End the thread and let go of the port."""
+        """End the thread and close the port."""
         if not self._is_closed.is_set():
             self._is_closed.set()
             self._pump.join()
@@ -229,7 +229,7 @@ class PumpedPort(Port):
                 if data:
                     os.write(self._writer, data + self._serial.read(self._serial.in_waiting))
         except (OSError, serial.SerialException):
-            pass  # the reader of the pipe is told by its end
+            pass  # the reader sees the end of the pipe
         finally:
             os.close(self._writer)
 

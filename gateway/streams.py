@@ -1,4 +1,4 @@
-"""What a robot publishes: from the driver's events and from time to messages on its keys."""
+"""Publishers of one robot: from the driver's events and from time to messages on its keys."""
 
 import logging
 import threading

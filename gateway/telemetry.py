@@ -1,4 +1,4 @@
-"""From what every robot reports to messages: odometry, sonar, bumpers, battery, ports, wheels; elements have adapters.
+"""Messages from what every robot reports: odometry, sonar, bumpers, battery, ports, wheels.
 
 Everything that does not change is built once. Stamps are the wall clock of this computer when the last byte of the
 packet came.

@@ -1,4 +1,4 @@
-"""What the bridge needs of a driver, whatever hangs on the cable: bytes and time in, events and bytes out."""
+"""Protocols of drivers and of elements on cables of their own: bytes and time in, events and bytes out."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -12,27 +12,27 @@ class CableDriver(Protocol):
 
     @property
     def baud(self) -> int:
-        """The rate at which to write what is due and to read from now on, bit/s; 0 for a line without a rate."""
+        """The rate for writing the bytes due and for reading from now on, bit/s; 0 for a line without a rate."""
         ...
 
     @property
     def deadline(self) -> float:
-        """When to call `receive` and `bytes_due` again even if nothing has come, s."""
+        """When to call `receive` and `bytes_due` again even without bytes, s."""
         ...
 
     @property
     def is_moving(self) -> bool:
-        """Something moves that should stand still before the last words."""
+        """Something moves that must stand still before the closing bytes are written."""
         ...
 
     @property
     def stopping_bytes(self) -> bytes:
-        """What to say first on leaving, so that everything comes to rest."""
+        """The bytes that stop everything; written first on closing."""
         ...
 
     @property
     def closing_bytes(self) -> bytes:
-        """What to say at the very end, when everything rests or has had its time."""
+        """The bytes to write at the end, when everything stands still or the time to stop has passed."""
         ...
 
     def port_opened(self, now: float) -> None:

@@ -1,4 +1,4 @@
-"""A camera of a robot: brings its pictures to the bus while somebody wants them, and keeps what others may know of it.
+"""The camera of a robot: publishes its pictures while somebody subscribes to them, and keeps its state.
 
 It stands beside the threads of elements on cables (`gateway.cables.cable_thread`) and is used like one.
 """
@@ -15,10 +15,10 @@ from gateway.events import PictureTaken
 
 
 class CameraState:
-    """What others may know of a camera, in place of a driver's state.
+    """The state of a camera, as the driver of another element has it.
 
     size: of its pictures, pixels. pictures: how many have come.
-    is_resting: nobody wants pictures; the camera was there when it was last opened.
+    is_resting: no subscriber; the camera was there when it was last opened.
     """
 
     baud = 0
@@ -73,7 +73,7 @@ class CameraState:
 class CameraThread:
     """One camera of one robot.
 
-    name: of the element, as on the bus. driver: its state. bridge: none, since nobody commands a camera.
+    name: of the element, as on the bus. driver: its state. bridge: none, since a camera has no commands.
     """
 
     name = "camera"

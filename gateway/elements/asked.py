@@ -11,7 +11,7 @@ SILENCE = 2.0
 """Seconds without a packet after which a stream is asked for again."""
 
 TIMES = 3
-"""To tell a robot from which nothing comes, before it is taken for one that does not know the command."""
+"""Times to send the command without a packet in return, before the robot counts as one that does not know it."""
 
 Question = tuple[Command, CommandValue | None]
 
@@ -35,7 +35,7 @@ class AskedElement(Element):
 
     @property
     def is_awaited(self) -> bool:
-        """It is still being asked."""
+        """An answer may still come."""
         return self._asks_left > 0
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -73,7 +73,7 @@ class AskedElement(Element):
 
 
 class PolledElement(Element):
-    """Told to send with every cycle, and again when nothing comes, since robot or line may have dropped the frame.
+    """Requests packets with every cycle, and again when none comes, since robot or line may have dropped the frame.
 
     Asked for one packet after another where the line does not carry that many.
 

@@ -18,7 +18,7 @@ BLIND_PERIOD = 0.3
 
 
 class AuxExchange(NamedTuple):
-    """Something to send, and how long its answer is.
+    """A request, and the length of its answer.
 
     first: bytes of the shortest answer there can be. whole: of the answer hoped for. patience: s to wait for it.
     """
@@ -30,7 +30,7 @@ class AuxExchange(NamedTuple):
 
 
 class Ask(Protocol):
-    """`Element._ask`."""
+    """The type of `Element._ask`."""
 
     def __call__(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
         """Queue a command that can wait."""
@@ -38,7 +38,7 @@ class Ask(Protocol):
 
 
 class AuxLine:
-    """A queue of exchanges by name: a new one takes the place of one of its name that still waits.
+    """A queue of exchanges by name: a new one replaces one of its name that still waits.
 
     is_one_way: the device does not answer, and is not waited for.
     current: the exchange whose answer is awaited.
@@ -90,7 +90,7 @@ class AuxLine:
         return name in self._queue
 
     def watch(self, now: float) -> bool:
-        """Begin what is due; say whether an answer has failed to come."""
+        """Begin what is due; return whether an answer is missing."""
         has_missed = self.current is not None and now >= self._give_up_at
         if has_missed:
             self.current = None

@@ -1,4 +1,4 @@
-"""What every element on the microcontroller's cable has in common.
+"""The base class of the driver's side of elements on the robot's line.
 
 An element asks the robot for its packets, takes them, and gives commands; the driver lends it the cable. What it finds
 out it announces as an event of `gateway.events`; its bus adapter brings the event to the bus. Bytes and time

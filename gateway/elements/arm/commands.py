@@ -1,4 +1,4 @@
-"""What `command/arm` asks of an arm, whichever cable it hangs on: orders read, limits checked, refusals worded."""
+"""The orders of `command/arm` for every kind of arm: parsing, limits, refusals."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -26,11 +26,11 @@ MAY_TAKE: Mapping[str, type] = {"joints": dict, "speed": float, "on": bool}
 
 
 class Reaching(Protocol):
-    """An arm that can be ordered; joints count from 0. What it cannot do now it refuses with CommandRefused."""
+    """An arm that takes orders; joints count from 0. It refuses with CommandRefused what it cannot do now."""
 
     @property
     def limits(self) -> Sequence[JointLimits]:
-        """Of every joint."""
+        """The limits of every joint."""
         ...
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
@@ -71,7 +71,7 @@ def order(arm: Reaching, driver: Driver, arguments: Arguments, now: float) -> No
     """
     what = arguments["do"]
     if what not in ORDERS:
-        raise CommandRefused(f"an arm cannot {what!r}; say {', '.join(ORDERS)}")
+        raise CommandRefused(f"an arm cannot {what!r}; use {', '.join(ORDERS)}")
     rest = {key: value for key, value in arguments.items() if key not in ("do", TOKEN)}
     given = check_arguments(f"arm {what}", rest, *ORDERS[what])
     if what != "stop":

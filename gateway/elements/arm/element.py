@@ -21,7 +21,7 @@ from p2os.arguments import PacketRequest
 
 
 class Scale(NamedTuple):
-    """What a servo's counts mean. zero: count at zero. per_tick: rad or m, signed. usual: ms a count by itself."""
+    """The meaning of a servo's counts. zero: count at zero. per_tick: rad or m, signed. usual: default ms a count."""
 
     zero: int
     per_tick: float
@@ -42,7 +42,7 @@ class Scale(NamedTuple):
 
 
 class ArmElement(AskedElement):
-    """Asks once whether there is one, and has it report from then on.
+    """Asks whether there is one, and then requests its reports.
 
     version: what the arm's board calls itself, once it is known.
     """
@@ -83,7 +83,7 @@ class ArmElement(AskedElement):
 
     @property
     def limits(self) -> Sequence[JointLimits]:
-        """Of every joint."""
+        """The limits of every joint."""
         return [scale.limits for scale in self._scales]
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:

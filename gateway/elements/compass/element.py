@@ -10,7 +10,7 @@ from p2os.arguments import CompassMode
 
 
 class CompassElement(AskedElement):
-    """Asks for one packet, and if it comes for all of them."""
+    """Asks for one packet, and if it arrives, for all of them."""
 
     takes = (CompassReport,)
     question = Command.TCM2, CompassMode.ONE_PACKET
@@ -19,7 +19,7 @@ class CompassElement(AskedElement):
 
     @property
     def faults(self) -> Sequence[str]:
-        """The module says so itself."""
+        """The errors that the module reports."""
         return (f"the compass reports errors ({self._errors:#06x})",) if self._errors else ()
 
     def begin_link(self, model: RobotModel, now: float) -> None:

@@ -28,13 +28,13 @@ ORDERS = {
     "deploy": (GripperOrder.DEPLOY,),
     "halt": (GripperOrder.HALT,),
 }
-"""What it can be told, and the arguments of GRIPPER that say so: to stop, paddles and lift are told one by one."""
+"""Orders and their arguments of GRIPPER; to stop, paddles and lift get one each."""
 STOPPING = ("stop", "halt")
 
 
 @dataclass(frozen=True, slots=True)
 class GripperTravel:
-    """How far its joints go, m, and how fast, m/s: opening between open paddles, lift, and speeds of each."""
+    """Travel, m, and speeds, m/s: opening between the open paddles, lift, and the speed of each."""
 
     opening: float
     lift: float
@@ -62,7 +62,7 @@ class GripperElement(AskedElement):
 
     @property
     def faults(self) -> Sequence[str]:
-        """The firmware says so itself."""
+        """The errors that the firmware reports."""
         return ("the gripper reports an error of its paddles or its lift",) if self._has_failed else ()
 
     def configure(self, configuration: Configuration, now: float) -> None:
@@ -116,7 +116,7 @@ class GripperElement(AskedElement):
             CommandRefused: There is no such order.
         """
         if what not in ORDERS:
-            raise CommandRefused(f"a gripper cannot {what!r}; say {', '.join(ORDERS)}")
+            raise CommandRefused(f"a gripper cannot {what!r}; use {', '.join(ORDERS)}")
         if what in STOPPING:
             self._drop()
         for argument in ORDERS[what]:

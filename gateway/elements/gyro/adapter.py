@@ -24,7 +24,7 @@ class GyroAdapter(BusAdapter):
 
     def __init__(self, robot: RobotContext) -> None:
         super().__init__(robot)
-        self._unknown = np.array([-1.0, *[0.0] * 8])  # as sensor_msgs/Imu wants what nobody measures
+        self._unknown = np.array([-1.0, *[0.0] * 8])  # sensor_msgs/Imu: not measured
         self._covariance = np.diag([FIXED_VARIANCE, FIXED_VARIANCE, 0.0]).reshape(9)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:

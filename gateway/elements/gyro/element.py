@@ -1,7 +1,7 @@
-"""The gyro, as far as the robot sends its readings: an analog gyro whose counts the client turns into a turn rate.
+"""An analog gyro whose counts the robot sends; the client computes the turn rate.
 
-A robot whose controller uses the gyro by itself (CONFIGpac says so) has nothing to send: its odometry is the better for
-it. Source: client libraries.
+A controller that uses the gyro itself (by its CONFIGpac) sends no readings; they improve its odometry.
+Source: client libraries.
 """
 
 from math import inf
@@ -25,7 +25,7 @@ ENOUGH = 20.0
 
 
 class Gyro(Element):
-    """Learns where the gyro rests while the wheels stand, and reports the turn rate.
+    """Learns the rest count of the gyro while the wheels stand, and reports the turn rate.
 
     is_present: readings come as packets. is_inside: the controller uses the gyro by itself.
     """

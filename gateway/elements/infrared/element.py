@@ -1,4 +1,4 @@
-"""Infrared sensors that say whether something is near: table edges and gripper beams of a PeopleBot, and the like.
+"""Infrared proximity switches, such as the table sensors and gripper beams of a PeopleBot.
 
 Source: client libraries. Their levels come in the fourth digital byte of an IOpac; a PeopleBot of the first generation
 has its four on the user inputs instead. A sensor counts as triggered after so many packets in a row as its row in the

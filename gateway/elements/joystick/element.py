@@ -16,7 +16,7 @@ REST = 0.02
 
 
 class JoystickElement(AskedElement):
-    """is_present: somebody has moved it, or the settings say so."""
+    """is_present: it was moved, or the settings say so."""
 
     takes = (JoystickReport,)
     question = Command.JOYREQUEST, PacketRequest.ONE
@@ -46,7 +46,7 @@ class JoystickElement(AskedElement):
         self._ask(Command.JOYDRIVE, int(on))
 
     def halt(self, now: float) -> None:
-        """Let it drive no longer: who stops a robot stops it against a hand on the stick as well."""
+        """End its driving: a stop holds against a hand on the stick as well."""
         if self._drives:
             self._drives = False
             self._outbox.drop(Command.JOYDRIVE)

@@ -18,7 +18,7 @@ from p2os.accessories.lms import MIRROR_PERIOD
 NEAREST = 0.01
 """m; a hand on the window is measured too."""
 FARTHEST = 80.0
-"""m; what the scanner reaches at best, however large the numbers that its values could say."""
+"""m; the range of the scanner at best, whatever its values could represent."""
 
 
 class LaserAdapter(BusAdapter):
@@ -92,7 +92,7 @@ class LaserAdapter(BusAdapter):
             angle_min=angle_min,
             angle_max=angle_max,
             angle_increment=variant.resolution,
-            # Of the mirror; the beams between the degrees, which come in turns of their own, are not told apart.
+            # Of the mirror; the beams between the degrees, from further turns, are not distinguished.
             time_increment=MIRROR_PERIOD * variant.resolution / (2 * pi),
             scan_time=period,
             range_min=NEAREST,

@@ -1,8 +1,8 @@
 """The driver of a SICK LMS 2xx on a cable of its own: bytes and time in, scans and bytes out. No port, no clock.
 
-A laser may have been left in any state: silent or sending, at any rate, half a command in its receiver. So at each rate
-in turn it is told to fall silent until it says that it does. Then it is set up as the settings want it, as little as
-is needed, and told to go on.
+A laser may be in any state: silent or sending, at any rate, with half a command in its receiver. So at each rate in
+turn it receives the request to stop until it acknowledges it. Then its settings are changed where they differ from
+those wanted, and the scans are started.
 
 Source: accessory sheet, section 1; the times are those that the clients there allow, or shorter where they only wait
 for the human eye.
@@ -51,7 +51,7 @@ ANSWER_WINDOW = 3.0
 CONFIGURING_WINDOW = 25.0
 """Seconds; the laser writes its settings down for good."""
 TRIES = 3
-"""Times that a command is given before everything begins anew."""
+"""Times that a command is sent before the search begins again."""
 SETTLING = 0.3
 """Seconds after a change of the rate."""
 PAUSE = 0.5
@@ -76,7 +76,7 @@ UNITS: Mapping[LaserUnit, Unit] = {
 }
 
 
-class _LaserRequest(NamedTuple):
+class _LmsRequest(NamedTuple):
     """A command and what ends the waiting: an answer of this code, or time, s."""
 
     command: bytes
@@ -85,7 +85,7 @@ class _LaserRequest(NamedTuple):
     tries: int = TRIES
 
 
-_Script = Generator[_LaserRequest, LmsTelegram, None]
+_Script = Generator[_LmsRequest, LmsTelegram, None]
 
 
 class LaserDriver:
@@ -116,7 +116,7 @@ class LaserDriver:
         self._plan: list[int] = []
         self._known: int | None = None
         self._script: _Script | None = None
-        self._ask = _LaserRequest(b"", None, 0.0)
+        self._ask = _LmsRequest(b"", None, 0.0)
         self._tries_left = 0
         self._is_at_rate = False  # a sound telegram has come at this rate
         self._waits_for_end = False  # a telegram had begun when an answer was due
@@ -140,17 +140,17 @@ class LaserDriver:
 
     @property
     def is_moving(self) -> bool:
-        """Scans still come: the last words must wait for the end of the one on the line."""
+        """Scans still arrive: the closing bytes must wait for the end of the scan on the line."""
         return self._is_sending
 
     @property
     def stopping_bytes(self) -> bytes:
-        """Fall silent."""
+        """The request that stops the scans."""
         return STOP
 
     @property
     def closing_bytes(self) -> bytes:
-        """Be as after the power switch, so that any client finds the laser."""
+        """The request for the rate after power-on, so that any client finds the laser."""
         return encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[RATES[0]],))) if self._has_rate else b""
 
     def port_opened(self, now: float) -> None:
@@ -170,7 +170,7 @@ class LaserDriver:
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Take bytes as read; none lets time pass. now: steady time, s."""
         if self._last_run is not None and now - self._last_run > LONGEST_SILENCE:
-            data = b""  # it has been there for who knows how long, and would be stamped as if it came now
+            data = b""  # of unknown age, and would be stamped with the present time
             self._decoder = LmsTelegramDecoder(from_laser=True)
             self._scan_at = 0.0
             if self.is_connected:
@@ -217,7 +217,7 @@ class LaserDriver:
     # Inside.
 
     def _search(self, now: float) -> None:
-        """Begin with the rate at which the laser was heard last."""
+        """Begin with the rate at which the laser answered last."""
         rates = RATES if self._has_rate else NO_RATE
         self._plan = sorted(rates, key=lambda rate: rate != self._known)
         self._decoder = LmsTelegramDecoder(from_laser=True)
@@ -234,7 +234,7 @@ class LaserDriver:
         self._script = self._set_up()
         self._put(next(self._script), now)
 
-    def _put(self, ask: _LaserRequest, now: float) -> None:
+    def _put(self, ask: _LmsRequest, now: float) -> None:
         self._ask = ask
         self._tries_left = ask.tries
         self._send(now)
@@ -295,24 +295,24 @@ class LaserDriver:
 
     def _set_up(self) -> _Script:
         """Stop the laser's output, set the rate and the settings wanted, and start the scans."""
-        # One try more than at a known rate: half a command that somebody left in its receiver swallows the first.
-        yield _LaserRequest(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
+        # One try more than at a known rate: half a command in its receiver makes it ignore the first.
+        yield _LmsRequest(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
         self._known = self.baud
         if self._wanted_baud not in (self.baud, 0):
-            yield _LaserRequest(
+            yield _LmsRequest(
                 encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[self._wanted_baud],))),
                 LmsAnswerCode.MODE,
                 ANSWER_WINDOW,
             )
-            yield _LaserRequest(b"", None, SETTLING)
+            yield _LmsRequest(b"", None, SETTLING)
             if self._has_rate:
                 self.baud = self._known = self._wanted_baud
-        self.type = (yield _LaserRequest(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
+        self.type = (yield _LmsRequest(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
             "ascii", "replace"
         )
         yield from self._set_variant()
         yield from self._configure()
-        yield _LaserRequest(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
+        yield _LmsRequest(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
         self._is_sending = True
         self.is_connected = True
         self.scan_period = max(self.variant.passes * MIRROR_PERIOD, self._line_time(2 * self.variant.beams))
@@ -323,10 +323,10 @@ class LaserDriver:
         wanted = self._variant
         self._refused = ""
         self.variant = read_status(
-            (yield _LaserRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
+            (yield _LmsRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
         )
         if self.variant != wanted:
-            answer = yield _LaserRequest(
+            answer = yield _LmsRequest(
                 encode(LmsRequestCode.VARIANT, variant_data(wanted)), LmsAnswerCode.VARIANT, ANSWER_WINDOW
             )
             accepted, self.variant = read_variant(answer.data)
@@ -335,16 +335,14 @@ class LaserDriver:
                 self._refused = f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
 
     def _configure(self) -> _Script:
-        answer = yield _LaserRequest(
-            encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW
-        )
+        answer = yield _LmsRequest(encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW)
         self.configuration = LmsConfiguration.unpack(answer.data)
         wanted = self.configuration._replace(
             unit=UNITS[self._settings.unit], measuring_mode=REFLECTOR_MODE[self._settings.reflector_bits]
         )
         if wanted != self.configuration:
-            yield _LaserRequest(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
-            yield _LaserRequest(
+            yield _LmsRequest(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
+            yield _LmsRequest(
                 encode(LmsRequestCode.SET_CONFIGURATION, wanted.pack()), LmsAnswerCode.CONFIGURED, CONFIGURING_WINDOW
             )
             self.configuration = wanted

@@ -1,4 +1,4 @@
-"""What the robot obeys without an answer, on the bus: charging contacts, display, servo pulses, power outputs."""
+"""Elements without feedback on the bus: charging contacts, display, servo pulses, power outputs."""
 
 from typing import Any
 

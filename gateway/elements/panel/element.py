@@ -1,4 +1,4 @@
-"""What a robot can be told and never answers: charging contacts, display, servo pulses, power outputs.
+"""Elements without feedback: charging contacts, display, servo pulses, power outputs.
 
 Source: H8-series and Pioneer 3 operations manuals (CHARGE, LCDWRITE), Pioneer 2 manual (PTUPOS), client libraries (the
 power commands; SETPBIOPORT as output number and state, output 11 the laser).
@@ -51,7 +51,7 @@ class ChargerElement(Element):
 
 
 class Display(Element):
-    """A display that only the settings know of."""
+    """A display; only the settings tell whether there is one."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Take from the settings whether there is one."""

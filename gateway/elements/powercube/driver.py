@@ -1,7 +1,7 @@
 """The driver of an arm of PowerCube modules on a cable of its own: bytes and time in, events and bytes out.
 
-The modules are asked for their state and place ten times a second, which also tells their watchdogs that somebody is
-there. Whoever has been away for longer than a moment, gateway or cable, begins with letting every module stand.
+The modules are asked for state and position ten times a second, which also resets their watchdogs. After an
+interruption of the gateway or the cable, the driver begins by stopping every module.
 """
 
 from collections import Counter
@@ -29,7 +29,7 @@ NAME = "arm"
 PERIOD = 0.1
 """Seconds between two rounds of questions."""
 PATIENCE = 1.0
-"""Seconds without an answer of a module after which the arm is lost; and after which a search has found nobody."""
+"""Seconds without an answer of a module after which the arm is lost; and after which a search has failed."""
 LONGEST_SILENCE = 0.5
 """Seconds between two calls, beyond which the driver distrusts itself."""
 SLOWEST = 0.01
@@ -45,15 +45,15 @@ WHY = {
     CubeState.LAGS: "could not follow",
     CubeState.SILENCE: "heard nothing from the gateway for too long",
     CubeState.ERROR: "reports an error",
-    CubeState.HALTED: "was told to halt",
+    CubeState.HALTED: "was halted by a command",
 }
-"""What has halted a module, what says most first."""
+"""What has halted a module, the most specific first."""
 SWITCH_ON = 'send arm {"do": "power", "on": true}'
 
 
 @dataclass(slots=True)
 class Module:
-    """What is known of one module.
+    """The state of one module.
 
     answered_at: s. state, position: as last heard. figures: what does not change. speed: rad/s or m/s, set last.
     """
@@ -66,7 +66,7 @@ class Module:
 
     @property
     def is_known(self) -> bool:
-        """Everything has been heard that one needs to order it."""
+        """All values are known that an order needs."""
         return self.state is not None and self.position is not None and len(self.figures) == len(FIGURES)
 
     def has(self, state: CubeState) -> bool:
@@ -77,7 +77,7 @@ class Module:
 class PowerCubeDriver:
     """One arm; an `ElementDriver`, and `Reaching`.
 
-    limits: of every joint, as the modules say, once the arm was found; the gripper's is the last.
+    limits: of every joint, as the modules report, once the arm was found; the gripper's is the last.
     """
 
     def __init__(self, model: ArmModel, *, has_rate: bool = True) -> None:
@@ -112,17 +112,17 @@ class PowerCubeDriver:
 
     @property
     def is_moving(self) -> bool:
-        """A module is on its way, as it said last."""
+        """A module moves, by its last answer."""
         return self.is_connected and any(module.has(CubeState.MOVING) for module in self._modules.values())
 
     @property
     def stopping_bytes(self) -> bytes:
-        """Stand still, all of you."""
+        """The requests that stop every module."""
         return b"".join(encode_request(number, STOP_MODULE) for number in self._modules)
 
     @property
     def closing_bytes(self) -> bytes:
-        """None: an arm that stands holds itself."""
+        """Empty: an arm that stands holds its position."""
         return b""
 
     def port_opened(self, now: float) -> None:
@@ -141,7 +141,7 @@ class PowerCubeDriver:
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Take bytes as read; none lets time pass. now: steady time, s."""
         if self._wake(now):
-            data = b""  # it has been there for who knows how long
+            data = b""  # of unknown age
         for heard in self._line.receive(data):
             if heard.module in self._modules:
                 self._take(heard, self._modules[heard.module], now)
@@ -289,7 +289,7 @@ class PowerCubeDriver:
         if state is not None:
             module.state = state
         if outcome is ModuleOutcome.REFUSED:
-            self._refusal = now, f"module {number} refused what it was told"
+            self._refusal = now, f"module {number} refused a request"
         if value is not None and command == CubeCommand.GET and about in FIGURES:
             module.figures[about] = value
         elif value is not None and about not in FIGURES:

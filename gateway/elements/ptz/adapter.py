@@ -42,7 +42,7 @@ class PtzAdapter(BusAdapter):
         elif what == "look":
             head.look(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"), now)
         else:
-            raise CommandRefused(f"a camera head cannot {what!r}; say stop, or give pan, tilt or zoom")
+            raise CommandRefused(f"a camera head cannot {what!r}; use stop, or pan, tilt or zoom")
 
     def _duration(self, arguments: Arguments, now: float) -> float:
         if arguments.get("do", "look") != "look":

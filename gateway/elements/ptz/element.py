@@ -1,4 +1,4 @@
-"""The camera head behind AUX1: found by asking, steered, and asked where it looks.
+"""The camera head behind AUX1: search, commands, and requests for its position.
 
 A few bytes after every handshake find out which head answers, if any. A head is asked where it looks often while it
 moves and seldom while it rests. One that the settings name and that never answers is steered all the same, and where it
@@ -30,7 +30,7 @@ RESTING_PERIOD = 2.0
 TELLING_PERIOD = 1.0
 """Seconds between two reports while it rests."""
 BUSY_PERIOD = 0.25
-"""Seconds before a busy head is told again."""
+"""Seconds before the command is repeated to a busy head."""
 PROBES = 3
 """Times that each kind of head is asked for, since robot or line may drop a frame."""
 MOST_MISSED = 3
@@ -51,19 +51,19 @@ class PtzElement(Element):
         super().__init__(outbox, announce, settings)
         self._aux = AuxLine(outbox, self._ask, settings.line.accessory_delay)
         self._candidates: list[HeadProtocol] = []
-        self._protocol: HeadProtocol | None = None  # whom one talks to, or asks whether it is there
+        self._protocol: HeadProtocol | None = None  # of the head, or of the one that is probed
         self._tracker: HeadTracker | None = None  # of a head that is found
         self._missed = 0
         self._poll_at = self._report_at = inf
 
     @property
     def faults(self) -> Sequence[str]:
-        """It answered before, and does no more."""
+        """A head that was found does not answer any more."""
         return ("the camera head does not answer",) if self._missed >= MOST_MISSED else ()
 
     @property
     def model(self) -> HeadModel:
-        """What head it is; only of one that is present."""
+        """The model of a head that is present."""
         assert self._protocol is not None  # found
         return self._protocol.model
 
@@ -129,7 +129,7 @@ class PtzElement(Element):
         return self._tracker is not None and self._tracker.is_moving(now)
 
     def halt(self, now: float) -> None:
-        """Stop where it is, if it is on its way to where it was told to look."""
+        """Stop where it is, if it moves to a goal."""
         tracker = self._tracker
         if tracker is not None and tracker.is_moving(now) and (tracker.turns or tracker.zooms):
             self.stop(now)

@@ -1,4 +1,4 @@
-"""How the two kinds of camera heads are talked to: what to send, how much to ask for, and what an answer means."""
+"""The protocols of the two kinds of camera heads: requests, lengths and meanings of the answers."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
@@ -11,24 +11,24 @@ from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage
 
 
 class Direction(NamedTuple):
-    """Where a head looks, rad: to the left, up."""
+    """Direction of a head, rad: to the left, up."""
 
     pan: float
     tilt: float
 
 
 class Zoom(NamedTuple):
-    """How a head magnifies; 1 at the widest."""
+    """Magnification of a head; 1 at the widest."""
 
     ratio: float
 
 
 class Obeyed(NamedTuple):
-    """A head has taken a command."""
+    """A head has accepted a command."""
 
 
 class Declined(NamedTuple):
-    """A head has not.
+    """A head has not accepted a command.
 
     is_busy: it may later. is_asleep: it must be started first.
     """
@@ -41,7 +41,7 @@ HeadReply = Direction | Zoom | Obeyed | Declined
 
 
 class HeadProtocol(Protocol):
-    """One kind of head.
+    """The protocol of one kind of head.
 
     probe: harmless, and answered by this kind of head only. start: in order, to make a head obey.
     """
@@ -56,7 +56,7 @@ class HeadProtocol(Protocol):
 
     @property
     def pending(self) -> int:
-        """Bytes that have come of an answer that is not complete yet."""
+        """Bytes of an answer that is not complete yet."""
         ...
 
     def hear(self, data: bytes) -> list[HeadReply]:

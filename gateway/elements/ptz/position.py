@@ -1,4 +1,4 @@
-"""Where a camera head looks: as it says, or reckoned from its speeds where it says nothing."""
+"""The position of a camera head: reported, or estimated from its speeds where the head reports nothing."""
 
 from math import radians
 from typing import NamedTuple
@@ -12,7 +12,7 @@ ZOOM_ARRIVED = 0.02
 SLACK = 1.0
 """Seconds that a head may take beyond its speeds before it counts as resting elsewhere."""
 STILL_MOVES = 0.5
-"""Seconds for which a head that has just moved, though nobody told it to, counts as moving."""
+"""Seconds for which a head that has just moved, without a command, counts as moving."""
 
 
 class HeadPosition(NamedTuple):
@@ -26,7 +26,7 @@ class HeadPosition(NamedTuple):
 class HeadTracker:
     """Follows one head.
 
-    goal: where it was told to look.
+    goal: of the last command.
     """
 
     def __init__(self, model: HeadModel) -> None:
@@ -72,12 +72,12 @@ class HeadTracker:
 
     @property
     def zooms(self) -> bool:
-        """The lens is not where it was sent."""
+        """The lens has not reached its goal."""
         return abs(self._place.zoom - self.goal.zoom) > ZOOM_ARRIVED * self.goal.zoom
 
     @property
     def turns(self) -> bool:
-        """Pan or tilt are not where they were sent."""
+        """Pan or tilt have not reached their goals."""
         return max(abs(self._place.pan - self.goal.pan), abs(self._place.tilt - self.goal.tilt)) > ARRIVED
 
     def send(self, goal: HeadPosition, now: float) -> None:

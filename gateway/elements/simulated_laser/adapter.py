@@ -1,4 +1,4 @@
-"""The laser of a simulator on the bus: sweeps that came on the robot's own line."""
+"""The laser of a simulator on the bus: sweeps from the robot's own line."""
 
 from collections.abc import Iterable, Mapping
 from math import inf, nan

@@ -31,7 +31,7 @@ SMOOTHING = 0.1
 
 
 class SimulatedLaserScanner(Element):
-    """Asks a simulator for its laser and puts its sweeps together.
+    """Requests the laser of a simulator and assembles its sweeps.
 
     is_present: a whole sweep has come. beams: readings in the last one.
     """

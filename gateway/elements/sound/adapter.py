@@ -30,7 +30,7 @@ class SoundAdapter(BusAdapter):
             case {"on": on, **rest} if not rest:
                 sound.switch(on)
             case _:
-                raise CommandRefused("say one of notes, number and on")
+                raise CommandRefused("send one of notes, number and on")
 
     commands = (CommandRow(keys.SOUND, {}, _sound, NOTHING, may_take={"notes": list, "number": int, "on": bool}),)
 

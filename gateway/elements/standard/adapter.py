@@ -21,7 +21,7 @@ class BaseAdapter(BusAdapter):
     subscriptions = (keys.CMD_VEL, keys.CMD_VEL_STAMPED)
 
     def halt(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
-        """Stop the wheels, whoever drives them."""
+        """Stop the wheels, also while the joystick drives them."""
         self._driver.halt_base(now, end)
 
     def is_moving(self, now: float) -> bool:

@@ -25,7 +25,7 @@ class ControllerConfiguration(AskedElement):
 
 
 class SonarElement(Element):
-    """Remembers whether it is to be on, to switch it again after a reset."""
+    """Keeps whether the sonar is to be on, to restore it after a reset."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Switch it as the settings want it, or as it was switched since."""
@@ -42,7 +42,7 @@ class SonarElement(Element):
 
 
 class UserPorts(PolledElement):
-    """Asks for I/O packets where somebody needs them; remembers the outputs, to set a robot again that was reset."""
+    """Requests I/O packets where they are needed; keeps the outputs, to restore them after a reset."""
 
     takes = (IoReport,)
     command = Command.IOREQUEST

@@ -142,7 +142,7 @@ def test_parked_arm_goes_home_and_puts_its_brakes_on(bench: ArmBench) -> None:
     assert bench.arm.positions[1] == pytest.approx(0.0)
     assert bench.arm.braked == set(range(8))
     assert not bench.seen.powered
-    with pytest.raises(CommandRefused, match="told to halt"):
+    with pytest.raises(CommandRefused, match="halted by a command"):
         bench.move(1, 0.5)
     bench.driver.switch(True, bench.now)
     bench.run(0.3)
