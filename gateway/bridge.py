@@ -75,7 +75,7 @@ class Backoff:
         self._next = self._first
 
 
-class BridgeListener(Protocol):
+class _BridgeListener(Protocol):
     """Receives the driver's events, on the bridge's thread."""
 
     def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
@@ -164,7 +164,7 @@ class Bridge(Generic[D]):
                 self._lock.release()
         self.wake()
 
-    def run(self, listener: BridgeListener) -> None:
+    def run(self, listener: _BridgeListener) -> None:
         """Work until `stop`."""
         while not self._is_stopped:
             has_bytes = self._wait(listener.deadline)

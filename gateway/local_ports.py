@@ -20,7 +20,7 @@ LONGEST_COMMAND = 80
 """Characters of a command line that are shown."""
 
 
-class Holder(NamedTuple):
+class _Holder(NamedTuple):
     """A program that has a port open."""
 
     pid: int
@@ -30,7 +30,7 @@ class Holder(NamedTuple):
         return f"process {self.pid} ({self.command})"
 
 
-def holders(path: str) -> list[Holder]:
+def holders(path: str) -> list[_Holder]:
     """Return the programs that have the device at this path open, without this one.
 
     Programs of other users are found only by root.
@@ -42,7 +42,7 @@ def holders(path: str) -> list[Holder]:
     if not stat.S_ISCHR(device.st_mode):
         return []
     own = os.getpid()
-    return [Holder(pid, _command(pid)) for pid in _processes() if pid != own and device.st_rdev in _open_devices(pid)]
+    return [_Holder(pid, _command(pid)) for pid in _processes() if pid != own and device.st_rdev in _open_devices(pid)]
 
 
 def candidates() -> list[str]:

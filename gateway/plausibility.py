@@ -25,7 +25,7 @@ ROLLING = 5.0
 """Seconds for which a robot that is out of touch may roll on: its watchdog's two, and three to come to rest."""
 
 
-class SipVerdict(NamedTuple):
+class _SipVerdict(NamedTuple):
     """The verdict on a SIP.
 
     doubt: what is wrong with it, in a word; None for a plausible SIP.
@@ -53,18 +53,18 @@ class Plausibility:
         self._is_new_link = True
         self._doubted = None
 
-    def judge(self, sip: StandardSip, now: float) -> SipVerdict:
+    def judge(self, sip: StandardSip, now: float) -> _SipVerdict:
         """Take the next SIP."""
         doubt = self._impossible(sip)
         if doubt is not None:
-            return SipVerdict(doubt)
+            return _SipVerdict(doubt)
         doubt = self._does_not_follow(self._believed, sip, now)
         if doubt is None or self._is_new_link or self._insists(sip, now):
             continues = doubt is None and not (self._is_new_link and self._was_reset(sip))
             self._believed, self._doubted, self._is_new_link = (sip, now), None, False
-            return SipVerdict(None, continues)
+            return _SipVerdict(None, continues)
         self._doubted = (sip, now)
-        return SipVerdict(doubt)
+        return _SipVerdict(doubt)
 
     def _insists(self, sip: StandardSip, now: float) -> bool:
         agrees = self._doubted is not None and self._does_not_follow(self._doubted, sip, now) is None

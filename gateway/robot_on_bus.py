@@ -14,7 +14,7 @@ from bus import Bus, BusUnavailable, Subscription, keys
 from bus.name_holder import BusProgram
 from gateway.cables.cable import ElementCable
 from gateway.command_server import Commander, CommandServer
-from gateway.description import CachedDescription, describe
+from gateway.description import RobotDescription
 from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter, RobotContext, adapter_types
 from gateway.elements.all_elements import ELEMENTS
@@ -111,7 +111,7 @@ class RobotOnBus(Subscription):
         self._streams = RobotPublishers(robot, bus, self._adapters)
         self._elements = ElementTokens(name, bus)
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
-        self._description = CachedDescription(lambda: describe(robot, self._adapters, process), driver, steady_clock)
+        self._description = RobotDescription(robot, self._adapters, process, steady_clock)
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
             self._server,

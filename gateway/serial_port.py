@@ -93,10 +93,10 @@ def open_port(name: str) -> Port:
     """
     scheme = urlsplit(name).scheme if "://" in name else ""
     if not scheme:
-        return DevicePort(name)
+        return _DevicePort(name)
     if scheme == SOCKET:
         return SocketPort(name)
-    return PumpedPort(name)
+    return _PumpedPort(name)
 
 
 def has_rate(name: str) -> bool:
@@ -104,7 +104,7 @@ def has_rate(name: str) -> bool:
     return urlsplit(name).scheme != SOCKET
 
 
-class DevicePort(Port):
+class _DevicePort(Port):
     """A device: a UART, an adapter, a pseudo-terminal."""
 
     def __init__(self, path: str) -> None:
@@ -173,7 +173,7 @@ class SocketPort(Port):
         self._socket.close()
 
 
-class PumpedPort(Port):
+class _PumpedPort(Port):
     """Any other URL of pyserial's (`rfc2217://`): it has no descriptor, so a thread pumps what it reads into a pipe."""
 
     def __init__(self, url: str) -> None:

@@ -20,7 +20,7 @@ from p2os.accessories.pioneer_arm import EVERY_JOINT, LONGEST_MS, MANUAL_CONNECT
 from p2os.arguments import PacketRequest
 
 
-class Scale(NamedTuple):
+class _ServoScale(NamedTuple):
     """The meaning of a servo's counts. zero: count at zero. per_tick: rad or m, signed. usual: default ms a count."""
 
     zero: int
@@ -52,7 +52,7 @@ class ArmElement(AskedElement):
     stream = Command.ARM_STATUS, PacketRequest.CONTINUOUS
     single = Command.ARM_STATUS, PacketRequest.ONE
     version = ""
-    _scales: tuple[Scale, ...] = ()
+    _scales: tuple[_ServoScale, ...] = ()
     _is_powered = False
     _follows_manual = False
     _was_initialised = False
@@ -142,7 +142,7 @@ class ArmElement(AskedElement):
         self._instead(Command.ARM_POWER, int(on))
 
     def _meet(self, information: ArmInformation) -> None:
-        model = pioneer_arm()
+        model = _pioneer_arm()
         self.version = information.version
         makes_sense = all(each.ticks_per_90 > 0 and each.minimum < each.maximum for each in information.joints)
         self.is_present = makes_sense and len(information.joints) == len(model.joints) + 1
@@ -187,12 +187,12 @@ class ArmElement(AskedElement):
 
 
 @cache
-def pioneer_arm() -> ArmModel:
+def _pioneer_arm() -> ArmModel:
     """Return the model of the Pioneer arm."""
     return load(ArmModel, "accessories", "pioneer-arm")
 
 
-def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> Scale:
+def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> _ServoScale:
     if joint < len(model.joints):
         sense = -1 if model.servos[joint].reversed else 1
         zero, per_tick, fastest = figures.centre, sense * pi / 2 / figures.ticks_per_90, model.joints[joint].speed
@@ -206,4 +206,4 @@ def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> Scale:
     slowest = abs(per_tick) / (LONGEST_MS * MS)
     home = (figures.home - zero) * per_tick
     limits = JointLimits(lower, upper, slowest, fastest, slides=joint == len(model.joints), home=home)
-    return Scale(zero, per_tick, figures.speed, limits)
+    return _ServoScale(zero, per_tick, figures.speed, limits)

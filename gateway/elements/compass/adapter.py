@@ -10,7 +10,7 @@ from gateway.elements.compass.element import CompassElement
 from gateway.events import CompassSeen, Event
 
 
-class CompassAdapter(BusAdapter):
+class _CompassAdapter(BusAdapter):
     """`<robot>/compass`."""
 
     name = "compass"
@@ -33,4 +33,4 @@ class CompassAdapter(BusAdapter):
             yield keys.COMPASS, message
 
 
-ADAPTERS = (CompassAdapter,)
+ADAPTERS = (_CompassAdapter,)

@@ -33,7 +33,7 @@ STOPPING = ("stop", "halt")
 
 
 @dataclass(frozen=True, slots=True)
-class GripperTravel:
+class _GripperTravel:
     """Travel, m, and speeds, m/s: opening between the open paddles, lift, and the speed of each."""
 
     opening: float
@@ -42,7 +42,7 @@ class GripperTravel:
     lift_speed: float
 
     @classmethod
-    def from_table(cls, table: Mapping[str, Any]) -> "GripperTravel":
+    def from_table(cls, table: Mapping[str, Any]) -> "_GripperTravel":
         """Read what is needed of a gripper's file in `configs/accessories`."""
         return cls(table["opening_m"], table["lift_travel_m"], table["paddle_speed_m_s"], table["lift_speed_m_s"])
 
@@ -148,7 +148,7 @@ class GripperElement(AskedElement):
 
     def _meet(self, kind: int) -> None:
         self._kind = GripperKind.PEOPLEBOT if kind == GripperKind.PEOPLEBOT else GripperKind.PIONEER
-        self._travel = configs.load(GripperTravel, "accessories", TRAVELS[self._kind])
+        self._travel = configs.load(_GripperTravel, "accessories", TRAVELS[self._kind])
         self.is_present = kind != GripperKind.NONE
 
     def _joints(self, seen: GripperSeen) -> GripperJoints:

@@ -14,7 +14,7 @@ THRESHOLD = 0.0
 """m; each frame lies where its sensor sees something, since a switch measures no distance."""
 
 
-class InfraredAdapter(BusAdapter):
+class _InfraredAdapter(BusAdapter):
     """`<robot>/ir`: each sensor is a switch. REP 117: -inf where something is near, and +inf where nothing is."""
 
     name = "ir"
@@ -48,4 +48,4 @@ class InfraredAdapter(BusAdapter):
         )
 
 
-ADAPTERS = (InfraredAdapter,)
+ADAPTERS = (_InfraredAdapter,)

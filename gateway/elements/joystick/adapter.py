@@ -13,7 +13,7 @@ from gateway.elements.joystick.element import JoystickElement
 from gateway.events import Event, JoystickSeen
 
 
-class JoystickAdapter(BusAdapter):
+class _JoystickAdapter(BusAdapter):
     """`<robot>/joystick` and `command/joystick`.
 
     Axes as ROS has them: to the left, forward, throttle. Buttons: 1 and 2.
@@ -43,4 +43,4 @@ class JoystickAdapter(BusAdapter):
     commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive, BASE),)
 
 
-ADAPTERS = (JoystickAdapter,)
+ADAPTERS = (_JoystickAdapter,)

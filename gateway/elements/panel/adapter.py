@@ -8,7 +8,7 @@ from gateway.elements.adapter import BusAdapter
 from gateway.elements.panel.element import ChargerElement, Display, PowerOutputs, Servos
 
 
-class ChargerAdapter(BusAdapter):
+class _ChargerAdapter(BusAdapter):
     """`command/charge`."""
 
     name = "charger"
@@ -26,7 +26,7 @@ class ChargerAdapter(BusAdapter):
     commands = (CommandRow(keys.CHARGE, {"on": bool}, _charge, name),)
 
 
-class DisplayAdapter(BusAdapter):
+class _DisplayAdapter(BusAdapter):
     """`command/lcd`."""
 
     name = "lcd"
@@ -38,7 +38,7 @@ class DisplayAdapter(BusAdapter):
     commands = (CommandRow(keys.LCD, {"text": str}, _write, NOTHING),)
 
 
-class ServosAdapter(BusAdapter):
+class _ServosAdapter(BusAdapter):
     """`command/servo`."""
 
     name = "servos"
@@ -53,7 +53,7 @@ class ServosAdapter(BusAdapter):
     commands = (CommandRow(keys.SERVO, {"port": int, "pulse": float}, _servo, name),)
 
 
-class PowerAdapter(BusAdapter):
+class _PowerAdapter(BusAdapter):
     """`command/power`."""
 
     name = "power"
@@ -71,4 +71,4 @@ class PowerAdapter(BusAdapter):
     commands = (CommandRow(keys.POWER, {"output": str, "on": bool}, _power, NOTHING),)
 
 
-ADAPTERS = (DisplayAdapter, ServosAdapter, PowerAdapter, ChargerAdapter)
+ADAPTERS = (_DisplayAdapter, _ServosAdapter, _PowerAdapter, _ChargerAdapter)

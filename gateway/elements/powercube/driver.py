@@ -75,7 +75,7 @@ class Module:
 
 
 class PowerCubeDriver:
-    """One arm; an `ElementDriver`, and `Reaching`.
+    """One arm; an `ElementDriver`, and `ArmCommands`.
 
     limits: of every joint, as the modules report, once the arm was found; the gripper's is the last.
     """

@@ -13,7 +13,7 @@ from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
 
 
-class PtzAdapter(BusAdapter):
+class _PtzAdapter(BusAdapter):
     """`<robot>/ptz` and `command/ptz`."""
 
     name = "ptz"
@@ -63,4 +63,4 @@ class PtzAdapter(BusAdapter):
     )
 
 
-ADAPTERS = (PtzAdapter,)
+ADAPTERS = (_PtzAdapter,)

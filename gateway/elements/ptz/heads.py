@@ -23,7 +23,7 @@ class Zoom(NamedTuple):
     ratio: float
 
 
-class Obeyed(NamedTuple):
+class _Obeyed(NamedTuple):
     """A head has accepted a command."""
 
 
@@ -37,7 +37,7 @@ class Declined(NamedTuple):
     is_asleep: bool = False
 
 
-HeadReply = Direction | Zoom | Obeyed | Declined
+HeadReply = Direction | Zoom | _Obeyed | Declined
 
 
 class HeadProtocol(Protocol):
@@ -117,7 +117,7 @@ class Vcc4Protocol:
         if counts is not None:
             return Direction(self.model.pan.angle(counts[0]), self.model.tilt.angle(counts[1]))
         position = vcc4.number(answer.data)
-        return Obeyed() if position is None else Zoom(self.model.lens.ratio_at(position))
+        return _Obeyed() if position is None else Zoom(self.model.lens.ratio_at(position))
 
 
 def _plain(request: bytes, patience: float = 0.5) -> AuxExchange:
@@ -162,10 +162,10 @@ class ViscaProtocol:
         """Return the meaning of a message; None for completions and for errors of syntax."""
         header, payload = message
         if header == visca.BROADCAST:
-            return Obeyed() if payload[:1] == visca.ADDRESS_SET else None
+            return _Obeyed() if payload[:1] == visca.ADDRESS_SET else None
         kind, _ = visca.kind_and_socket(payload[0])
         if kind == visca.ACK:
-            return Obeyed()
+            return _Obeyed()
         if kind == visca.ERROR and len(payload) > 1:
             return Declined(payload[1] == Error.BUFFER_FULL, payload[1] == Error.NOT_EXECUTABLE)
         counts, position = visca.read_direction(payload), visca.read_zoom(payload)

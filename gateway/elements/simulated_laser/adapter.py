@@ -19,7 +19,7 @@ FARTHEST = 32.0
 """m; what MobileSim's laser sees. A simulator writes its own farthest range where nothing was near enough."""
 
 
-class SimulatedLaserAdapter(BusAdapter):
+class _SimulatedLaserAdapter(BusAdapter):
     """Publishes `<robot>/scan` in `<robot>/laser`, which sits where the robot's model has its laser.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no reading.
@@ -80,4 +80,4 @@ class SimulatedLaserAdapter(BusAdapter):
         )
 
 
-ADAPTERS = (SimulatedLaserAdapter,)
+ADAPTERS = (_SimulatedLaserAdapter,)

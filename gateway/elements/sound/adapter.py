@@ -9,7 +9,7 @@ from gateway.elements.sound.element import SoundElement
 from gateway.errors import CommandRefused
 
 
-class SoundAdapter(BusAdapter):
+class _SoundAdapter(BusAdapter):
     """`command/sound`."""
 
     name = "sound"
@@ -35,4 +35,4 @@ class SoundAdapter(BusAdapter):
     commands = (CommandRow(keys.SOUND, {}, _sound, NOTHING, may_take={"notes": list, "number": int, "on": bool}),)
 
 
-ADAPTERS = (SoundAdapter,)
+ADAPTERS = (_SoundAdapter,)
