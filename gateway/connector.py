@@ -42,7 +42,7 @@ CLOSE = encode_command(Command.CLOSE)
 ECHO = bytes([Command.STOP])
 """Payload of the frame with which simulators echo STOP; robots send no such frame."""
 
-ROUNDS_FOR_A_TALKER = 3
+ROUNDS_AFTER_FRAMES = 3
 """Rounds on a rate at which sound frames come, before the next rate."""
 PROBE_AT, PROBE_EVERY = 2, 8
 """Sweep in which other rates are probed for the first time, and sweeps until it is done again."""
@@ -103,7 +103,7 @@ class Connector:
         self._handshake = HostHandshake()
         self._phase = _ConnectPhase.PAUSED
         self._window = line.first_window
-        self._talks = False
+        self._has_frames = False
         self._rounds_left = 0
         self._bytes_heard = self._frames_heard = 0
         outbox.share = line.share
@@ -151,9 +151,9 @@ class Connector:
         if self.baud not in self._rates:  # a probe
             self._answers_at = self.baud
             return None
-        if not self._talks:
-            self._talks = True
-            self._rounds_left = ROUNDS_FOR_A_TALKER
+        if not self._has_frames:
+            self._has_frames = True
+            self._rounds_left = ROUNDS_AFTER_FRAMES
         if payload == ECHO and self._rates == (AS_IT_IS,):
             self.hangs_up_on_close = True  # it may be slow to close the connection, and this one is given up before
         if self._phase is not _ConnectPhase.SYNCING:
@@ -231,7 +231,7 @@ class Connector:
     def _next_rate(self, now: float) -> None:
         self.baud = self._plan.pop(0)
         self._outbox.baud = self._line.baud or self.baud
-        self._talks = False
+        self._has_frames = False
         self._rounds_left = 0
         if self._dialler is not None and self._must_dial:
             self._dial(self._dialler, now)
@@ -253,7 +253,7 @@ class Connector:
 
     def _listen(self, now: float) -> None:
         self._outbox.clear()
-        self._talks = False
+        self._has_frames = False
         self._rounds_left = 0
         self._phase = _ConnectPhase.LISTENING
         self.deadline = now + LISTENING
