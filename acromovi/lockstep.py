@@ -37,7 +37,7 @@ NO_RATE = (0,)  # a line in memory has no baud rate to look for
 class Lockstep:
     """A team of robots in a world, each with its driver, on a bus in memory.
 
-    Everything happens in `run`; the same arguments and the same calls give the same bytes and messages.
+    Everything happens in `run`; the same arguments and the same calls call the same bytes and messages.
     """
 
     def __init__(
@@ -195,10 +195,10 @@ class _Element:
         """Stop everything that moves."""
         self.command(lambda driver, now: driver.halt(now))
 
-    def command(self, give: Callable[[ElementDriver, float], T]) -> T:
+    def command(self, call: Callable[[ElementDriver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
         try:
-            return give(self.driver, self._clock())
+            return call(self.driver, self._clock())
         finally:
             self._flush()
             self._wakes_at = 0.0
@@ -269,10 +269,10 @@ class _Host:
         self._robot.on_events(events, now, self._stamp_ns())
         self._wakes_at = min(self._driver.deadline, self._robot.deadline)
 
-    def command(self, give: Callable[[Driver, float], T]) -> T:
+    def command(self, call: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
         try:
-            return give(self._driver, self._clock())
+            return call(self._driver, self._clock())
         finally:
             self._flush()
             self._wakes_at = 0.0

@@ -1,4 +1,4 @@
-"""`p2os-gateway`: a robot on a port becomes a robot on the bus."""
+"""The command `p2os-gateway`: brings a robot on a serial port to the bus."""
 
 import argparse
 import signal
@@ -19,7 +19,7 @@ from gateway.cables.cable_thread import CableKind
 from gateway.driver import Driver
 from gateway.elements.all_elements import cable_kinds
 from gateway.errors import GatewayError, NoSuchPort, PortBusy
-from gateway.gateway import Gateway, GatewayOptions, tell, tell_problem
+from gateway.gateway import Gateway, GatewayOptions, report_event, report_problem
 from gateway.line import RADIO_BAUD
 from gateway.link_diagnosis import LinkDiagnosis, LinkReports
 from gateway.local_ports import holders
@@ -31,7 +31,7 @@ from p2os import BAUD_CODES
 EXIT_OK = 0
 EXIT_USAGE = 2
 SWITCH_INTERVAL = 0.001
-"""Seconds that one thread may keep the others waiting; Python's own 0.005 would show in the latencies."""
+"""Seconds after which a thread yields to others; the default of Python, 0.005, adds to the latencies."""
 
 EPILOG = """\
 examples:
@@ -48,7 +48,7 @@ exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Parse, build and run; returns an exit code."""
+    """Run `p2os-gateway`; return its exit code."""
     parser = _parser()
     arguments = parser.parse_args(argv)
     if arguments.radio and arguments.baud not in (None, RADIO_BAUD):
@@ -98,7 +98,7 @@ def _serve(
     bridge = Bridge(driver, port, lambda: open_port(options.port))
     gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
     with _signals(lambda *_: bridge.stop()), ExitStack() as leaving:
-        # In the end, each whatever becomes of the others: everything stands still, the robot stops, the bus is left.
+        # On leaving, in this order and each even if one fails: stop the elements, stop the robot, leave the bus.
         leaving.callback(gateway.close)
         leaving.callback(bridge.close)
         for cable in cables:
@@ -109,7 +109,7 @@ def _serve(
 
 
 class _EndedEarly(BaseException):
-    """A signal asked for the end before there was anything to stop; nobody on the way may take it for an error."""
+    """A signal ended the program before there was anything to stop; no `Exception`, so that no handler catches it."""
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
@@ -140,40 +140,40 @@ def _open_first(options: GatewayOptions) -> Port:
             diagnosis.begin(steady_clock())
             diagnosis.note_no_port(str(error))
         if not is_told:
-            tell(options, f"waiting for {options.port}", {"event": "waiting"})
+            report_event(options, f"waiting for {options.port}", {"event": "waiting"})
             is_told = True
-        tell_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
+        report_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
         time.sleep(REOPEN_PERIOD)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = CommandParser(
         prog="p2os-gateway",
-        description="Bring a robot on a port to the bus: odometry, sonar and more under NAME/; NAME/cmd_vel drives.",
+        description="Bring a robot on a port to the bus: odometry, sonar and more under NAME/; NAME/cmd_vel drives it.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_version(parser)
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
-    parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
-    parser.add_argument("--baud", type=_baud, metavar="auto|N", help="connect at this rate only, bit/s (default: auto)")
-    parser.add_argument("--radio", action="store_true", help="dial a radio modem, and ask no more than it carries")
+    parser.add_argument("--name", help="name of the robot on the bus [the robot's own name]")
+    parser.add_argument("--baud", type=_baud, metavar="auto|N", help="connect at this rate only, bit/s [auto]")
+    parser.add_argument("--radio", action="store_true", help="dial a radio modem, and send only what it carries")
     for kind in cable_kinds():
         parser.add_argument(f"--{kind.name}", metavar=kind.metavar, help=kind.help)
-    parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="read the settings of this robot from a TOML file")
     parser.add_argument(
         "--bus",
         default=default_bus(),
         metavar="PROFILE",
-        help="how to reach the bus: local[:NAME] (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
+        help="profile of the bus: local[:NAME] (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
         f"[%(default)s; {VARIABLE} changes it]",
     )
-    parser.add_argument("--wait", action="store_true", help="look for port and robot until they are there")
+    parser.add_argument("--wait", action="store_true", help="search for port and robot until they appear")
     parser.add_argument(
-        "--force", action="store_true", help="wait until another gateway of this name has ended, and take its place"
+        "--force", action="store_true", help="wait until another gateway of this name has ended, then take its place"
     )
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
-    parser.add_argument("--json", action="store_true", help="say what happens in JSON, a line each")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
+    parser.add_argument("--json", action="store_true", help="print events as JSON, one line each")
     return parser
 
 
@@ -182,7 +182,7 @@ def _baud(text: str) -> int | None:
         return None
     rates = sorted(BAUD_CODES.values())
     if not text.isdecimal() or int(text) not in rates:
-        raise argparse.ArgumentTypeError(f"{text!r} is no rate; say auto or one of {', '.join(map(str, rates))}")
+        raise argparse.ArgumentTypeError(f"{text!r} is no rate; use auto or one of {', '.join(map(str, rates))}")
     return int(text)
 
 

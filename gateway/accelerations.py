@@ -1,15 +1,18 @@
-"""How hard the robot speeds up and brakes: what the user has it told, and what is known of it."""
+"""Accelerations of the robot: those that the user asks for, those that are known, and the duration of a motion."""
 
 from collections.abc import Iterator
-from math import inf
+from math import inf, sqrt
 from typing import NamedTuple
 
 from gateway.settings import DriveLimits
 from p2os import Command, Configuration, RobotModel, encode_command
 
+LEAST_ACCELERATION = 1e-3
+"""m/s² or rad/s²; a robot that reports zero does not know its own."""
+
 
 class _Acceleration(NamedTuple):
-    """One acceleration, m/s² or rad/s², by the name that it has in each place; `sign` is that on the wire."""
+    """One acceleration, m/s² or rad/s², by its name in each place; `sign` is that on the wire."""
 
     name: str
     setting: str
@@ -18,7 +21,7 @@ class _Acceleration(NamedTuple):
     sign: float
 
 
-ROWS = (
+_ROWS = (
     _Acceleration("acceleration", "acceleration_m_s2", "acceleration", Command.SETA, 1.0),
     _Acceleration("deceleration", "deceleration_m_s2", "deceleration", Command.SETA, -1.0),
     _Acceleration("angular_acceleration", "angular_acceleration_rad_s2", "rotational_acceleration", Command.SETRA, 1.0),
@@ -28,23 +31,40 @@ ROWS = (
 )
 
 
-def told(limits: DriveLimits) -> Iterator[tuple[str, bytes]]:
-    """What the robot has to be told, each with its name: what the user left out stays as it is."""
-    for row in ROWS:
+def acceleration_frames(limits: DriveLimits) -> Iterator[tuple[str, bytes]]:
+    """Return the frames that set the accelerations of the settings, each with its name; others stay as they are."""
+    for row in _ROWS:
         wanted: float | None = getattr(limits, row.setting)
         if wanted is not None:
             yield row.name, encode_command(row.command, row.sign * wanted)
 
 
-def known(limits: DriveLimits, model: RobotModel, configuration: Configuration | None) -> dict[str, float]:
-    """Those that can be counted on.
+def known_accelerations(
+    limits: DriveLimits, model: RobotModel, configuration: Configuration | None
+) -> dict[str, float]:
+    """Return the accelerations that can be counted on, by name.
 
-    Whatever the robot was told may have been lost on the way: what it says itself holds. Of one that says nothing no
-    more is believed than what was wanted and what its model has.
+    A frame that sets one may have been lost, so what the robot reports holds. Without a report it is the lesser of the
+    setting and the model's.
     """
     found = {}
-    for row in ROWS:
-        said: float = getattr(configuration, row.of_robot) if configuration is not None else 0.0
+    for row in _ROWS:
+        reported: float = getattr(configuration, row.of_robot) if configuration is not None else 0.0
         wanted: float | None = getattr(limits, row.setting)
-        found[row.name] = said or min(getattr(model.flash, row.of_robot), wanted or inf)
+        found[row.name] = reported or min(getattr(model.flash, row.of_robot), wanted or inf)
     return found
+
+
+def travel_time(way: float, speed: float, acceleration: float, deceleration: float) -> float:
+    """Return the time for a way with a trapezoidal speed profile, s.
+
+    Args:
+        way: m or rad; its sign does not matter.
+        speed: The highest, m/s or rad/s, above 0.
+        acceleration, deceleration: m/s² or rad/s², above 0.
+    """
+    ramps = 1.0 / max(acceleration, LEAST_ACCELERATION) + 1.0 / max(deceleration, LEAST_ACCELERATION)
+    reached = min(speed, sqrt(2.0 * abs(way) / ramps))
+    if reached <= 0.0:
+        return 0.0
+    return abs(way) / reached + reached * ramps / 2.0

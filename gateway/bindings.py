@@ -1,4 +1,4 @@
-"""The motions that are bound to the heartbeat of their commander, and end when it falls silent.
+"""Motions that are bound to the heartbeat of their commander, and end when it is silent.
 
 A motion that runs for seconds would outlive a commander that dies. So the command names a heartbeat
 (`bus/heartbeat.py`), and the gateway stops what it moves 0.5 s after the last beat: the process may be dead or frozen,
@@ -40,7 +40,7 @@ class MotionBindings(Subscription):
     """All bindings of one robot, one for each element that moves."""
 
     def __init__(self, bus: Bus, on_beat: Callable[[str], None]) -> None:
-        """Nothing is bound.
+        """Begin without bindings.
 
         Args:
             bus: Where heartbeats are published.
@@ -59,19 +59,19 @@ class MotionBindings(Subscription):
         return min((heard + SILENCE for heard in self._heard_at.values()), default=inf)
 
     def bind(self, binding: Binding) -> None:
-        """A motion has begun; it takes the place of the element's motion before."""
+        """Bind a motion that has begun; it replaces the element's former motion."""
         self.release(binding.element)
         self._bindings[binding.element] = binding
         self._heard_at[binding.key] = binding.began_at  # its first beat may still be on its way
 
     def release(self, element: str) -> None:
-        """The element's motion is bound no more."""
+        """Remove the binding of an element's motion."""
         binding = self._bindings.pop(element, None)
         if binding is not None and not any(other.key == binding.key for other in self._bindings.values()):
             del self._heard_at[binding.key]
 
     def beat(self, key: str, now: float) -> None:
-        """A beat has come; now: steady time, s."""
+        """Note a beat; now: steady time, s."""
         if key in self._heard_at:
             self._heard_at[key] = now
 
@@ -93,7 +93,7 @@ class MotionBindings(Subscription):
                 self._subscriptions[key] = self._bus.subscribe_latest(key, self._hear, BEAT_PERIOD)
 
     def close(self) -> None:
-        """Listen no more."""
+        """Withdraw the subscriptions."""
         with self._following:
             while self._subscriptions:
                 self._subscriptions.popitem()[1].close()

@@ -1,7 +1,7 @@
 """Joins one driver and one port, on one thread, and lets other threads command the driver.
 
-The thread waits for bytes, for the driver's next deadline, or to be woken. A lock guards the driver; whoever commands
-it, on a thread of the bus, writes what follows to the port at once, so that a command does not wait for this thread.
+The thread waits for bytes, for the driver's next deadline, or to be woken. A lock guards the driver; a command
+from a thread of the bus writes its bytes to the port at once, so it does not wait for this thread.
 """
 
 import os
@@ -48,7 +48,7 @@ SIGNS_OF_LIFE = (SipReceived, ElementFound)
 
 
 def steady_clock() -> float:
-    """Seconds that go on while the computer sleeps, where the system has such a clock."""
+    """Return the steady time, s; it includes sleep of the computer where the system has such a clock."""
     return time.clock_gettime(_CLOCK)
 
 
@@ -71,12 +71,12 @@ class Backoff:
         return pause
 
     def reset(self) -> None:
-        """An attempt has succeeded: begin with the first pause again."""
+        """Begin with the first pause again, after a success."""
         self._next = self._first
 
 
-class BridgeListener(Protocol):
-    """Who is told what happens, on the bridge's thread."""
+class _BridgeListener(Protocol):
+    """Receives the driver's events, on the bridge's thread."""
 
     def on_events(self, events: Sequence[Event], now: float, stamp_ns: int) -> None:
         """Take the driver's events, maybe none.
@@ -90,12 +90,12 @@ class BridgeListener(Protocol):
 
     @property
     def deadline(self) -> float:
-        """When to be called again even without events, s."""
+        """When the next call is due even without events, s."""
         ...
 
 
 class Bridge(Generic[D]):
-    """One driver on one port, which may vanish and return."""
+    """One driver on one port, which may be lost and opened again."""
 
     def __init__(
         self,
@@ -108,7 +108,7 @@ class Bridge(Generic[D]):
         """Begin to talk: the first bytes leave before this returns.
 
         Args:
-            driver: Nobody else may call it from now on, but through `command`.
+            driver: From now on called only through `command` and `post`.
             port: Open, and the bridge closes it; None begins by opening one.
             reopen: Opens it again after it was lost; raises GatewayError while it cannot.
             clock: Steady, s.
@@ -135,43 +135,43 @@ class Bridge(Generic[D]):
                 driver.port_opened(clock())
                 self._flush()
 
-    def command(self, give: Callable[[D, float], T]) -> T:
-        """Give the driver a command from any thread; what follows is written before this returns.
+    def command(self, call: Callable[[D, float], T]) -> T:
+        """Call a function with the driver from any thread; the bytes due are written before this returns.
 
         Args:
-            give: Called with the driver and the steady time, under the lock; what it raises comes through.
+            call: Called with the driver and the steady time, under the lock; what it raises comes through.
         """
         with self._lock:
             try:
-                return give(self._driver, self._clock())
+                return call(self._driver, self._clock())
             finally:
                 self._flush()
                 if self._driver.deadline < self._waits_until:
                     self.wake()
 
-    def post(self, give: Callable[[D, float], object]) -> None:
-        """Give the driver a command without waiting: now if nobody has the lock, and otherwise on the bridge's thread.
+    def post(self, call: Callable[[D, float], object]) -> None:
+        """Call a function with the driver without waiting: now if the lock is free, else on the bridge's thread.
 
         Args:
-            give: As for `command`; must not raise.
+            call: As for `command`; must not raise.
         """
-        self._posted.append(give)
+        self._posted.append(call)
         if self._lock.acquire(blocking=False):
             try:
-                self._give_posted()
+                self._run_posted()
                 self._flush()
             finally:
                 self._lock.release()
         self.wake()
 
-    def run(self, listener: BridgeListener) -> None:
+    def run(self, listener: _BridgeListener) -> None:
         """Work until `stop`."""
         while not self._is_stopped:
             has_bytes = self._wait(listener.deadline)
             if self._port is None and self._clock() >= self._reopen_at:
                 self._open_again()
             with self._lock:
-                self._give_posted()
+                self._run_posted()
                 now = self._clock()
                 data = self._read() if has_bytes else b""
                 stamp_ns = time.time_ns()
@@ -184,13 +184,13 @@ class Bridge(Generic[D]):
         self.wake()
 
     def close(self) -> None:
-        """Bring what hangs on the cable to rest, say goodbye and let go of the port."""
+        """Stop what moves, write the closing bytes and close the port."""
         with self._lock:
             if self._port is not None:
-                with suppress(PortLost):  # nobody may be there to say goodbye to
-                    self._port.write(self._driver.stopping_words)
+                with suppress(PortLost):  # the other end may be gone
+                    self._port.write(self._driver.stopping_bytes)
                     self._let_it_brake(self._port)
-                    self._port.write(self._driver.last_words)
+                    self._port.write(self._driver.closing_bytes)
                 self._port.close()
                 self._port = None
         with self._waking:
@@ -199,7 +199,7 @@ class Bridge(Generic[D]):
                 os.close(self._wake_reader)
                 os.close(self._wake_writer)
 
-    def _give_posted(self) -> None:
+    def _run_posted(self) -> None:
         while self._posted:
             self._posted.popleft()(self._driver, self._clock())
 
@@ -211,7 +211,7 @@ class Bridge(Generic[D]):
                 self._driver.receive(port.read(), self._clock())
 
     def _wait(self, listener_deadline: float) -> bool:
-        """Wait for something to do; say whether bytes have come."""
+        """Wait for something to do; return whether bytes have arrived."""
         with self._lock:
             port = self._port
             deadline = min(self._driver.deadline, self._reopen_at, listener_deadline)
@@ -243,7 +243,7 @@ class Bridge(Generic[D]):
             self._lose_port(PortLost("the connection is dead"), now)
         self._flush()
         if self._port is not None and any(isinstance(event, RobotRejected) for event in events):
-            # It is not ours to hold: whose the port is by then, a later look will tell.
+            # Another program may need the port; it is opened again later.
             self._lose_port(PortLost("another robot is there"), now)
             self._reopen_at = now + REJECTED_PERIOD
         return events
@@ -262,7 +262,7 @@ class Bridge(Generic[D]):
             self.wake()
 
     def _open_again(self) -> None:
-        """Try to open the port; not under the lock, since a connection may take its time to fail."""
+        """Try to open the port; without the lock, since a connection may fail slowly."""
         try:
             port = self._reopen()
         except GatewayError as error:  # it is not back yet
@@ -290,6 +290,6 @@ class Bridge(Generic[D]):
         """Let `run` look after everything now; from any thread or signal handler, and after `close` as well."""
         with self._waking:
             if self._is_closed:
-                return  # the descriptor may be somebody else's by now
+                return  # the descriptor may be in other use by now
             with suppress(BlockingIOError):  # it is being woken already
                 os.write(self._wake_writer, b"!")

@@ -32,9 +32,9 @@ VELOCITY_PERIOD = 0.005
 CLOCK_TOLERANCE = 0.2
 """Seconds by which the sender's clock may be ahead of this machine's."""
 HALT_ANYWAY = 4.0
-"""Seconds after its command in which an element is halted whether or not it says that it moves: servos that have just
+"""Seconds after its command in which an element is halted whether or not it reports a motion: servos that have just
 been switched on take up to 3.5 s to begin."""
-DETACHED = "this motion is detached: nobody stops it when its commander dies or freezes"
+DETACHED = "this motion is detached: it does not stop when its commander dies or freezes"
 
 STOPPING = (keys.STOP, keys.ESTOP)
 """Commands that stop the elements on cables of their own as well."""
@@ -50,7 +50,7 @@ Handler = Callable[[dict[str, Any], float], dict[str, Any]]
 
 
 class Commander(Protocol):
-    """The way to the driver from a thread of the bus."""
+    """Gives threads of the bus access to the driver."""
 
     def command(self, call: Callable[[Driver, float], T]) -> T:
         """Call a function with the driver and the steady time under the robot's lock, and write the bytes due."""
@@ -106,7 +106,7 @@ class CommandServer(Subscription):
         return min(self.leases.deadline, self.bindings.deadline)
 
     def recent_notice(self, now: float) -> str | None:
-        """The latest refusal or lost commander, while it is news."""
+        """Return the latest refusal or lost commander while it is recent."""
         at, what = self._last_notice or (now - NOTICE_SHOWN, "")
         return what if now - at < NOTICE_SHOWN else None
 
@@ -115,7 +115,7 @@ class CommandServer(Subscription):
         self._commander.command(lambda driver, now: self._settle(now))
 
     def close(self) -> None:
-        """Listen no more."""
+        """Withdraw the subscribers and queryables."""
         for declared in self._declared:
             declared.close()
 
@@ -126,7 +126,7 @@ class CommandServer(Subscription):
         self._drive(keys.CMD_VEL_STAMPED, sample, lambda: self._fresh(sample.payload))
 
     def _fresh(self, payload: bytes) -> Twist:
-        """The twist of a stamped command, unless its stamp says that it is old; a stamp of zero says nothing."""
+        """Return the twist of a stamped command; refuse an old one. A stamp of zero is not checked."""
         message = decode(keys.CMD_VEL_STAMPED.type_name, payload)
         stamp = stamp_ns(message.header)
         age = (self._wall_clock() - stamp) / NS_PER_S if stamp else 0.0
@@ -141,7 +141,7 @@ class CommandServer(Subscription):
         return twist
 
     def _drive(self, topic: Topic, sample: Sample, read: Callable[[], Twist]) -> None:
-        """Take a velocity from a stream; a stream has nobody to answer, so what is wrong is counted and shown."""
+        """Obey a velocity from a stream; a stream has no reply, so errors are counted and published."""
 
         def drive(driver: Driver, now: float) -> None:
             try:
@@ -154,7 +154,7 @@ class CommandServer(Subscription):
         self._commander.command(drive)
 
     def _answerer(self, topic: Topic, handle: Handler) -> Callable[[dict[str, Any]], dict[str, Any]]:
-        """Turn a handler into what the bus serves: under the lock, refusals counted and answered."""
+        """Wrap a handler for the bus: it runs under the lock, and refusals are counted and replied."""
 
         def answer(given: dict[str, Any]) -> dict[str, Any]:
             def call(driver: Driver, now: float) -> dict[str, Any]:
@@ -178,10 +178,10 @@ class CommandServer(Subscription):
         self._last_notice = now, sentence(f"{topic.suffix} was refused: {refusal}")
 
     def _check_lease(self, element: str, token: str, now: float) -> None:
-        """Refuse a command on an element while somebody else holds the lease on it or on the robot.
+        """Refuse a command on an element while another client holds the lease on it or on the robot.
 
         Raises:
-            CommandRefused: Somebody does, or the token has expired.
+            CommandRefused: Another client does, or the token has expired.
         """
         self._settle(now)
         self.leases.check(element, token)
@@ -251,7 +251,7 @@ class CommandServer(Subscription):
                 return _told(lease, now)
             case "show":
                 return self.leases.state(now)
-        raise CommandRefused(f"a lease cannot {what!r}; say take, renew, release or show")
+        raise CommandRefused(f"a lease cannot {what!r}; use take, renew, release or show")
 
     def _take(self, arguments: Arguments, now: float) -> dict[str, Any]:
         seconds, priority = arguments.get("seconds", DEFAULT_SECONDS), arguments.get("priority", 0)
@@ -280,7 +280,7 @@ class CommandServer(Subscription):
         """Begin a motion, bound to its commander's heartbeat if the command names one; return the reply's contents.
 
         Raises:
-            CommandRefused: Nobody would stop a motion of this duration; or the driver refuses it.
+            CommandRefused: A motion of this duration needs a heartbeat; or the driver refuses it.
         """
         key, is_detached = arguments.get(HEARTBEAT), arguments.get(DETACH, False)
         if key is not None:
@@ -290,9 +290,10 @@ class CommandServer(Subscription):
                 raise CommandRefused(str(error)) from error
         elif duration > self._driver.unbound_motion and not is_detached:
             raise CommandRefused(
-                f"this {name} takes about {duration:.1f} s, and nobody would stop it if its commander died: without a "
-                f"heartbeat at most {self._driver.unbound_motion:g} s are allowed; name one that you publish at least "
-                f'every {LONGEST_PERIOD} s ("heartbeat": "NAME/heartbeat"), or send "detach": true'
+                f"this {name} takes about {duration:.1f} s; without a heartbeat, at most "
+                f"{self._driver.unbound_motion:g} s are allowed, since it would not stop when its commander dies. Name "
+                f"a heartbeat that you publish at least every {LONGEST_PERIOD} s "
+                '("heartbeat": "NAME/heartbeat"), or send "detach": true'
             )
         rest = {name: value for name, value in arguments.items() if name not in (HEARTBEAT, DETACH)}
         reply = row.perform(adapter, rest, now) or {}
@@ -303,5 +304,5 @@ class CommandServer(Subscription):
 
 
 def _told(lease: Lease, now: float) -> dict[str, Any]:
-    """What its holder is answered."""
+    """Return the reply to the holder of a lease."""
     return {"element": lease.what, **lease.state(now)}

@@ -33,7 +33,7 @@ class CommandRow:
 
     topic: its key. takes: argument to JSON type. may_take: arguments that may be left out. perform: the method of the
     element's bus adapter that carries it out; its result becomes part of the reply. moves: the element whose lease the
-    command needs while somebody holds that lease, or `NOTHING`. duration: the method that returns the expected duration
+    command needs while a client holds that lease, or `NOTHING`. duration: the method that returns the expected duration
     of a motion that continues by itself, s; such a command may be bound to a heartbeat. None where nothing continues.
     """
 

@@ -1,4 +1,4 @@
-"""Finds the robot on a line: which rate, which robot. No port and no clock.
+"""Finds the robot and its rate on a line. No port and no clock.
 
 A robot may have been left in any state: streaming, moving, waiting, at another rate, half a frame in its receiver. Any
 packet it hears makes it resume what its watchdog stopped, and SYNC0 is a PULSE to a robot that is open. So each round
@@ -26,9 +26,8 @@ from collections.abc import Sequence
 from enum import Enum, auto
 from math import inf
 
-from gateway.dialler import Dialler
 from gateway.events import SweepFailed
-from gateway.line import CABLE, LineKind
+from gateway.line import CABLE, LineKind, ModemDialler
 from gateway.outbox import Outbox
 from p2os import PARTIAL_TIMEOUT, Command, HostHandshake, Identity, encode_command
 
@@ -43,7 +42,7 @@ CLOSE = encode_command(Command.CLOSE)
 ECHO = bytes([Command.STOP])
 """Payload of the frame with which simulators echo STOP; robots send no such frame."""
 
-ROUNDS_FOR_A_TALKER = 3
+ROUNDS_AFTER_FRAMES = 3
 """Rounds on a rate at which sound frames come, before the next rate."""
 PROBE_AT, PROBE_EVERY = 2, 8
 """Sweep in which other rates are probed for the first time, and sweeps until it is done again."""
@@ -58,13 +57,13 @@ SIMULATOR_WINDOW = 1.0
 class _ConnectPhase(Enum):
     PAUSED = auto()
     DIALLING = auto()
-    HUSHED = auto()  # the first STOP and CLOSE are out, and now nothing is said
+    SILENT = auto()  # the first STOP and CLOSE are written, and nothing else for a while
     LISTENING = auto()  # nothing has been sent on this connection
     SYNCING = auto()
 
 
 class Connector:
-    """Sweeps the rates until a robot has said who it is.
+    """Sweeps the rates until a robot has identified itself.
 
     baud: bit/s that the line must have now; `AS_IT_IS` where there is nothing to set.
     hangs_up_on_close: the peer closed the connection after CLOSE, or echoed STOP, as some simulators do.
@@ -94,7 +93,7 @@ class Connector:
         self._sweeps = 0
         self._answers_at: int | None = None
         self._line = line
-        self._dialler = Dialler(line.dial) if line.dial else None
+        self._dialler = ModemDialler(line.dial) if line.dial else None
         self._must_dial = self._dialler is not None
         self._backoff = line.first_backoff
         self._outbox = outbox
@@ -104,7 +103,7 @@ class Connector:
         self._handshake = HostHandshake()
         self._phase = _ConnectPhase.PAUSED
         self._window = line.first_window
-        self._talks = False
+        self._has_frames = False
         self._rounds_left = 0
         self._bytes_heard = self._frames_heard = 0
         outbox.share = line.share
@@ -114,7 +113,7 @@ class Connector:
         self.deadline = inf
 
     def begin(self, now: float, *, is_new_connection: bool = False) -> None:
-        """Start a sweep at once, with the rate at which a robot was heard last before each other one.
+        """Start a sweep at once; try the rate of the last robot before each other rate.
 
         Args:
             now: Steady time, s.
@@ -137,12 +136,12 @@ class Connector:
         self._next_rate(now)
 
     def hear(self, data: bytes, now: float) -> None:
-        """Take bytes of any kind, to tell a silent line from a stranger's and to hear a modem."""
+        """Take bytes of any kind, to detect a silent line and the reply of a modem."""
         self._bytes_heard += len(data)
         if data and self._phase is _ConnectPhase.LISTENING:
             self._start_round(now)  # it talks without being asked, so it may be an open robot
         if self._dialler is not None and self._phase is _ConnectPhase.DIALLING:
-            self._dialler.hear(data)
+            self._dialler.receive(data)
             if self._dialler.has_answered:
                 self._start_round(now)
 
@@ -152,9 +151,9 @@ class Connector:
         if self.baud not in self._rates:  # a probe
             self._answers_at = self.baud
             return None
-        if not self._talks:
-            self._talks = True
-            self._rounds_left = ROUNDS_FOR_A_TALKER
+        if not self._has_frames:
+            self._has_frames = True
+            self._rounds_left = ROUNDS_AFTER_FRAMES
         if payload == ECHO and self._rates == (AS_IT_IS,):
             self.hangs_up_on_close = True  # it may be slow to close the connection, and this one is given up before
         if self._phase is not _ConnectPhase.SYNCING:
@@ -176,7 +175,7 @@ class Connector:
         return identity
 
     def watch(self, now: float) -> SweepFailed | None:
-        """Do what is due; say when a sweep has found nothing."""
+        """Do what is due; return the result of a sweep that has failed."""
         if now < self.deadline:
             return None
         match self._phase:
@@ -186,7 +185,7 @@ class Connector:
                 assert self._dialler is not None  # only then this phase is entered
                 self._dialler.give_up()
                 self._start_round(now)
-            case _ConnectPhase.HUSHED:
+            case _ConnectPhase.SILENT:
                 self._start_sync(now)
             case _ConnectPhase.LISTENING:
                 self._start_bare_sync(now)
@@ -203,12 +202,12 @@ class Connector:
         return None
 
     def change_rate(self, baud: int) -> None:
-        """The robot has been told another rate, bit/s: talk at it, and look for the robot there first."""
+        """Use another rate, bit/s, and look for the robot at this rate first: the robot was told to change."""
         self.baud = self._outbox.baud = self._known = baud
 
     @property
     def so_far(self) -> SweepFailed:
-        """What the sweep under way has shown, as if it ended now."""
+        """The result of the current sweep, as if it ended now."""
         return SweepFailed(self._rates, self._bytes_heard, self._frames_heard, self._answers_at)
 
     @property
@@ -217,14 +216,14 @@ class Connector:
         return self._phase is not _ConnectPhase.PAUSED
 
     def lose_line(self) -> None:
-        """The port was lost before the robot was open; find out whether the peer closes connections on CLOSE."""
+        """Note that the port was lost before the robot was open; the peer may close connections on CLOSE."""
         if self._phase is _ConnectPhase.SYNCING and self._is_bare:
             self.hangs_up_on_close = False
         elif self._rates == (AS_IT_IS,) and self._has_sent_close:
             self.hangs_up_on_close = True
 
     def rest(self, now: float) -> None:
-        """A robot answered that is not wanted: look again, after a while."""
+        """Pause before the next attempt: a robot answered that is not served."""
         self._outbox.clear()
         self._phase = _ConnectPhase.PAUSED
         self.deadline = now + REST
@@ -232,29 +231,29 @@ class Connector:
     def _next_rate(self, now: float) -> None:
         self.baud = self._plan.pop(0)
         self._outbox.baud = self._line.baud or self.baud
-        self._talks = False
+        self._has_frames = False
         self._rounds_left = 0
         if self._dialler is not None and self._must_dial:
             self._dial(self._dialler, now)
         else:
             self._start_round(now)
 
-    def _dial(self, dialler: Dialler, now: float) -> None:
+    def _dial(self, dialler: ModemDialler, now: float) -> None:
         dialler.begin()
         self._outbox.clear()
         self._outbox.put("dial", dialler.frame)
         self._phase = _ConnectPhase.DIALLING
-        self.deadline = now + self._outbox.time_to_send(dialler.frame) + dialler.patience
+        self.deadline = now + self._outbox.time_to_send(dialler.frame) + dialler.timeout
 
     @property
     def _has_sent_close(self) -> bool:
-        if self._phase is _ConnectPhase.HUSHED:
+        if self._phase is _ConnectPhase.SILENT:
             return not self._outbox.is_waiting("close")
         return self._phase is _ConnectPhase.SYNCING
 
     def _listen(self, now: float) -> None:
         self._outbox.clear()
-        self._talks = False
+        self._has_frames = False
         self._rounds_left = 0
         self._phase = _ConnectPhase.LISTENING
         self.deadline = now + LISTENING
@@ -272,7 +271,7 @@ class Connector:
         self._outbox.clear()
         self._outbox.put("stop", STOP)
         self._outbox.put("close", CLOSE)
-        self._phase = _ConnectPhase.HUSHED
+        self._phase = _ConnectPhase.SILENT
         self.deadline = now + self._outbox.time_to_send(STOP, CLOSE) + PARTIAL_TIMEOUT + self._line.settling
 
     def _start_sync(self, now: float) -> None:

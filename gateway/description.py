@@ -1,4 +1,4 @@
-"""What a robot is, as JSON: model, elements, geometry, versions. Agents are made from it."""
+"""The description of a robot as JSON: model, elements, geometry, versions. Agents are made from it."""
 
 from collections.abc import Callable, Iterable
 from functools import cache
@@ -10,7 +10,6 @@ from bus import keys
 from bus.messages import encode_json
 from bus.name_holder import BusProgram
 from bus.validation import printable
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.telemetry import SONAR_CONE
 from p2os import Configuration, RobotModel
@@ -19,72 +18,79 @@ MOST_AGE = 1.0
 """Seconds for which a description serves again; what it is made of changes seldom, and never in silence."""
 
 
-class CachedDescription:
-    """The description of one robot, encoded; made anew when elements, link or configuration have changed, or with time.
+class RobotDescription:
+    """The description of one robot, encoded; made again when elements, link or configuration change, or after a second.
 
-    A description takes a millisecond to make, and anybody who may look may ask for it.
+    A description takes a millisecond to make, and every client may request it.
+
+    Lengths are in m, angles in rad, in `<name>/base_link`. The limits of acceleration are there once they are known.
+    `emulated` is false unless the settings say that it is true: an unknown robot is treated as real.
     """
 
-    def __init__(self, make: Callable[[], dict[str, Any]], driver: Driver, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        robot: RobotContext,
+        adapters: Iterable[BusAdapter],
+        process: BusProgram | None,
+        clock: Callable[[], float],
+    ) -> None:
         """Make none yet.
 
         Args:
-            make: The description as it is now.
-            driver: Of the robot.
+            robot: Which; it has identified itself.
+            adapters: Of its elements.
+            process: The gateway.
             clock: Steady, s.
         """
-        self._make = make
-        self._driver = driver
+        self._robot = robot
+        self._adapters = adapters
+        self._process = process
         self._clock = clock
         self._state: tuple[object, ...] = ()
         self._made_at = -inf
         self._encoded = b""
 
     def encoded(self, elements: tuple[str, ...]) -> bytes:
-        """The description in JSON. elements: those that are present."""
-        state = elements, self._driver.is_connected, self._driver.configuration
+        """Return the description in JSON. elements: those that are present."""
+        driver = self._robot.driver
+        state = elements, driver.is_connected, driver.configuration
         now = self._clock()
         if state != self._state or now - self._made_at >= MOST_AGE:
-            self._encoded = encode_json(self._make())
+            self._encoded = encode_json(self._describe())
             self._state, self._made_at = state, now
         return self._encoded
+
+    def _describe(self) -> dict[str, Any]:
+        robot, process = self._robot, self._process
+        name, model, driver, identity = robot.name, robot.model, robot.driver, robot.driver.identity
+        if identity is None:
+            raise ValueError("the robot has not identified itself yet")
+        configuration = driver.configuration or Configuration()
+        return {
+            "name": name,
+            "robot_name": printable(identity.name),
+            "model": model.name,
+            "class": identity.robot_type,
+            "emulated": bool(robot.settings.emulated),
+            "connected": driver.is_connected,
+            "elements": [_describe_element(name, adapter) for adapter in self._adapters if adapter.is_present()],
+            "geometry": _geometry(name, model),
+            "limits": {"linear": driver.max_linear, "angular": driver.max_angular, **(driver.accelerations or {})},
+            "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
+            "serial": configuration.serial,
+            "sip_cycle": configuration.sip_cycle or model.flash.sip_cycle,
+            "watchdog": configuration.watchdog or model.flash.watchdog,
+            "versions": {
+                "acromovi": _version(),
+                "firmware": f"{model.firmware.value} {configuration.firmware_version}".strip(),
+            },
+            **(process.told() if process else {}),
+        }
 
 
 @cache
 def _version() -> str:
     return version("acromovi")  # read from files at each call
-
-
-def describe(robot: RobotContext, adapters: Iterable[BusAdapter], process: BusProgram | None = None) -> dict[str, Any]:
-    """Describe one robot.
-
-    Lengths in m, angles in rad, in `<name>/base_link`. The limits of acceleration are there once they are known.
-    `emulated` is false unless the settings say that it is true: what is not known is treated as real.
-    """
-    name, model, driver, identity = robot.name, robot.model, robot.driver, robot.driver.identity
-    if identity is None:
-        raise ValueError("the robot has not said who it is yet")
-    configuration = driver.configuration or Configuration()
-    return {
-        "name": name,
-        "robot_name": printable(identity.name),
-        "model": model.name,
-        "class": identity.robot_type,
-        "emulated": bool(robot.settings.emulated),
-        "connected": driver.is_connected,
-        "elements": [_describe_element(name, adapter) for adapter in adapters if adapter.is_present()],
-        "geometry": _geometry(name, model),
-        "limits": {"linear": driver.max_linear, "angular": driver.max_angular, **(driver.accelerations or {})},
-        "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
-        "serial": configuration.serial,
-        "sip_cycle": configuration.sip_cycle or model.flash.sip_cycle,
-        "watchdog": configuration.watchdog or model.flash.watchdog,
-        "versions": {
-            "acromovi": _version(),
-            "firmware": f"{model.firmware.value} {configuration.firmware_version}".strip(),
-        },
-        **(process.told() if process else {}),
-    }
 
 
 def _describe_element(name: str, adapter: BusAdapter) -> dict[str, Any]:

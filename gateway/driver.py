@@ -1,11 +1,11 @@
 """The driver of one robot: bytes and time in, events and bytes out. No port, no clock, no threads.
 
-Whoever has the port calls `receive` with what came, writes what `bytes_due` gives at the rate `baud`, and comes back at
-`deadline` at the latest. Commands may be given between those calls; their bytes are due at once.
+The owner of the port calls `receive` with the bytes read, writes those of `bytes_due` at the rate `baud`, and calls
+again at `deadline` at the latest. Commands may be called in between; their bytes are due at once.
 
 A call later than `LONGEST_SILENCE` after the one before means that this process was frozen, or the computer asleep: the
-robot's watchdog has stopped it, and any packet would set it going again. So the driver begins anew with STOP and CLOSE,
-and takes nothing for a command that may have waited meanwhile.
+robot's watchdog has stopped it, and any packet would make it move again. So the driver begins again with STOP and
+CLOSE, and refuses commands that may have waited meanwhile.
 """
 
 import random
@@ -13,9 +13,8 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from math import inf
 
-from gateway import accelerations
+from gateway.accelerations import acceleration_frames, known_accelerations, travel_time
 from gateway.connector import CLOSE, STOP, Connector
-from gateway.durations import travel_time
 from gateway.elements.element import Element
 from gateway.elements.gyro.element import Gyro
 from gateway.elements.standard.element import ControllerConfiguration
@@ -52,16 +51,16 @@ from p2os import (
 )
 
 LONGEST_SILENCE = 0.5
-"""Seconds between two calls, beyond which the driver distrusts itself and everything it is told at once afterwards."""
+"""Seconds between two calls after which the driver connects again, and for as long refuses commands of unknown age."""
 ModelFinder = Callable[[Identity], RobotModel]
 """Says which model a robot is; raises UnknownModel."""
 
 
 class Driver(RobotCommands):
-    """One robot: what it can be told is in `RobotCommands`.
+    """The driver of one robot; its commands are in `RobotCommands`.
 
     identity, model, configuration: of the robot, once known; they stay after it is lost. damaged: bytes that were no
-    frame, counted by reason. implausible: SIPs not believed, likewise. lost: how often the link was lost, by reason.
+    frame, counted by reason. implausible: SIPs refused, likewise. lost: how often the link was lost, by reason.
     link_problem: why no robot is connected, after some seconds without one.
     """
 
@@ -102,29 +101,29 @@ class Driver(RobotCommands):
 
     @property
     def accelerations(self) -> dict[str, float] | None:
-        """How hard the robot speeds up and brakes, m/s² and rad/s²; None as long as it may still say so itself."""
+        """The robot's accelerations, m/s² and rad/s²; None while its own report may still come."""
         if self.model is None or (self.configuration is None and self.lookup(ControllerConfiguration).is_awaited):
             return None
-        return accelerations.known(self._settings.limits, self.model, self.configuration)
+        return known_accelerations(self._settings.limits, self.model, self.configuration)
 
     def time_to_move(self, distance: float) -> float:
-        """Expected duration of a `move` over a distance in m, s."""
+        """Return the expected duration of a `move` over a distance in m, s."""
         return self._travel_time(distance, self.max_linear, "acceleration", "deceleration")
 
     def time_to_turn(self, angle: float) -> float:
-        """Expected duration of a `turn` by an angle in rad, s."""
+        """Return the expected duration of a `turn` by an angle in rad, s."""
         return self._travel_time(angle, self.max_angular, "angular_acceleration", "angular_deceleration")
 
     # The port's side.
 
     @property
     def baud(self) -> int:
-        """The rate at which to write what is due and to read from now on, bit/s; 0 for a line without a rate."""
+        """The rate for writing the bytes due and for reading from now on, bit/s; 0 for a line without a rate."""
         return self._connector.baud
 
     @property
     def deadline(self) -> float:
-        """When to call `receive` and `bytes_due` again even if nothing has come, s."""
+        """When to call `receive` and `bytes_due` again even without bytes, s."""
         if not self.has_port:
             return inf
         if not self._is_open:
@@ -138,24 +137,24 @@ class Driver(RobotCommands):
         )
 
     @property
-    def stopping_words(self) -> bytes:
-        """What to say first on leaving."""
+    def stopping_bytes(self) -> bytes:
+        """The bytes that stop the robot; written first on closing."""
         return STOP
 
     @property
-    def last_words(self) -> bytes:
-        """What to say once the robot stands: CLOSE takes the power off its motors, and it would coast."""
+    def closing_bytes(self) -> bytes:
+        """The bytes to write once the robot stands: CLOSE switches the motors off, and a moving robot would coast."""
         return CLOSE
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         self._last_run = now
         self.has_port = True
         self._diagnosis.begin(now)
         self._begin(now, is_new_connection=True)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone: cable, adapter or emulator; or it cannot be opened again, for this reason.
+        """Note that the port is lost or cannot be opened again, and why.
 
         `receive` still reports what follows from it.
         """
@@ -179,7 +178,7 @@ class Driver(RobotCommands):
             What happened, commands given since the last call included.
         """
         if self._wake(now):
-            data = b""  # it was on the line before the freeze, or has been there for who knows how long
+            data = b""  # of unknown age
         if not self._is_open:
             self._connector.hear(data, now)
         for found in self._decoder.receive(data, now):
@@ -208,7 +207,7 @@ class Driver(RobotCommands):
             raise CommandRefused("the gateway has just been frozen and does not know how old this command is")
 
     def _wake(self, now: float) -> bool:
-        """Notice that nobody has called for too long; say whether everything begins anew."""
+        """Detect that the last call is too long ago; return whether the connection begins again."""
         silence = 0.0 if self._last_run is None else now - self._last_run
         self._last_run = now
         if silence <= LONGEST_SILENCE or not self.has_port:
@@ -274,7 +273,7 @@ class Driver(RobotCommands):
             self._read(payload, now)
 
     def _meet(self, identity: Identity, now: float) -> None:
-        """A robot has said who it is: open and configure it, if it is one that this gateway serves."""
+        """Open and configure the robot that has identified itself, if this gateway serves it."""
         try:
             if self.identity is not None and identity != self.identity:
                 raise WrongRobot(
@@ -298,7 +297,7 @@ class Driver(RobotCommands):
         self._sip_at = now
         self._events.append(HandshakeCompleted(identity, model, self.baud))
         self._outbox.put("open", encode_command(Command.OPEN))
-        for name, frame in accelerations.told(self._settings.limits):
+        for name, frame in acceleration_frames(self._settings.limits):
             self._outbox.put(name, frame)
         self._motion.begin_link(now)
         for element in self._elements.values():
@@ -343,7 +342,7 @@ class Driver(RobotCommands):
             self.odometry.forget_counters()
         self._sip_at = now
         turned = self.lookup(Gyro).take_turn()
-        believes_gyro = self._settings.use_gyro and not is_at_rest(sip)  # at rest its noise would only walk away
+        believes_gyro = self._settings.use_gyro and not is_at_rest(sip)  # at rest its noise would accumulate
         self.odometry.update(sip, self.model, turned if believes_gyro else None)
         odometry = self.odometry
         is_first, self.is_connected = not self.is_connected, True
@@ -361,15 +360,15 @@ class Driver(RobotCommands):
     def _travel_time(self, way: float, speed: float, acceleration: str, deceleration: str) -> float:
         if self.model is None:
             return 0.0  # the command is refused: there is no robot yet
-        known = self.accelerations or accelerations.known(self._settings.limits, self.model, None)
+        known = self.accelerations or known_accelerations(self._settings.limits, self.model, None)
         return travel_time(way, speed, known[acceleration], known[deceleration])
 
     def _limit_speeds(self) -> None:
-        """The least of what model, robot and user allow; zero in a CONFIGpac means that it does not say."""
+        """Set the lowest limits of model, robot and user; zero in a CONFIGpac means that it has none."""
         assert self.model is not None
-        said = self.configuration or Configuration()
+        reported = self.configuration or Configuration()
         limits = self._settings.limits
-        linear = self.model.max_velocity, said.velocity_max, said.velocity_top, limits.linear_m_s
-        angular = self.model.max_rotation, said.rotation_max, said.rotation_top, limits.angular_rad_s
+        linear = self.model.max_velocity, reported.velocity_max, reported.velocity_top, limits.linear_m_s
+        angular = self.model.max_rotation, reported.rotation_max, reported.rotation_top, limits.angular_rad_s
         self._motion.max_linear = min(limit for limit in linear if limit)
         self._motion.max_angular = min(limit for limit in angular if limit)

@@ -1,4 +1,4 @@
-"""What can go wrong in a gateway, and the exit code that says so.
+"""Errors of the gateway and their exit codes.
 
     GatewayError                       1
      +-- NameNotValid                  2   no key on the bus could begin with that name
@@ -40,7 +40,7 @@ class NoSuchPort(GatewayError):
 
 
 class NotAPort(GatewayError):
-    """There is something, but no serial port."""
+    """There is a file or address, but no serial port."""
 
     exit_code = 4
 
@@ -64,19 +64,19 @@ class RobotSilent(GatewayError, TimeoutError):
 
 
 class NotARobot(GatewayError):
-    """Bytes came, but no P2OS packet among them."""
+    """Bytes arrived, but no P2OS packet."""
 
     exit_code = 8
 
 
 class UnknownModel(GatewayError):
-    """A robot answered whose model is not known."""
+    """The model of the robot is not known."""
 
     exit_code = 9
 
 
 class WrongRobot(GatewayError):
-    """Another robot answers than the one that this gateway has published so far."""
+    """Another robot answers than the one that this gateway publishes."""
 
     exit_code = 10
 
@@ -102,10 +102,10 @@ class PortLost(GatewayError, ConnectionError):
 
 
 class CameraNotOpened(GatewayError):
-    """The camera is written wrong, or something is missing to open it."""
+    """The address of the camera is wrong, or a package for it is missing."""
 
     exit_code = 2
 
 
 class CommandRefused(GatewayError):
-    """The robot must not be given this command; the message says why."""
+    """The command is refused; the message says why."""

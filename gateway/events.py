@@ -1,4 +1,4 @@
-"""What the driver reports: events, in the order in which they happened."""
+"""Events that drivers report, in their order."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -22,7 +22,7 @@ if TYPE_CHECKING:  # numpy takes longer to load than the robot to answer
 
 
 class HandshakeCompleted(NamedTuple):
-    """A robot has said who it is; it is opened and configured next. baud: bit/s at which it answered."""
+    """A robot has identified itself; it is opened and configured next. baud: bit/s at which it answered."""
 
     identity: Identity
     model: RobotModel
@@ -46,13 +46,13 @@ class SipReceived(NamedTuple):
 
 
 class ConfigurationReceived(NamedTuple):
-    """The robot has sent its CONFIGpac."""
+    """Take the robot's CONFIGpac."""
 
     configuration: Configuration
 
 
 class EncodersReceived(NamedTuple):
-    """Encoder counts, with the model that says what a tick is."""
+    """Encoder counts, with the model, which has the size of a tick."""
 
     encoders: Encoders
     model: RobotModel
@@ -65,7 +65,7 @@ class InputsOutputsReceived(NamedTuple):
 
 
 class GripperSeen(NamedTuple):
-    """What the gripper does. Where both of a pair are false, it is in between, or nobody knows."""
+    """State of the gripper. Where both of a pair are false, it is in between or unknown."""
 
     paddles_open: bool
     paddles_closed: bool
@@ -80,7 +80,7 @@ class GripperSeen(NamedTuple):
 
 
 class ArmSeen(NamedTuple):
-    """How the arm is. positions: of each joint, rad; of a gripper at the end, m. homed: they mean something."""
+    """State of the arm. positions: of each joint, rad; of a gripper at the end, m. homed: the positions are valid."""
 
     powered: bool
     homed: bool
@@ -89,14 +89,14 @@ class ArmSeen(NamedTuple):
 
 
 class GripperJoints(NamedTuple):
-    """Where the gripper's joints are, m: opening between the paddles, height of the lift; None where nobody knows."""
+    """Positions of the gripper's joints, m: opening between the paddles, height of the lift; None if unknown."""
 
     opening: float | None
     lift: float | None
 
 
 class HeadSeen(NamedTuple):
-    """Where the camera head looks: rad to the left, rad up, magnification (1 at the widest)."""
+    """Position of the camera head: rad to the left, rad up, magnification (1 at the widest)."""
 
     pan: float
     tilt: float
@@ -113,13 +113,13 @@ class PictureTaken(NamedTuple):
 
 
 class LinkLost(NamedTuple):
-    """The robot was connected and is no more; the driver begins anew."""
+    """The robot was connected and is lost; the driver searches for it again."""
 
     reason: str
 
 
 class SweepFailed(NamedTuple):
-    """No rate brought an answer, once round.
+    """No robot was found in one sweep of all rates.
 
     rates: bit/s tried. bytes_heard: how many bytes came all the same. frames_heard: sound frames among them.
     answers_at: bit/s of another rate at which a robot answered, None if it did not or was not looked for there.
@@ -132,13 +132,13 @@ class SweepFailed(NamedTuple):
 
 
 class RobotRejected(NamedTuple):
-    """A robot answered that this gateway cannot serve."""
+    """A robot answers that this gateway cannot serve."""
 
     error: GatewayError
 
 
 class TurnRateSeen(NamedTuple):
-    """What the gyro measured. rate: rad/s counter-clockwise, with its variance, on the average over duration, s."""
+    """Reading of the gyro. rate: mean over the duration (s), rad/s counter-clockwise, with its variance."""
 
     rate: float
     variance: float
@@ -146,32 +146,32 @@ class TurnRateSeen(NamedTuple):
 
 
 class CompassSeen(NamedTuple):
-    """What the compass measured. heading: rad counter-clockwise from magnetic north; the rest as in the report."""
+    """Reading of the compass. heading: rad counter-clockwise from magnetic north; the rest as in the report."""
 
     report: CompassReport
     heading: float
 
 
 class JoystickSeen(NamedTuple):
-    """How the joystick on the robot is held."""
+    """Position and buttons of the joystick on the robot."""
 
     report: JoystickReport
 
 
 class InfraredSeen(NamedTuple):
-    """What the infrared sensors say: number of the sensor, and whether something is near."""
+    """Readings of the infrared sensors: number of the sensor, and whether something is near."""
 
     near: tuple[tuple[int, bool], ...]
 
 
 class ChargeSeen(NamedTuple):
-    """What the batteries say of themselves, 0 to 1."""
+    """Charge that the batteries report, 0 to 1."""
 
     fraction: float
 
 
 class ElementFound(NamedTuple):
-    """An element on a cable of its own answers as it should.
+    """An element on a cable of its own was found.
 
     element: its name, as on the bus. baud: bit/s at which it answers, 0 for a line without a rate.
     """
@@ -181,14 +181,14 @@ class ElementFound(NamedTuple):
 
 
 class ElementLost(NamedTuple):
-    """An element on a cable of its own answered and does so no more; its driver begins anew."""
+    """An element on a cable of its own is lost; its driver searches for it again."""
 
     element: str
     reason: str
 
 
 class ElementSilent(NamedTuple):
-    """Nothing on the cable answered as the element does, at any rate, once round."""
+    """No element was found on its cable in one sweep of all rates."""
 
     element: str
 
@@ -260,7 +260,7 @@ class MotionEnded(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """How it ended, with what was covered of what was asked for."""
+        """How it ended, with the part of the goal that was covered."""
         covered = f"{self.done:.2f} of {self.goal:.2f} {self.unit}"
         match self.end:
             case MotionEnd.OVERSHOOT | MotionEnd.UNDERSHOOT:
@@ -270,7 +270,7 @@ class MotionEnded(NamedTuple):
         return f"{self.end.value} after {covered}"
 
     def as_json(self) -> Mapping[str, Any]:
-        """As it is published on `<robot>/command/result/<id>`."""
+        """Return the JSON object for `<robot>/command/result/<id>`."""
         return {
             "id": self.motion_id,
             "command": self.kind,

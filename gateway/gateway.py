@@ -1,4 +1,4 @@
-"""A gateway at work: looks for the robot, opens the bus meanwhile, joins the two, and says how it goes."""
+"""Searches for the robot, opens the bus meanwhile, brings the robot to the bus, and prints what happens."""
 
 import gc
 import json
@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
-from gateway.element_news import ElementNews
 from gateway.errors import NameInUse, RobotNameNotValid
 from gateway.events import Event, HandshakeCompleted, LinkLost
-from gateway.link_diagnosis import LinkProblem, LinkReports
+from gateway.link_diagnosis import ElementReports, LinkProblem, LinkReports
 from gateway.search import Search, bus_name
 from gateway.settings import Settings
 
@@ -32,11 +31,11 @@ SECOND_LOOK = 1.0
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """What the command line says beyond the settings.
+    """Options of the command line beyond the settings.
 
     name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
-    forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: say nothing but
-    errors. is_json: say it in JSON, a line each.
+    forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: print errors
+    only. is_json: print events as JSON, one line each.
     """
 
     port: str
@@ -48,27 +47,27 @@ class GatewayOptions:
     is_json: bool = False
 
 
-def tell(options: GatewayOptions, sentence: str, facts: dict[str, Any]) -> None:
-    """Say what happens, as a sentence or as JSON."""
+def report_event(options: GatewayOptions, sentence: str, facts: dict[str, Any]) -> None:
+    """Print an event, as a sentence or as JSON."""
     if options.is_json:
         print(json.dumps({**facts, "port": options.port}), flush=True)
     elif not options.is_quiet:
         print(sentence, flush=True)
 
 
-def tell_problem(options: GatewayOptions, problem: LinkProblem | None) -> None:
+def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None:
     """Print why there is no robot, if that is to be printed: on standard error, or as JSON on standard output."""
     if problem is None:
         return
     if options.is_json:
-        tell(options, "", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
+        report_event(options, "", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
     else:
         at = "" if options.port in problem.sentence else f"{options.port}: "
         print(f"p2os-gateway: {at}{problem.sentence}", file=sys.stderr, flush=True)
 
 
 class Gateway:
-    """Hears the bridge, and brings the robot to the bus as soon as both are there.
+    """Receives the bridge's events, and brings the robot to the bus as soon as both are there.
 
     The bus is opened, and the robot brought to it, on a thread of its own: that takes longer than the handshake, and
     would keep the bridge's thread so long that the driver takes it for a freeze.
@@ -88,16 +87,16 @@ class Gateway:
         self._driver = driver
         self._bridge = bridge
         self._cables = cables
-        self._element_news = ElementNews(cables)
+        self._element_reports = ElementReports(cables)
         self._search = Search(options.port, now)
         self._link_reports = LinkReports()
         self._kept: dict[type[Event], tuple[Event, int]] = {}  # the latest of each kind, with its stamp
-        self._complaint = ""
+        self._last_error = ""
         self._bus: Bus | None = None
         self._bus_error: Exception | None = None
         self._joined: RobotOnBus | None = None
         self._robot: RobotOnBus | None = None
-        self._is_known = threading.Event()  # who the robot is; or all is over, and it does not matter
+        self._is_known = threading.Event()  # the robot is known, or the gateway is closing
         self._is_closed = threading.Event()
         self._opener = threading.Thread(target=self._open_bus, name="bus opener", daemon=True)
         self._opener.start()
@@ -119,9 +118,9 @@ class Gateway:
         if self._search.found is None and not self._options.waits:
             self._search.take(events, self._driver.link_problem, now)
         for event in events:
-            self._say(event)
+            self._report_link(event)
         if self._options.waits or self._search.found is not None:
-            tell_problem(self._options, self._link_reports.due(self._driver.link_problem, now))
+            report_problem(self._options, self._link_reports.due(self._driver.link_problem, now))
         if self._robot is None:
             self._keep(events, stamp_ns)
             if self._driver.identity is not None:
@@ -132,7 +131,7 @@ class Gateway:
             self._robot.publish_kept(self._kept.values())
             events, self._kept = [], {}
         self._robot.on_events(events, now, stamp_ns)
-        self._say_elements(now)
+        self._report_elements(now)
 
     def close(self) -> None:
         """Let go of the cables and leave the bus."""
@@ -172,7 +171,7 @@ class Gateway:
                 try:
                     self._bus = ZenohBus.open(self._options.bus)
                 except BusUnavailable as error:
-                    self._complain(f"{error}; trying again")
+                    self._report_error(f"{error}; trying again")
                     self._is_closed.wait(BUS_PERIOD)
             self._is_known.wait()
             if self._bus is not None and not self._is_closed.is_set():
@@ -188,7 +187,7 @@ class Gateway:
         self._bridge.wake()
 
     def _await_name(self, bus: "Bus") -> None:
-        """See that no other gateway has the robot's name; wait until it is free if that was asked for.
+        """Check that no other gateway has the robot's name; wait until it is free if the options say so.
 
         Raises:
             NameInUse: Another one has it.
@@ -200,11 +199,11 @@ class Gateway:
             except NameInUse as error:
                 if not self._options.forces:
                     raise
-                self._complain(f"{error.holder}; waiting until it has ended")
+                self._report_error(f"{error.holder}; waiting until it has ended")
                 self._is_closed.wait(BUS_PERIOD)
 
     def _check_name(self, bus: "Bus", own: "BusProgram | None" = None) -> None:
-        """See that no other gateway has the robot's name. own: this one, once it has taken the name too.
+        """Check that no other gateway has the robot's name. own: this one, once it has taken the name too.
 
         Raises:
             NameInUse: Another one has it; if both have taken it, an earlier one.
@@ -235,33 +234,33 @@ class Gateway:
         assert self._driver.identity is not None  # asked for only once the robot is known
         return self._options.name or bus_name(self._driver.identity)
 
-    def _say(self, event: Event) -> None:
+    def _report_link(self, event: Event) -> None:
         match event:
             case HandshakeCompleted(identity, model, baud):
                 at = f" at {baud} bit/s" if baud else ""
-                self._tell(
+                self._report(
                     f"connected to {identity.name} ({model.name}){at}; keys under {self._name}/",
                     {"event": "connected", "robot": self._name, "model": model.name, "baud": baud or None},
                 )
             case LinkLost(reason):
-                self._tell(f"lost: {reason}; looking for the robot", {"event": "lost", "reason": reason})
+                self._report(f"lost: {reason}; looking for the robot", {"event": "lost", "reason": reason})
 
-    def _say_elements(self, now: float) -> None:
-        """What has become of the elements on cables of their own."""
-        for element, answers, has_been, reasons in self._element_news.since(now):
+    def _report_elements(self, now: float) -> None:
+        """Print which elements on cables of their own were found or lost."""
+        for element, answers, has_answered, reasons in self._element_reports.due(now):
             if answers:
-                self._tell(f"the {element} answers", {"event": "element found", "element": element})
-            elif has_been:
-                self._tell(f"lost the {element}; looking for it", {"event": "element lost", "element": element})
+                self._report(f"the {element} answers", {"event": "element found", "element": element})
+            elif has_answered:
+                self._report(f"lost the {element}; looking for it", {"event": "element lost", "element": element})
             else:
-                self._complain(f"{'; '.join(reasons)}; looking for it")
+                self._report_error(f"{'; '.join(reasons)}; looking for it")
 
-    def _tell(self, sentence: str, facts: dict[str, Any]) -> None:
-        tell(self._options, sentence, facts)
+    def _report(self, sentence: str, facts: dict[str, Any]) -> None:
+        report_event(self._options, sentence, facts)
 
-    def _complain(self, sentence: str) -> None:
-        """Say it once, however often it goes on being so."""
-        if sentence == self._complaint:
+    def _report_error(self, sentence: str) -> None:
+        """Print an error once, until another one occurs."""
+        if sentence == self._last_error:
             return
-        self._complaint = sentence
+        self._last_error = sentence
         print(f"p2os-gateway: {sentence}", file=sys.stderr, flush=True)

@@ -18,10 +18,10 @@ LONGEST_SECONDS = 60.0
 
 
 class Lease:
-    """Who may move one thing. No clock: call `expire` with the steady time before anything else.
+    """The right to move one thing. No clock: call `expire` with the steady time before anything else.
 
     what: an element's name, or `ROBOT`. holder: the name it gave, None while the thing is free. priority: of the
-    holder. deadline: when the lease ends if nobody renews it, s; infinite while nobody holds it.
+    holder. deadline: when the lease ends without renewal, s; infinite without a holder.
     """
 
     def __init__(self, what: str, new_token: Callable[[], str]) -> None:
@@ -34,11 +34,11 @@ class Lease:
         self.priority = 0
 
     def is_held_with(self, token: str) -> bool:
-        """Whether this token is that of the present holder."""
+        """Return whether this token is that of the present holder."""
         return self.holder is not None and token == self._token
 
     def yield_to(self, priority: int, now: float) -> None:
-        """Let somebody of this priority take its place.
+        """Check that a client of this priority may take the lease.
 
         Raises:
             CommandRefused: Its holder is of the same priority or a higher one.
@@ -50,18 +50,18 @@ class Lease:
             )
 
     def take(self, holder: str, priority: int, seconds: float, now: float) -> str:
-        """Become the holder, whoever it is now; return the token.
+        """Make a client the holder in place of the present one; return the token.
 
         Args:
             holder: A name for people.
-            priority: A higher one takes the lease from whoever holds it.
+            priority: A higher one takes the lease from its holder.
             seconds: How long without `renew`.
             now: Steady time, s.
         Raises:
             CommandRefused: The arguments make no sense.
         """
         if not holder:
-            raise CommandRefused("a lease needs a holder; say who you are")
+            raise CommandRefused("a lease needs a holder; send a name")
         self._seconds = _checked(seconds)
         self._token = self._new_token()
         self.holder, self.priority = holder, priority
@@ -69,23 +69,23 @@ class Lease:
         return self._token
 
     def renew(self, seconds: float | None, now: float) -> None:
-        """Go on for as long again, or for as many seconds as said."""
+        """Extend the lease by the same duration, or by another, s."""
         if seconds is not None:
             self._seconds = _checked(seconds)
         self.deadline = now + self._seconds
 
     def end(self) -> None:
-        """Nobody holds it any more."""
+        """End the lease."""
         self._token = ""
         self.deadline = inf
         self.holder, self.priority = None, 0
 
     def refusal(self) -> CommandRefused:
-        """Why a command without its token does not pass."""
+        """Return the error for a command without the lease's token."""
         return CommandRefused(f"{self._held}; a command needs its token")
 
     def state(self, now: float) -> dict[str, Any]:
-        """As it is published: holder, priority, and seconds left; never the token."""
+        """Return what is published: holder, priority, and seconds left; never the token."""
         left = None if self.holder is None else round(max(0.0, self.deadline - now), 3)
         return {"holder": self.holder, "priority": self.priority, "expires_in": left}
 
@@ -101,10 +101,10 @@ class Leases:
     """
 
     def __init__(self, new_token: Callable[[], str], elements: Iterable[str]) -> None:
-        """Nobody holds anything.
+        """Begin without holders.
 
         Args:
-            new_token: Makes one that nobody can guess.
+            new_token: Makes one that cannot be guessed.
             elements: What can move.
         """
         self.robot = Lease(ROBOT, new_token)
@@ -112,16 +112,16 @@ class Leases:
 
     @property
     def deadline(self) -> float:
-        """When the next lease ends if nobody renews it, s."""
+        """When the next lease ends without renewal, s."""
         return min(lease.deadline for lease in self._all)
 
     def take(self, what: str, holder: str, priority: int, seconds: float, now: float) -> tuple[Lease, str, list[str]]:
-        """Become the holder; return the lease, its token, and what has to stand still.
+        """Give a lease to a client; return the lease, its token, and what has to stand still.
 
         Args:
             what: An element, or `ROBOT`, which takes the place of the leases on all elements.
             holder: A name for people.
-            priority: A higher one takes the lease from whoever holds it.
+            priority: A higher one takes the lease from its holder.
             seconds: How long without `renew`.
             now: Steady time, s.
         Raises:
@@ -140,7 +140,7 @@ class Leases:
         return lease, token, [ROBOT] if self.robot in [lease, *ended] else [what]
 
     def renew(self, token: str, seconds: float | None, now: float) -> Lease:
-        """Hold on for as long again, or for as many seconds as said.
+        """Extend a lease by the same duration, or by another, s.
 
         Raises:
             CommandRefused: The token is not that of a present holder.
@@ -150,7 +150,7 @@ class Leases:
         return lease
 
     def release(self, token: str) -> Lease:
-        """Let go.
+        """End the lease of a token.
 
         Raises:
             CommandRefused: The token is not that of a present holder.
@@ -167,7 +167,7 @@ class Leases:
         return [lease.what for lease in over]
 
     def check(self, element: str, token: str) -> None:
-        """Let a command pass that moves an element.
+        """Check that a command may move an element.
 
         Raises:
             CommandRefused: Someone else holds the lease on it or on the robot, or the token is of the past.
@@ -181,7 +181,7 @@ class Leases:
             raise CommandRefused("the token is of a lease that has ended; take the lease again")
 
     def state(self, now: float) -> dict[str, Any]:
-        """As it is published: the lease on the robot, and under `elements` those on elements that somebody holds."""
+        """Return what is published: the lease on the robot, and under `elements` the leases held on elements."""
         held = {name: lease.state(now) for name, lease in self._elements.items() if lease.holder is not None}
         return {**self.robot.state(now), "elements": held}
 
@@ -193,7 +193,7 @@ class Leases:
         for lease in self._all:
             if lease.is_held_with(token):
                 return lease
-        raise CommandRefused("this token does not hold the lease; take it anew")
+        raise CommandRefused("this token does not hold the lease; take it again")
 
 
 def _checked(seconds: float) -> float:

@@ -1,11 +1,16 @@
-"""What kind of line leads to the robot: how long an answer takes, and how much it carries."""
+"""The kind of line to the robot: a cable or a pair of radio modems, which must be dialled."""
 
 from dataclasses import dataclass
 
 DIAL = b"WMS2\r"
-"""Dials a radio modem's partner. Source: client libraries."""
+"""Dials the other modem. Source: client libraries."""
+DIALLED = b"onnected to address"
+"""The modem reports that it has found the other one; the case of the first letter differs. Source: client libraries."""
+FIRST_DIAL_TIMEOUT = 1.0
+LONGEST_DIAL_TIMEOUT = 4.0
+"""Seconds to wait for that report, at first and after many failures."""
 RADIO_BAUD = 9600
-"""bit/s; radio modems know no other, so a robot behind them must never be told to raise its own."""
+"""bit/s, the only rate of radio modems: a robot behind them must never be told to raise its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,13 +18,13 @@ class LineKind:
     """A kind of line; times in s.
 
     first_window, last_window: for the answer to a SYNC, at first and after some silent sweeps. step_window: for each
-    further answer of a robot that has begun to answer. settling: by which silence may shrink on its way to the robot.
-    first_backoff, last_backoff: longest pause after a sweep, at first and after many. sip_timeout: without a SIP,
-    after which the robot is lost; below its watchdog's 2 s, so that it is told STOP before it can resume anything.
-    share: of the line's bytes to the robot that may be used. streams: the robot may be asked for more packets than
-    SIPs in every cycle; else one at a time, every `poll_period`. baud: bit/s that it carries, whatever the port is set
-    to; 0 where the port's rate says it. detour: by which the answer of what hangs on the robot may come later than on
-    a cable. dial: what to say to the line before the robot hears.
+    further answer of a robot that has begun to answer. settling: by which a silence may shrink on its way to the robot.
+    first_backoff, last_backoff: longest pause after a sweep, at first and after many. sip_timeout: time without a SIP
+    after which the robot is lost; below the 2 s of its watchdog, so that STOP arrives before the robot can resume
+    anything. share: part of the line's bytes to the robot that may be used. streams: the robot may send more packets
+    than SIPs in every cycle; else it is asked for one at a time, every `poll_period`. baud: bit/s that the line
+    carries, whatever the port is set to; 0 for the port's rate. accessory_delay: by which the answer of an accessory
+    may come later than on a cable. dial: bytes to write before the robot can receive.
     """
 
     first_window: float
@@ -33,7 +38,7 @@ class LineKind:
     streams: bool = True
     poll_period: float = 2.0
     baud: int = 0
-    detour: float = 0.0
+    accessory_delay: float = 0.0
     dial: bytes = b""
 
 
@@ -61,6 +66,39 @@ RADIO = LineKind(
     share=0.25,
     streams=False,
     baud=RADIO_BAUD,
-    detour=1.5,
+    accessory_delay=1.5,
     dial=DIAL,
 )
+
+
+class ModemDialler:
+    """Dials a radio modem, as the clients of these robots do.
+
+    The modem repeats what it receives, and reports when it has found the other one. One that reports nothing may be
+    connected all the same: the dial string then reaches the robot, which ignores it. So the robot is tried in any case.
+
+    frame: the dial string. has_answered: since `begin`. timeout: for the report, s.
+    """
+
+    def __init__(self, frame: bytes) -> None:
+        """frame: the dial string."""
+        self.frame = frame
+        self.has_answered = False
+        self.timeout = FIRST_DIAL_TIMEOUT
+        self._received = b""
+
+    def begin(self) -> None:
+        """Forget earlier reports: the dial string is written now."""
+        self.has_answered = False
+        self._received = b""
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes from the line."""
+        self._received = (self._received + data)[-len(DIALLED) - len(data) :]
+        if DIALLED in self._received:
+            self.has_answered = True
+            self.timeout = FIRST_DIAL_TIMEOUT
+
+    def give_up(self) -> None:
+        """Double the timeout of the next attempt: no report came."""
+        self.timeout = min(2.0 * self.timeout, LONGEST_DIAL_TIMEOUT)

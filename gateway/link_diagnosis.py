@@ -1,15 +1,19 @@
-"""Why there is no robot on a line: the cause, in a word and in a sentence. No port and no clock."""
+"""Why there is no robot on a line, and when a person is told of it, or of an element. No port and no clock."""
 
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from math import inf
 from typing import NamedTuple
 
+from gateway.cables.cable import ElementCable
 from gateway.events import SweepFailed
 
 PATIENCE = 2.0
 """Seconds without a robot after which the cause is reported."""
 REPEAT = 60.0
 """Seconds after which the same cause is reported again."""
+ELEMENT_PATIENCE = 10.0
+"""Seconds in which an element must have answered for the first time; a laser finds its rate within that."""
 MEMORY = 6.0
 """Seconds for which a hang-up, or a robot that sends no SIPs, explains what follows; longer than the longest pause
 between two connections."""
@@ -44,14 +48,14 @@ class LinkDiagnosis:
         self._hung_up_at = self._silent_at = -inf
 
     def begin(self, now: float) -> None:
-        """A robot is looked for from now on, steady time, s; nothing changes if it already is."""
+        """Begin the search for a robot at a steady time, s; has no effect during a search."""
         if self._since is None:
             self._since = now
             self._latest = None
             self._hung_up_at = self._silent_at = -inf
 
     def end(self) -> None:
-        """The robot is connected."""
+        """End the search: the robot is connected."""
         self._since = None
 
     def problem(self, now: float) -> LinkProblem | None:
@@ -63,15 +67,15 @@ class LinkDiagnosis:
         return None if self._since is None or now - self._since < PATIENCE else self._latest
 
     def is_due(self, now: float) -> bool:
-        """Whether a cause is to be given, and none has been found: note what the attempt under way has shown."""
+        """Return whether a cause is due and none is known, so that the current attempt is to be noted."""
         return self._since is not None and now - self._since >= PATIENCE and self._latest is None
 
     def note_no_port(self, reason: str) -> None:
-        """The port cannot be opened; the reason is a sentence."""
+        """Note that the port cannot be opened; the reason is a sentence."""
         self._latest = LinkProblem(Cause.NO_PORT, reason)
 
     def note_hang_up(self, reason: str, now: float) -> None:
-        """The port was closed by its other end before the robot was connected."""
+        """Note that the peer closed the port before the robot was connected."""
         if now - self._silent_at < MEMORY:
             return
         self._hung_up_at = now
@@ -82,7 +86,7 @@ class LinkDiagnosis:
         )
 
     def note_sweep(self, sweep: SweepFailed, now: float) -> None:
-        """No rate has brought a robot."""
+        """Note a sweep that has found no robot."""
         if now - max(self._hung_up_at, self._silent_at) < MEMORY:
             return
         at = "" if not any(sweep.rates) else f" at {', '.join(map(str, sweep.rates))} bit/s"
@@ -111,7 +115,7 @@ class LinkDiagnosis:
             )
 
     def note_silence(self, now: float) -> None:
-        """The robot answered the handshake, and no SIP followed."""
+        """Note that no SIP followed the handshake."""
         self._silent_at = now
         self._latest = LinkProblem(
             Cause.NO_PACKETS,
@@ -119,7 +123,7 @@ class LinkDiagnosis:
         )
 
     def note_rejected(self, reason: str) -> None:
-        """A robot answered that is not served; the reason is a sentence."""
+        """Note that a robot answers that is not served; the reason is a sentence."""
         self._latest = LinkProblem(Cause.REJECTED, reason)
 
 
@@ -137,3 +141,35 @@ class LinkReports:
             return None
         self._reported, self._reported_at = problem, now
         return problem
+
+
+class ElementChange(NamedTuple):
+    """An element on a cable of its own began to answer, or does not answer.
+
+    has_answered: before. reasons: why it does not answer, a sentence each.
+    """
+
+    element: str
+    answers: bool
+    has_answered: bool
+    reasons: Sequence[str]
+
+
+class ElementReports:
+    """Chooses when a person is told of an element on a cable of its own: found, lost, or not there at all."""
+
+    def __init__(self, elements: Sequence[ElementCable]) -> None:
+        self._elements = elements
+        self._reported: dict[str, bool] = {}
+        self._since = inf
+
+    def due(self, now: float) -> Iterator[ElementChange]:
+        """Return what has changed until now, steady time, s; patience begins with the first call."""
+        self._since = min(self._since, now)
+        for element in self._elements:
+            answers, reported = element.driver.is_connected, self._reported.get(element.name)
+            if answers == reported or (reported is None and not answers and now - self._since < ELEMENT_PATIENCE):
+                continue
+            self._reported[element.name] = answers
+            reasons = () if answers else element.driver.faults()
+            yield ElementChange(element.name, answers, reported is not None, reasons)

@@ -20,7 +20,7 @@ LONGEST_COMMAND = 80
 """Characters of a command line that are shown."""
 
 
-class Holder(NamedTuple):
+class _Holder(NamedTuple):
     """A program that has a port open."""
 
     pid: int
@@ -30,7 +30,7 @@ class Holder(NamedTuple):
         return f"process {self.pid} ({self.command})"
 
 
-def holders(path: str) -> list[Holder]:
+def holders(path: str) -> list[_Holder]:
     """Return the programs that have the device at this path open, without this one.
 
     Programs of other users are found only by root.
@@ -42,7 +42,7 @@ def holders(path: str) -> list[Holder]:
     if not stat.S_ISCHR(device.st_mode):
         return []
     own = os.getpid()
-    return [Holder(pid, _command(pid)) for pid in _processes() if pid != own and device.st_rdev in _open_devices(pid)]
+    return [_Holder(pid, _command(pid)) for pid in _processes() if pid != own and device.st_rdev in _open_devices(pid)]
 
 
 def candidates() -> list[str]:
@@ -63,7 +63,7 @@ def _processes() -> Iterator[int]:
 
 
 def _open_devices(pid: int) -> set[int]:
-    """Numbers of the character devices that a process has open; empty for processes that may not be looked at."""
+    """Return the numbers of the character devices that a process has open; empty without permission."""
     found: set[int] = set()
     try:
         for entry in (PROC / str(pid) / "fd").iterdir():
@@ -97,7 +97,7 @@ def _has_uart(name: str) -> bool:
 
 
 def _emulated() -> Iterator[Path]:
-    """Links that running emulators were told to make: PATH, or PATH-NAME for each of several robots."""
+    """Return the links that running emulators make: PATH, or PATH-NAME for each of several robots."""
     for pid in _processes():
         arguments = _arguments(pid)
         if not any(name in argument for name in EMULATOR_COMMANDS for argument in arguments[:3]):

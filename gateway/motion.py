@@ -1,9 +1,9 @@
-"""What the robot has been asked to do, and the frames that say so.
+"""Motion commands of the robot, and their frames.
 
-A keep-alive repeats what the robot should be doing, so that the first packet it hears after a cut is never a bare
-PULSE, which would wake setpoints that its watchdog had stopped: a standing robot is told STOP again, a driving one its
-speeds. PULSE serves where there are no setpoints (nothing was asked since the handshake) or where they are to go on (a
-long motion).
+A keep-alive repeats the command in force, so that the first packet that arrives after a cut is never a bare
+PULSE, which would reactivate setpoints that its watchdog had stopped: a standing robot is told STOP again, a driving
+one its speeds. PULSE serves where there are no setpoints (nothing was asked since the handshake) or where they are to
+go on (a long motion).
 """
 
 from collections.abc import Callable
@@ -18,15 +18,15 @@ from gateway.outbox import Outbox
 from p2os import Command, StandardSip, encode_command
 
 PATIENCE = 1.0
-"""Seconds for which a robot may stand that was told to drive."""
+"""Seconds for which a robot may stand although it is told to drive."""
 SLOWEST = 0.02, 0.05
-"""m/s and rad/s: what is slower may be less than the wire can say, or than the gears turn by."""
+"""m/s and rad/s: slower speeds may be below the resolution of the wire or the friction of the gears."""
 
 
 class Obedience:
     """Compares what was asked for with what the SIPs show.
 
-    is_ignored: the robot stands although it is told to drive, has power, and says of no wheel that it is stalled.
+    is_ignored: the robot stands although it is told to drive, has power, and reports no stalled wheel.
     """
 
     def __init__(self) -> None:
@@ -103,7 +103,7 @@ class MotionTracker:
 
     @property
     def is_ignored(self) -> bool:
-        """The robot stands although it is told to drive, and does not say why."""
+        """The robot stands although it is told to drive, without a known reason."""
         return self._obedience.is_ignored
 
     @property
@@ -117,7 +117,7 @@ class MotionTracker:
         return self._mode in (_Mode.DRIVING, _Mode.TRAVELLING)
 
     def begin_link(self, now: float) -> None:
-        """The robot is open and its motors are off: zero its setpoints, and switch the motors on if they are wanted."""
+        """Zero the setpoints of a robot that has just been opened, and switch its motors on if wanted."""
         self._is_open = True
         self._mode = _Mode.UNASKED
         self._speeds.clear()
@@ -128,7 +128,7 @@ class MotionTracker:
             self._enabled_at = now
 
     def lose_link(self) -> None:
-        """The robot is out of touch: nothing is in force any more."""
+        """Drop all commands: the robot is lost."""
         self._finish(MotionEnd.LOST)
         self._is_open = False
         self._mode = _Mode.UNASKED
@@ -179,13 +179,13 @@ class MotionTracker:
         """Stop; the next velocity drives again."""
         self._finish(end)
         if not self._is_open:
-            return  # the first thing that the robot will hear is STOP
+            return  # STOP is the first frame that the robot receives
         self._mode = _Mode.STANDING
         self._outbox.drop(Command.VEL, Command.RVEL, ("journey", 0), ("journey", 1))
         self._outbox.put_first("stop", ESTOP if self.is_estopped else STOP)
         self._stopped_at = now
 
-    def let_go(self, now: float) -> None:
+    def release_wheels(self, now: float) -> None:
         """Stop, and then only keep the robot awake: a joystick drives it.
 
         Raises:
@@ -205,7 +205,7 @@ class MotionTracker:
         self.halt(now)
 
     def release(self) -> None:
-        """Unlatch the e-stop; the motors stay off until `enable`."""
+        """Release the e-stop; the motors stay off until `enable`."""
         self.is_estopped = False
 
     def enable(self, on: bool, now: float) -> None:

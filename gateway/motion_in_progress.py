@@ -1,4 +1,4 @@
-"""Long motions: the robot is told once, and its SIPs tell how it ends."""
+"""Long motions: the robot gets one command, and its SIPs show how the motion ends."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -21,14 +21,14 @@ SLOWEST = 0.05
 
 
 def is_at_rest(sip: StandardSip) -> bool:
-    """Both wheels stand."""
+    """Return whether both wheels stand still."""
     return max(abs(sip.left_velocity), abs(sip.right_velocity)) < AT_REST
 
 
 class MotionInProgress(ABC):
     """A move or a turn on its way.
 
-    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, as unit says, signed. done: how
+    motion_id: as the answer to the command gave it. kind: the command. goal: m or rad, by `unit`, signed. done: how
     much of it is done.
     """
 
@@ -49,11 +49,11 @@ class MotionInProgress(ABC):
 
     @abstractmethod
     def frames(self) -> Iterator[bytes]:
-        """The frames that are due now, given what is done."""
+        """Return the frames that are due now, given the progress."""
 
     @abstractmethod
     def _progress(self) -> float:
-        """How much is done, m or rad in the direction of the goal's axis."""
+        """Return the progress, m or rad in the direction of the goal's axis."""
 
     @property
     def times_out_at(self) -> float:
@@ -61,7 +61,7 @@ class MotionInProgress(ABC):
         return self._started + TIME_TO_SPARE + abs(self.goal) / SLOWEST
 
     def update(self, sip: StandardSip, now: float) -> MotionEnd | None:
-        """Take a SIP that the odometry has already taken; say when and how the motion is over."""
+        """Take a SIP that the odometry has already taken; return how the motion ended, once it has."""
         self.done = self._progress()
         if not is_at_rest(sip):
             self._resting_since = now
@@ -83,7 +83,7 @@ class MotionInProgress(ABC):
         return None
 
     def _why_it_rests(self, sip: StandardSip) -> MotionEnd:
-        """How the motion ended of a robot that rests elsewhere than at the goal."""
+        """Return how the motion ended of a robot that stands elsewhere than at the goal."""
         if self._stalled_at >= self._resting_since - REST_TO_GIVE_UP:
             return MotionEnd.STALLED
         if sip.stop_button or sip.e_stalled:
@@ -111,7 +111,7 @@ class Move(MotionInProgress):
         self._frames = [encode_command(Command.RVEL, 0.0), encode_command(Command.MOVE, command)]
 
     def frames(self) -> Iterator[bytes]:
-        """Rotation ends, translation begins; once."""
+        """Return the frames that end rotation and begin translation; once."""
         while self._frames:
             yield self._frames.pop(0)
 
@@ -121,11 +121,11 @@ class Move(MotionInProgress):
 
 
 class Turn(MotionInProgress):
-    """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is told in steps.
+    """By an angle of any size. A robot turns the shorter way to a heading, so a large turn is commanded in steps.
 
     Headings on the wire are whole degrees; the steps of one turn add up to the whole degree nearest to its angle. Steps
     are added with DCHEAD while the robot turns. A robot that comes to rest after that does not know DCHEAD, as some
-    simulators, or the frame was lost: the rest of the turn is told with DHEAD, from the measured heading.
+    simulators, or the frame was lost: the rest of the turn is commanded with DHEAD, from the measured heading.
     """
 
     tolerance = radians(3.0)
@@ -146,7 +146,7 @@ class Turn(MotionInProgress):
         self._is_extended = False  # DCHEAD was the last command
 
     def frames(self) -> Iterator[bytes]:
-        """Translation ends, rotation begins; further steps as the turn goes on."""
+        """Return the frames that end translation and begin rotation, and later those of further steps."""
         if self._told is None:
             self._told = self._next_step(0)
             yield encode_command(Command.VEL, 0.0)
@@ -167,7 +167,7 @@ class Turn(MotionInProgress):
             yield encode_command(Command.DCHEAD, radians(step))
 
     def _next_step(self, turned: int) -> int:
-        """Degrees that a robot at rest is told next, when so many are done."""
+        """Return the degrees of the next command to a robot at rest that has turned so many."""
         left = self._total - turned
         return left if abs(left) <= self.LARGEST_AT_ONCE else self._step()
 

@@ -37,7 +37,7 @@ class OdometryTracker:
         return tuple(self._variances)
 
     def forget_counters(self) -> None:
-        """The robot's counters no longer go on from the last SIP; the pose does."""
+        """Note that the robot's counters begin again; the pose continues."""
         self._last = None
         if self._unwrapper is not None:
             self._unwrapper.rebase()
@@ -48,7 +48,7 @@ class OdometryTracker:
         Args:
             sip: As it came.
             model: Of the robot.
-            turned: rad since the last SIP by a gyro, which knows better than the wheels; None for what they say.
+            turned: rad since the last SIP by a gyro, which is more accurate than the wheels; None to use the wheels.
         """
         if self._unwrapper is None:
             self._unwrapper = OdometryUnwrapper(model)

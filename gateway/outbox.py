@@ -8,9 +8,10 @@ command pacing).
 from collections.abc import Hashable
 from math import inf
 
+from p2os.framing import BITS_PER_BYTE
+
 PACE = 0.005
 """Least seconds between two frames."""
-BITS_PER_BYTE = 10
 MOST_AHEAD = 8
 """Frames that may overtake a request before it leaves all the same."""
 
@@ -64,7 +65,7 @@ class Outbox:
         self._requests[kind] = frame
 
     def is_waiting(self, kind: Hashable) -> bool:
-        """Whether a frame of this kind is queued and has not left."""
+        """Return whether a frame of this kind is queued and has not left."""
         return kind in self._waiting or kind in self._requests
 
     def drop(self, *kinds: Hashable) -> None:
@@ -97,7 +98,7 @@ class Outbox:
         return frame
 
     def time_to_send(self, *frames: bytes) -> float:
-        """Seconds until the last byte of these frames is on its way, if nothing else waits."""
+        """Return the seconds until the last byte of these frames is sent, if nothing else waits."""
         return sum(max(PACE, self._time_for(frame)) for frame in frames[:-1]) + sum(map(self._time_for, frames[-1:]))
 
     def _time_for(self, frame: bytes) -> float:

@@ -1,4 +1,4 @@
-"""Whether a SIP can be true: a checksum lets through some of what noise makes, and that must not become data.
+"""Checks whether a SIP is plausible: some frames damaged by noise pass the checksum.
 
 Source: fact sheet section 1: of a million frames with random errors, hundreds to thousands pass the checksum.
 """
@@ -9,6 +9,7 @@ from typing import NamedTuple
 from geometry import wrap_angle
 from p2os import RobotModel, StandardSip
 from p2os.fields import POSITION_UNITS
+from p2os.robot_model import SONAR_ARRAY_SIZE, SONAR_ARRAYS
 
 SPEED_MARGIN = 1.3
 """Wheels may turn faster than the model's limits by this factor."""
@@ -16,20 +17,19 @@ LATENESS = 0.25
 """Seconds by which a SIP may arrive later than the one before it."""
 SLACK = 0.3, 1.0
 """m/s and rad/s that wheel velocities may fall short of the movement seen."""
-HIGHEST_SONAR = 31
 HIGHEST_VOLTAGE = 2.5
 """Times the nominal voltage."""
 INSISTENCE = 3
-"""SIPs in a row that agree with each other are believed against the ones before: the counters were set anew."""
+"""SIPs in a row that agree with each other replace those before: the counters were reset."""
 ROLLING = 5.0
 """Seconds for which a robot that is out of touch may roll on: its watchdog's two, and three to come to rest."""
 
 
-class SipVerdict(NamedTuple):
-    """What is thought of a SIP.
+class _SipVerdict(NamedTuple):
+    """The verdict on a SIP.
 
-    doubt: what is wrong with it, in a word; None when it can be true and is believed.
-    continues: its counters go on from the last SIP believed.
+    doubt: what is wrong with it, in a word; None for a plausible SIP.
+    continues: its counters continue those of the last plausible SIP.
     """
 
     doubt: str | None
@@ -37,7 +37,7 @@ class SipVerdict(NamedTuple):
 
 
 class Plausibility:
-    """Judges each SIP by the model and by the SIP believed before it."""
+    """Judges each SIP by the model and by the last plausible SIP."""
 
     def __init__(self, model: RobotModel) -> None:
         self._model = model
@@ -49,22 +49,22 @@ class Plausibility:
         self._is_new_link = True
 
     def begin_link(self) -> None:
-        """The robot was out of touch: its next SIP may hold any position."""
+        """Accept any position in the next SIP: the robot was lost."""
         self._is_new_link = True
         self._doubted = None
 
-    def judge(self, sip: StandardSip, now: float) -> SipVerdict:
+    def judge(self, sip: StandardSip, now: float) -> _SipVerdict:
         """Take the next SIP."""
         doubt = self._impossible(sip)
         if doubt is not None:
-            return SipVerdict(doubt)
+            return _SipVerdict(doubt)
         doubt = self._does_not_follow(self._believed, sip, now)
         if doubt is None or self._is_new_link or self._insists(sip, now):
             continues = doubt is None and not (self._is_new_link and self._was_reset(sip))
             self._believed, self._doubted, self._is_new_link = (sip, now), None, False
-            return SipVerdict(None, continues)
+            return _SipVerdict(None, continues)
         self._doubted = (sip, now)
-        return SipVerdict(doubt)
+        return _SipVerdict(doubt)
 
     def _insists(self, sip: StandardSip, now: float) -> bool:
         agrees = self._doubted is not None and self._does_not_follow(self._doubted, sip, now) is None
@@ -77,7 +77,7 @@ class Plausibility:
     def _impossible(self, sip: StandardSip) -> str | None:
         if max(abs(sip.left_velocity), abs(sip.right_velocity)) > self._top_speed:
             return "speed"
-        if any(number > HIGHEST_SONAR for number, _ in sip.sonar):
+        if any(number >= SONAR_ARRAYS * SONAR_ARRAY_SIZE for number, _ in sip.sonar):
             return "sonar number"
         if sip.best_battery > HIGHEST_VOLTAGE * self._model.battery_nominal:
             return "voltage"
@@ -101,5 +101,5 @@ class Plausibility:
         return None
 
     def _around(self, difference: float) -> float:
-        """The shorter way round the position counter, m."""
+        """Return the shorter way round the position counter, m."""
         return abs((difference + self._span / 2.0) % self._span - self._span / 2.0)

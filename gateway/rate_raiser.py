@@ -1,7 +1,7 @@
 """Raises the rate of a robot's host port once it is connected, where the settings want it.
 
-The robot is told the rate, and both ends change theirs. If no SIP comes at the new one, it was not to be: back to the
-old rate, and that once and for all. A robot that is lost meanwhile is looked for at every rate, as always. The rate
+The robot is told the rate, and both ends change theirs. If no SIP comes at the new one, both ends return to
+the old rate for good. A robot that is lost meanwhile is looked for at every rate, as always. The rate
 outlives this program: any other client that tries the usual rates finds the robot.
 Source: Pioneer 3 operations manual (HOSTBAUD); client libraries for the pauses.
 """
@@ -34,7 +34,7 @@ class RateRaiser:
     """
 
     def __init__(self, outbox: Outbox, connector: Connector, wanted: int | None) -> None:
-        """Prepare; wanted: bit/s, None to let the rate be."""
+        """Prepare; wanted: bit/s, None to keep the rate."""
         self._outbox = outbox
         self._connector = connector
         self._wanted = wanted
@@ -43,7 +43,7 @@ class RateRaiser:
         self.deadline = inf
 
     def begin(self, now: float) -> None:
-        """The robot has sent its first SIP: tell it the rate, if it is to change."""
+        """Send the new rate after the first SIP, if one is wanted."""
         if self._wanted is None or not 0 < self._connector.baud < self._wanted:
             return
         frame = encode_command(Command.HOSTBAUD, CODES[self._wanted])
@@ -52,18 +52,18 @@ class RateRaiser:
         self.deadline = self._outbox.put_alone(Command.HOSTBAUD, frame, SETTLING, now)
 
     def see(self) -> None:
-        """A SIP has come."""
+        """Note a SIP: the rate works."""
         if self._phase is _RaisePhase.LISTENING:
             self._phase = _RaisePhase.IDLE
             self.deadline = inf
 
     def lose_link(self) -> None:
-        """The robot is lost, perhaps by this; do not try again."""
+        """Give up: the robot is lost, perhaps because of the rate."""
         if self._phase is not _RaisePhase.IDLE:
             self._give_up()
 
     def watch(self, now: float) -> None:
-        """Change over when the robot has heard it, and back when nothing is heard."""
+        """Change the rate once the robot knows it, and back when no SIP comes."""
         if now < self.deadline:
             return
         if self._phase is _RaisePhase.TOLD and self._wanted is not None:

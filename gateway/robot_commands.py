@@ -1,4 +1,4 @@
-"""What a commander may ask of a robot: velocities, long motions, stops, and its elements.
+"""Commands of a robot: velocities, long motions, stops, and access to its elements.
 
 `Driver` obeys these commands with a robot at the other end of a line.
 """
@@ -22,7 +22,7 @@ from gateway.settings import Settings
 from geometry import wrap_angle
 
 LONGEST_MOVE = 30.0
-"""m; the int argument of MOVE carries 65 m, and nobody means that."""
+"""m; the argument of MOVE carries 65 m, which is more than a room."""
 LONGEST_TURN = 100.0
 """rad."""
 
@@ -49,7 +49,7 @@ class RobotCommands(ABC):
 
     @abstractmethod
     def _wake(self, now: float) -> bool:
-        """Notice that nobody has called for too long; say whether everything begins anew."""
+        """Detect that the last call is too long ago; return whether the connection begins again."""
 
     @abstractmethod
     def _check_link(self, now: float) -> None:
@@ -96,8 +96,8 @@ class RobotCommands(ABC):
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with how the robot moves, and with its elements, a sentence each."""
-        ignored = ["the robot stands although it is told to drive; does it hear the gateway?"]
+        """Faults of the robot's motion and of its elements, a sentence each."""
+        ignored = ["the robot stands although it is told to drive; check the line from the gateway to the robot"]
         return [
             *(ignored if self._motion.is_ignored else []),
             *(fault for element in self._elements.values() for fault in element.faults),
@@ -150,13 +150,8 @@ class RobotCommands(ABC):
         self._motion.stop(now)
         self._halt_elements(now)
 
-    def halt(self, now: float) -> None:
-        """Stop whatever is in force, without holding: whoever commands next drives."""
-        self.halt_base(now)
-        self._halt_elements(now)
-
     def halt_base(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
-        """Stop the wheels, whoever drives them, as `halt` does; end: what is reported of a motion under way."""
+        """Stop the wheels without holding them; the next command moves them. end: reported for a motion under way."""
         self._wake(now)
         if self._motion.is_asked_to_move:
             self._motion.halt(now, end)
@@ -167,14 +162,14 @@ class RobotCommands(ABC):
         self._wake(now)
         self._elements[kind].halt(now)
 
-    def let_go(self, now: float) -> None:
-        """Stop, and ask nothing of the wheels until the next command: somebody else drives.
+    def release_wheels(self, now: float) -> None:
+        """Stop, and send nothing to the wheels until the next command: the joystick drives.
 
         Raises:
             CommandRefused: Not connected, or the e-stop is latched.
         """
         self._check_link(now)
-        self._motion.let_go(now)
+        self._motion.release_wheels(now)
 
     def emergency_stop(self, on: bool, now: float) -> None:
         """Stop as fast as the robot can and latch; or unlatch, which leaves the motors off. Never refused."""
@@ -195,11 +190,11 @@ class RobotCommands(ABC):
         self._motion.enable(on, now)
 
     def has(self, kind: type[Element]) -> bool:
-        """Whether the robot is known to have an element."""
+        """Return whether the robot is known to have an element."""
         return self._elements[kind].is_present
 
     def element(self, kind: type[E], now: float) -> E:
-        """An element of the robot, to command it.
+        """Return an element of the robot, to command it.
 
         Raises:
             CommandRefused: The robot is not connected, or has no such element.
@@ -220,7 +215,7 @@ class RobotCommands(ABC):
             raise CommandRefused('the e-stop is latched; send estop {"on": false} first')
 
     def lookup(self, kind: type[E]) -> E:
-        """An element, to see what is known of it, whether the robot has it or not."""
+        """Return the state of an element, whether the robot has it or not."""
         element = self._elements[kind]
         assert isinstance(element, kind)
         return element
@@ -244,5 +239,5 @@ class RobotCommands(ABC):
 
 
 def _words(kind: type[Element]) -> str:
-    """What people call an element: `PowerOutputs` is "power outputs", and `ArmElement` is "arm"."""
+    """Return the name of an element in sentences: "power outputs" for `PowerOutputs`, "arm" for `ArmElement`."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__.removesuffix("Element")).lower()

@@ -1,6 +1,6 @@
-"""One robot as the bus sees it: its streams, its commands, its leases, its description.
+"""One robot on the bus: its streams, commands, leases and description.
 
-It has no thread and no clock of its own: whoever has the driver calls `on_events`.
+It has no thread and no clock of its own: the owner of the driver calls `on_events`.
 """
 
 import secrets
@@ -14,7 +14,7 @@ from bus import Bus, BusUnavailable, Subscription, keys
 from bus.name_holder import BusProgram
 from gateway.cables.cable import ElementCable
 from gateway.command_server import Commander, CommandServer
-from gateway.description import CachedDescription, describe
+from gateway.description import RobotDescription
 from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter, RobotContext, adapter_types
 from gateway.elements.all_elements import ELEMENTS
@@ -42,7 +42,7 @@ class ElementTokens(Subscription):
         self._shown: dict[str, Subscription] = {}
 
     def follow(self, present: Iterable[str]) -> None:
-        """Show the tokens of these elements, and no others."""
+        """Declare the tokens of these elements, and withdraw all others."""
         wanted = set(present)
         if wanted == self._shown.keys():
             return
@@ -83,14 +83,14 @@ class RobotOnBus(Subscription):
         steady_clock: Callable[[], float] = time.monotonic,
         process: BusProgram | None = None,
     ) -> None:
-        """Declare everything.
+        """Declare publishers, subscribers, queryables and tokens.
 
         Args:
             name: The robot's name on the bus.
             bus: Outlives this.
-            driver: Of a robot that has said who it is.
+            driver: Of a robot that has identified itself.
             commander: The way to the driver from the bus's threads.
-            settings: What the robot's description says besides.
+            settings: Of the robot.
             cables: Elements on cables of their own; from now on their events are published.
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
@@ -101,7 +101,7 @@ class RobotOnBus(Subscription):
         """
         model = driver.model
         if model is None:
-            raise ValueError("the robot has not said who it is yet")
+            raise ValueError("the robot has not identified itself yet")
         self.name = name
         self._driver = driver
         robot = RobotContext(name, model, settings, driver)
@@ -111,7 +111,7 @@ class RobotOnBus(Subscription):
         self._streams = RobotPublishers(robot, bus, self._adapters)
         self._elements = ElementTokens(name, bus)
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
-        self._description = CachedDescription(lambda: describe(robot, self._adapters, process), driver, steady_clock)
+        self._description = RobotDescription(robot, self._adapters, process, steady_clock)
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
             self._server,
@@ -137,12 +137,12 @@ class RobotOnBus(Subscription):
             now: Steady time, s.
             stamp_ns: Wall clock when the bytes came that brought the events about.
         """
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+        with suppress(BusUnavailable):  # the bus is being closed
             for index, event in enumerate(events):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns + index * STAMPS_APART)
             self._has_answered |= self._driver.is_connected
-            if self._has_answered:  # whoever acts on a token finds a robot that obeys
+            if self._has_answered:  # a client that finds a token finds a robot that obeys
                 with self._streams.guarded("elements"):
                     self._elements.follow(self._present())
             if now >= self._server.deadline:
@@ -157,7 +157,7 @@ class RobotOnBus(Subscription):
 
     def publish_kept(self, events: Iterable[tuple[Event, int]]) -> None:
         """Publish events from before the robot was on the bus, each with its stamp as in `on_events`."""
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+        with suppress(BusUnavailable):  # the bus is being closed
             for event, stamp_ns in events:
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns)
@@ -169,7 +169,7 @@ class RobotOnBus(Subscription):
 
     def _publish_element(self, adapter: BusAdapter, events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread."""
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+        with suppress(BusUnavailable):  # the bus is being closed
             for event in events:
                 self._streams.publish_element(adapter, event, stamp_ns)
 

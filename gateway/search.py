@@ -1,4 +1,4 @@
-"""Looking for a robot on a port: which rates, which model, and what to tell a person when there is none."""
+"""The search for a robot on a port: rates, model, and the error when there is none."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -20,12 +20,12 @@ SWEEPS = 2
 NO_SWEEPS = (Cause.NO_PORT, Cause.HANG_UP)
 """Causes for which no rate is tried to the end."""
 FAILURES: Mapping[Cause, type[GatewayError]] = {Cause.NO_PORT: NoSuchPort, Cause.NO_ANSWER: RobotSilent}
-"""What a cause means to whoever started the gateway; other causes are `NotARobot`."""
+"""The error for a cause; other causes are `NotARobot`."""
 NOT_IN_A_KEY = re.compile(r"[^\w.+-]", re.ASCII)
 
 
 def rates_to_try(port: Port, baud: int | None) -> tuple[int, ...]:
-    """The rates at which to look for the robot, bit/s.
+    """Return the rates at which to look for the robot, bit/s.
 
     Args:
         port: Open; the rate that it has is probably the one that the last client used.
@@ -39,14 +39,14 @@ def rates_to_try(port: Port, baud: int | None) -> tuple[int, ...]:
 
 
 def rates_to_probe(port: Port, settings: Settings, rates: Sequence[int]) -> tuple[int, ...]:
-    """Other rates, bit/s, at which a robot may answer that is not found at those to try; none behind a radio modem."""
+    """Return further rates, bit/s, at which to probe for a robot; none behind a radio modem."""
     if port.rate is None or settings.radio:
         return ()
     return tuple(rate for rate in RATES if rate not in rates)
 
 
 def model_finder(settings: Settings) -> ModelFinder:
-    """Models from `configs/robots`, or the one that the settings name.
+    """Return a function that finds the model in `configs/robots`, or the one that the settings name.
 
     Raises:
         ConfigError: The settings name a model that does not exist.
@@ -71,7 +71,7 @@ def model_finder(settings: Settings) -> ModelFinder:
 
 
 def bus_name(identity: Identity) -> str:
-    """The name that a robot gives itself, made one chunk of a key."""
+    """Return the robot's own name, as one chunk of a key."""
     return NOT_IN_A_KEY.sub("_", identity.name) or NOT_IN_A_KEY.sub("_", identity.subtype) or "robot"
 
 

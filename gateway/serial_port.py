@@ -41,7 +41,7 @@ class Port(ABC):
 
     @abstractmethod
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
 
     @abstractmethod
     def set_rate(self, rate: int) -> None:
@@ -93,18 +93,18 @@ def open_port(name: str) -> Port:
     """
     scheme = urlsplit(name).scheme if "://" in name else ""
     if not scheme:
-        return DevicePort(name)
+        return _DevicePort(name)
     if scheme == SOCKET:
         return SocketPort(name)
-    return PumpedPort(name)
+    return _PumpedPort(name)
 
 
 def has_rate(name: str) -> bool:
-    """Whether the port of this name or URL has a rate to set; a socket has none."""
+    """Return whether the port of this name or URL has a rate to set; a socket has none."""
     return urlsplit(name).scheme != SOCKET
 
 
-class DevicePort(Port):
+class _DevicePort(Port):
     """A device: a UART, an adapter, a pseudo-terminal."""
 
     def __init__(self, path: str) -> None:
@@ -125,7 +125,7 @@ class DevicePort(Port):
         self._rate_set = int(self._serial.baudrate)
 
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
         return int(self._serial.fileno())
 
     def set_rate(self, rate: int) -> None:
@@ -156,24 +156,24 @@ class SocketPort(Port):
         except OSError as err:
             reason = err.strerror or str(err)
             raise NoSuchPort(
-                f"nothing answers at {url} ({reason}); start what listens there, or mend the address"
+                f"nothing answers at {url} ({reason}); start the server there, or correct the address"
             ) from err
         self._socket.setblocking(False)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
         return self._socket.fileno()
 
     def set_rate(self, rate: int) -> None:
-        """A socket has no rate; the serial server at the other end has it."""
+        """Do nothing: the serial server at the other end has the rate."""
 
     def close(self) -> None:
         """Close the connection."""
         self._socket.close()
 
 
-class PumpedPort(Port):
+class _PumpedPort(Port):
     """Any other URL of pyserial's (`rfc2217://`): it has no descriptor, so a thread pumps what it reads into a pipe."""
 
     def __init__(self, url: str) -> None:
@@ -186,7 +186,7 @@ class PumpedPort(Port):
             ) from err
         except (OSError, serial.SerialException) as err:
             raise NoSuchPort(
-                f"nothing answers at {url} ({err}); start what listens there, or mend the address"
+                f"nothing answers at {url} ({err}); start the server there, or correct the address"
             ) from err
         self.rate = int(self._serial.baudrate)
         self._reader, self._writer = os.pipe()
@@ -195,11 +195,11 @@ class PumpedPort(Port):
         self._pump.start()
 
     def fileno(self) -> int:
-        """The descriptor to wait on."""
+        """Return the descriptor to wait on."""
         return self._reader
 
     def set_rate(self, rate: int) -> None:
-        """Tell the other end the rate."""
+        """Set the rate at the other end."""
         if rate != self._serial.baudrate:
             try:
                 self._serial.baudrate = rate
@@ -214,7 +214,7 @@ class PumpedPort(Port):
             raise PortLost(f"{self.name} is gone: {err}") from err
 
     def close(self) -> None:
-        """End the thread and let go of the port."""
+        """End the thread and close the port."""
         if not self._is_closed.is_set():
             self._is_closed.set()
             self._pump.join()
@@ -222,14 +222,14 @@ class PumpedPort(Port):
             os.close(self._reader)
 
     def _run(self) -> None:
-        """Pump until the port fails or is closed; the end of the pipe says so to whoever reads."""
+        """Copy bytes until the port fails or is closed; the reader sees the end of the pipe."""
         try:
             while not self._is_closed.is_set():
                 data = self._serial.read(1)
                 if data:
                     os.write(self._writer, data + self._serial.read(self._serial.in_waiting))
         except (OSError, serial.SerialException):
-            pass  # the reader of the pipe is told by its end
+            pass  # the reader sees the end of the pipe
         finally:
             os.close(self._writer)
 

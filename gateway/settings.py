@@ -64,7 +64,7 @@ class DriveLimits:
 
 
 class PtzChoice(StrEnum):
-    """Which camera head hangs on AUX1: the one that answers, one that need not answer, or none to ask for."""
+    """The camera head behind AUX1: any that answers, one that need not answer, or none."""
 
     AUTO = "auto"
     VCC4 = "vcc4"
@@ -121,7 +121,7 @@ class LaserSettings:
 
 @dataclass(frozen=True, slots=True)
 class CameraSettings:
-    """What a camera does not say of itself. field_of_view_rad: horizontal; without zoom."""
+    """What a camera does not report itself. field_of_view_rad: horizontal; without zoom."""
 
     field_of_view_rad: float | None = None
 
@@ -142,7 +142,7 @@ class Settings:
     use_gyro: take the odometry's turns from the gyro, where the robot sends its readings, while the wheels turn.
     raise_baud_to: bit/s that the robot is told to talk at once it is connected, if it talks slower; left out, its rate
     stays as it is. It is never raised behind a radio modem. unbound_motion_s: longest expected duration of a motion
-    whose command names no heartbeat, and which therefore nobody stops when its commander dies.
+    whose command names no heartbeat, and which therefore does not stop when its commander dies.
     """
 
     model: str | None = None

@@ -1,4 +1,4 @@
-"""What a robot publishes: from the driver's events and from time to messages on its keys."""
+"""Publishers of one robot: from the driver's events and from time to messages on its keys."""
 
 import logging
 import threading
@@ -21,7 +21,7 @@ from gateway.events import (
     MotionEnded,
     SipReceived,
 )
-from gateway.health import diagnostics, faults, robot_state
+from gateway.health import RobotHealth
 from gateway.telemetry import Telemetry
 from p2os import StandardSip
 
@@ -59,7 +59,8 @@ class RobotPublishers(Subscription):
         self._driver = robot.driver
         self._telemetry = Telemetry(robot.name, robot.model)
         self._adapters = adapters
-        self._cables = [adapter.cable for adapter in adapters if adapter.cable is not None]
+        cables = [adapter.cable for adapter in adapters if adapter.cable is not None]
+        self._health = RobotHealth(robot.name, robot.driver, cables)
         self._sip: StandardSip | None = None
         self._has_io_packets = False
         self._battery_shown: tuple[float, int | None, bool] | None = None
@@ -171,24 +172,22 @@ class RobotPublishers(Subscription):
         """
         is_due = now >= self.due_at
         driver = self._driver
-        news = self._sip, driver.is_connected, driver.is_estopped, refusal, driver.link_problem
-        if not is_due and all(map(is_, news, self._judged)):
-            return  # nothing has come that faults could follow from
-        self._judged = news
-        found = faults(self._driver, self._sip, refusal, self._cables)
+        inputs = self._sip, driver.is_connected, driver.is_estopped, refusal, driver.link_problem
+        if not is_due and all(map(is_, inputs, self._judged)):
+            return  # nothing has changed that faults follow from
+        self._judged = inputs
+        found = self._health.faults(self._sip, refusal)
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
             self._state_shown = shown
             with self.guarded(keys.STATE.suffix):
-                self._streams[keys.STATE].put(robot_state(self._name, self._driver, self._sip, found, stamp))
+                self._streams[keys.STATE].put(self._health.state(self._sip, found, stamp))
         if is_due:
             self.due_at = now + PERIOD
             with self.guarded(keys.TF_STATIC.suffix):
                 self._streams[keys.TF_STATIC].put(self._static_transforms(stamp))
             with self.guarded(keys.DIAGNOSTICS.suffix):
-                self._streams[keys.DIAGNOSTICS].put(
-                    diagnostics(self._name, self._driver, found, refused, stamp, self._cables, self.unpublished)
-                )
+                self._streams[keys.DIAGNOSTICS].put(self._health.diagnostics(found, refused, self.unpublished, stamp))
             if self._sip is not None:
                 self._publish_battery(self._sip, stamp)
                 self._publish_user_ports(self._sip, stamp)

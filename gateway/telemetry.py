@@ -1,10 +1,10 @@
-"""From what every robot reports to messages: odometry, sonar, bumpers, battery, ports, wheels; elements have adapters.
+"""Messages from what every robot reports: odometry, sonar, bumpers, battery, ports, wheels.
 
 Everything that does not change is built once. Stamps are the wall clock of this computer when the last byte of the
 packet came.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import cos, inf, nan, pi, sin
 
 import numpy as np
@@ -33,8 +33,10 @@ from bus.messages import (
 )
 from gateway.events import EncodersReceived, InputsOutputsReceived, SipReceived
 from p2os import RobotModel, StandardSip
+from p2os.packets import TICK_RING
+from p2os.sip import NO_ECHO, ChargeState
 
-SONAR_RANGE = 0.1, 5.0
+SONAR_RANGE = 0.1, NO_ECHO
 """m; what the discs of these robots measure at the usual firing period of 40 ms. Source: fact sheet section 8."""
 SONAR_CONE = pi / 12
 """rad; opening of the cone, assumed."""
@@ -48,9 +50,14 @@ CHARGING, DISCHARGING, FULL = (
     BatteryState.POWER_SUPPLY_STATUS_DISCHARGING,
     BatteryState.POWER_SUPPLY_STATUS_FULL,
 )
-CHARGE_STATES = {0: DISCHARGING, 1: CHARGING, 2: CHARGING, 3: FULL, 4: CHARGING}
-"""The SIP's charge state: 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance. Source: fact sheet section 5."""
-TICK_RING = 1 << 32
+CHARGE_STATES: Mapping[int, int] = {
+    ChargeState.NOT_CHARGING: DISCHARGING,
+    ChargeState.BULK: CHARGING,
+    ChargeState.OVERCHARGE: CHARGING,
+    ChargeState.FLOAT: FULL,
+    ChargeState.BALANCE: CHARGING,
+}
+"""A SIP's charge state to the status of `sensor_msgs/BatteryState`."""
 
 
 class Telemetry:
@@ -75,7 +82,7 @@ class Telemetry:
         self._charge = nan
 
     def odometry(self, event: SipReceived, stamp: int) -> Odometry:
-        """Pose in `<robot>/odom`, twist in `<robot>/base_link`."""
+        """Return the pose in `<robot>/odom` and the twist in `<robot>/base_link`."""
         xx, xy, xh, _, yy, yh, _, _, hh = event.covariance
         covariance = self._pose_covariance
         covariance[[0, 1, 5, 6, 7, 11, 30, 31, 35]] = xx, xy, xh, xy, yy, yh, xh, yh, hh
@@ -91,19 +98,19 @@ class Telemetry:
         )
 
     def transform(self, event: SipReceived, stamp: int) -> TFMessage:
-        """`<robot>/base_link` in `<robot>/odom`."""
+        """Return `<robot>/base_link` in `<robot>/odom`."""
         pose = event.pose
         return TFMessage(transforms=[placed(header(stamp, self._odom), self._base, pose.x, pose.y, pose.heading)])
 
     def static_transforms(self, stamp: int) -> TFMessage:
-        """The sonar discs in `<robot>/base_link`."""
+        """Return the sonar discs in `<robot>/base_link`."""
         base = header(stamp, self._base)
         return TFMessage(
             transforms=[placed(base, name, disc.x, disc.y, disc.heading) for disc, name in self._discs.values()]
         )
 
     def sonar(self, sip: StandardSip, stamp: int) -> RangeArray:
-        """The fresh readings; infinite where no echo came back (REP 117)."""
+        """Return the new readings; infinite where no echo came back (REP 117)."""
         base = header(stamp, self._base)
         at = base.stamp  # the same for all: one object serves
         nearest, farthest = SONAR_RANGE
@@ -125,7 +132,7 @@ class Telemetry:
         )
 
     def sonar_points(self, sip: StandardSip, stamp: int) -> PointCloud2:
-        """The echoes among the fresh readings, on the axes of their discs."""
+        """Return the echoes among the new readings, on the axes of their discs."""
         points = []
         for number, distance in sip.sonar:
             if number in self._discs and distance < SONAR_RANGE[1]:
@@ -146,7 +153,7 @@ class Telemetry:
         )
 
     def bumpers(self, sip: StandardSip, stamp: int) -> Bumpers:
-        """Segments that the robot has, and the wheels' stalls."""
+        """Return the bumper segments that the robot has, and the wheels' stalls."""
         model = self._model
         return Bumpers(
             header(stamp, self._base),
@@ -157,8 +164,8 @@ class Telemetry:
         )
 
     def battery(self, sip: StandardSip, stamp: int) -> BatteryState:
-        """Voltage and charging; NaN where the robot does not say."""
-        status = CHARGE_STATES.get(255 if sip.charge_state is None else sip.charge_state)
+        """Return voltage and charging; NaN for unknown values."""
+        status = CHARGE_STATES.get(ChargeState.UNKNOWN if sip.charge_state is None else sip.charge_state)
         if status is None:
             status = CHARGING if sip.charger_good else BatteryState.POWER_SUPPLY_STATUS_UNKNOWN
         return BatteryState(
@@ -181,23 +188,23 @@ class Telemetry:
         )
 
     def user_ports(self, sip: StandardSip, stamp: int) -> InputsOutputs:
-        """The eight digital inputs and outputs that every SIP carries."""
+        """Return the eight digital inputs and outputs that every SIP carries."""
         return InputsOutputs(header(stamp, self._base), _bits(sip.digital_in, 8), _bits(sip.digital_out, 8))
 
     def inputs_outputs(self, event: InputsOutputsReceived, stamp: int) -> InputsOutputs:
-        """All ports of an I/O packet."""
+        """Return all ports of an I/O packet."""
         ports = event.ports
         return InputsOutputs(
             header(stamp, self._base), _all_bits(ports.digital_in), _all_bits(ports.digital_out), ports.analog
         )
 
     def joints(self, event: EncodersReceived, stamp: int) -> JointState:
-        """Angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
+        """Return angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
         ticks = event.encoders.left, event.encoders.right
         last = self._ticks or ticks
         self._ticks = ticks
         for wheel, (now, before) in enumerate(zip(ticks, last, strict=True)):
-            self._rolled[wheel] += (now - before + TICK_RING // 2) % TICK_RING - TICK_RING // 2
+            self._rolled[wheel] += TICK_RING.fit(now - before)
         radius = self._model.wheel_diameter / 2.0
         per_tick = 1.0 / (self._model.ticks_per_metre * radius)
         return JointState(
@@ -209,15 +216,15 @@ class Telemetry:
         )
 
     def note_wheels(self, sip: StandardSip) -> None:
-        """Keep the wheel speeds for the encoder packet that follows the SIP."""
+        """Keep the wheel speeds for the encoder packet after the SIP."""
         self._wheel_speeds = sip.left_velocity, sip.right_velocity
 
     def note_charge(self, fraction: float) -> None:
-        """Keep what the batteries say of themselves, 0 to 1, for SIPs that do not say it."""
+        """Keep the charge that the batteries report, 0 to 1, for SIPs without it."""
         self._charge = fraction
 
     def forget_ticks(self) -> None:
-        """The robot was out of touch: its encoders may count from zero again, and the angles go on."""
+        """Forget the counts: the encoders may begin at zero again, and the angles continue."""
         self._ticks = None
 
 

@@ -1,1 +1,1 @@
-"""Drivers of what hangs on a cable of its own beside the robot's: one module each. See `cable`."""
+"""Elements on cables of their own: the protocols of their drivers, and their threads."""

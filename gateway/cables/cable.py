@@ -1,4 +1,4 @@
-"""What the bridge needs of a driver, whatever hangs on the cable: bytes and time in, events and bytes out."""
+"""Protocols of drivers and of elements on cables of their own: bytes and time in, events and bytes out."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -12,35 +12,35 @@ class CableDriver(Protocol):
 
     @property
     def baud(self) -> int:
-        """The rate at which to write what is due and to read from now on, bit/s; 0 for a line without a rate."""
+        """The rate for writing the bytes due and for reading from now on, bit/s; 0 for a line without a rate."""
         ...
 
     @property
     def deadline(self) -> float:
-        """When to call `receive` and `bytes_due` again even if nothing has come, s."""
+        """When to call `receive` and `bytes_due` again even without bytes, s."""
         ...
 
     @property
     def is_moving(self) -> bool:
-        """Something moves that should stand still before the last words."""
+        """Something moves that must stand still before the closing bytes are written."""
         ...
 
     @property
-    def stopping_words(self) -> bytes:
-        """What to say first on leaving, so that everything comes to rest."""
+    def stopping_bytes(self) -> bytes:
+        """The bytes that stop everything; written first on closing."""
         ...
 
     @property
-    def last_words(self) -> bytes:
-        """What to say at the very end, when everything rests or has had its time."""
+    def closing_bytes(self) -> bytes:
+        """The bytes to write at the end, when everything stands still or the time to stop has passed."""
         ...
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         ...
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone, or cannot be opened for this reason. `receive` still reports what follows from it."""
+        """Note that the port is lost or cannot be opened, and why. `receive` reports what follows."""
         ...
 
     def receive(self, data: bytes, now: float) -> list[Event]:
@@ -65,15 +65,15 @@ class ElementDriver(CableDriver, Protocol):
     lost: Counter[str]
 
     def faults(self) -> Sequence[str]:
-        """What is wrong with the element, a sentence each."""
+        """Return what is wrong with the element, a sentence each."""
         ...
 
     def figures(self) -> Mapping[str, Any]:
-        """What diagnostics say of the element beside the counters."""
+        """Return the values for diagnostics, beside the counters."""
         ...
 
     def halt(self, now: float) -> None:
-        """Stand still: somebody has stopped the robot. Nothing to do for what cannot move."""
+        """Stop where it is, because the robot was stopped. Does nothing for an element that cannot move."""
         ...
 
 

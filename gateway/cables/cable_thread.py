@@ -31,7 +31,7 @@ class CableThread(Generic[D]):
 
         Args:
             name: Of the element.
-            driver: Nobody else may command it from now on but through the bridge.
+            driver: From now on commanded only through the bridge.
             port: Open, and closed with this; None begins by opening it.
             reopen: Opens it again; raises GatewayError while it cannot.
         """

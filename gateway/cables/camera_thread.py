@@ -1,4 +1,4 @@
-"""A camera of a robot: brings its pictures to the bus while somebody wants them, and keeps what others may know of it.
+"""The camera of a robot: publishes its pictures while somebody subscribes to them, and keeps its state.
 
 It stands beside the threads of elements on cables (`gateway.cables.cable_thread`) and is used like one.
 """
@@ -15,10 +15,10 @@ from gateway.events import PictureTaken
 
 
 class CameraState:
-    """What others may know of a camera, in place of a driver's state.
+    """The state of a camera, as the driver of another element has it.
 
     size: of its pictures, pixels. pictures: how many have come.
-    is_resting: nobody wants pictures; the camera was there when it was last opened.
+    is_resting: no subscriber; the camera was there when it was last opened.
     """
 
     baud = 0
@@ -36,22 +36,22 @@ class CameraState:
 
     @property
     def is_connected(self) -> bool:
-        """Pictures come, or would come if somebody wanted them."""
+        """The camera sends pictures, or would send them on request."""
         return self.has_port and (self.is_resting or self._clock() - self._picture_at < PATIENCE)
 
     def faults(self) -> Sequence[str]:
-        """What is wrong, a sentence each."""
+        """Return what is wrong, a sentence each."""
         if self.is_connected:
             return ()
         why = self._complaint if not self.has_port else f"none has come for {PATIENCE:g} s"
         return (f"the camera gives no pictures: {why}",)
 
     def figures(self) -> Mapping[str, Any]:
-        """For diagnostics."""
+        """Return the values for diagnostics, beside the counters."""
         return {"pictures": self.pictures, "resting": self.is_resting}
 
     def take(self, size: tuple[int, int]) -> None:
-        """A picture has come."""
+        """Note a picture; size: pixels."""
         self.size = size
         self.pictures += 1
         self.has_port = True
@@ -59,11 +59,11 @@ class CameraState:
         self._picture_at = self._clock()
 
     def rest(self) -> None:
-        """It has been let go of, since nobody wants its pictures."""
+        """Note that the camera was closed because nobody subscribes to its pictures."""
         self.is_resting = self.has_port
 
     def lose(self, why: str) -> None:
-        """It is gone, or was never there."""
+        """Note that the camera is lost or cannot be opened, and why."""
         if self.has_port:
             self.lost[why] += 1
         self.has_port = self.is_resting = False
@@ -73,7 +73,7 @@ class CameraState:
 class CameraThread:
     """One camera of one robot.
 
-    name: of the element, as on the bus. driver: its state. bridge: none, since nobody commands a camera.
+    name: of the element, as on the bus. driver: its state. bridge: none, since a camera has no commands.
     """
 
     name = "camera"
@@ -100,7 +100,7 @@ class CameraThread:
         """Do nothing: a camera does not move."""
 
     def close(self) -> None:
-        """Let go of the camera and end the thread."""
+        """Close the camera and end the thread."""
         self._publish, self._is_wanted = None, lambda: False
         self._reader.close()
 

@@ -1,1 +1,1 @@
-"""The elements of a robot that hang on its microcontroller: one module each. See `element`."""
+"""The elements of a robot: a folder for each, with the driver's side and the bus adapter."""

@@ -1,4 +1,4 @@
-"""What all elements have in common as the bus sees them: keys, commands, and messages made from events."""
+"""The base class of all bus adapters: keys, commands, and messages made from events."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -73,7 +73,7 @@ ELEMENTS = (
         "laser",
         cable=SerialCable(
             "laser",
-            "a SICK LMS 2xx on a port of its own: a device or a URL",
+            "port of a SICK LMS 2xx: a device or a URL",
             fitted={"simulated_laser": False},  # a robot has one laser
             make_driver=_laser,
         ),
@@ -81,13 +81,13 @@ ELEMENTS = (
     ElementRow(
         "powercube",
         cable=SerialCable(
-            "arm", "the PowerBot's arm of PowerCube modules on a port of its own: a device or a URL", make_driver=_arm
+            "arm", "port of the PowerBot's arm of PowerCube modules: a device or a URL", make_driver=_arm
         ),
     ),
     ElementRow(
         "camera",
         cable=CameraCable(
-            "camera", "its camera: http://HOST/PATH of an MJPEG stream, or a device (OpenCV)", "URL|DEVICE"
+            "camera", "the robot's camera: http://HOST/PATH of an MJPEG stream, or a device (OpenCV)", "URL|DEVICE"
         ),
     ),
 )

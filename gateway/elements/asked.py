@@ -1,13 +1,17 @@
-"""Elements that a robot may lack: it is asked, and an answer means that there is one."""
+"""Elements whose packets the robot is asked for: once, to find out whether it has the element, or continuously."""
 
 from math import inf
 from typing import ClassVar
 
 from gateway.elements.element import Element
 from p2os import Command, CommandValue, RobotModel
+from p2os.arguments import PacketRequest
 
 SILENCE = 2.0
 """Seconds without a packet after which a stream is asked for again."""
+
+TIMES = 3
+"""Times to send the command without a packet in return, before the robot counts as one that does not know it."""
 
 Question = tuple[Command, CommandValue | None]
 
@@ -31,7 +35,7 @@ class AskedElement(Element):
 
     @property
     def is_awaited(self) -> bool:
-        """It is still being asked."""
+        """An answer may still come."""
         return self._asks_left > 0
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -45,7 +49,7 @@ class AskedElement(Element):
         self.deadline = inf
 
     def take(self, packet: object, now: float) -> None:
-        """It is answered."""
+        """Note the answer, and request the stream."""
         self._outbox.drop(self.question[0])
         self.deadline = inf
         if self.stream is None:
@@ -66,3 +70,40 @@ class AskedElement(Element):
             self._asks_left -= 1
             pause = self.period * 2.0 ** (self.times - self._asks_left - 1)
             self.deadline = now + pause if self._asks_left else inf
+
+
+class PolledElement(Element):
+    """Requests packets with every cycle, and again when none comes, since robot or line may have dropped the frame.
+
+    Asked for one packet after another where the line does not carry that many.
+
+    command: what tells the robot to send.
+    """
+
+    command: ClassVar[Command]
+    _tries_left = 0
+
+    def begin(self, now: float) -> None:
+        """Let the packets come."""
+        self._tries_left = TIMES
+        self.watch(now)
+
+    def take(self, packet: object, now: float) -> None:
+        """Note that the packets arrive."""
+        if self.deadline < inf and self._settings.line.streams:
+            self._tries_left = TIMES
+            self.deadline = now + SILENCE
+
+    def lose_link(self) -> None:
+        """Ask no more."""
+        self.deadline = inf
+
+    def watch(self, now: float) -> None:
+        """Ask for the next, where they do not come by themselves."""
+        if self._settings.line.streams:
+            self._ask(self.command, PacketRequest.CONTINUOUS)
+            self._tries_left -= 1
+            self.deadline = now + SILENCE if self._tries_left else inf
+        else:
+            self._ask(self.command, PacketRequest.ONE)
+            self.deadline = now + self._settings.line.poll_period

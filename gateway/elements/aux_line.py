@@ -18,7 +18,7 @@ BLIND_PERIOD = 0.3
 
 
 class AuxExchange(NamedTuple):
-    """Something to send, and how long its answer is.
+    """A request, and the length of its answer.
 
     first: bytes of the shortest answer there can be. whole: of the answer hoped for. patience: s to wait for it.
     """
@@ -30,7 +30,7 @@ class AuxExchange(NamedTuple):
 
 
 class Ask(Protocol):
-    """`Element._ask`."""
+    """The type of `Element._ask`."""
 
     def __call__(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
         """Queue a command that can wait."""
@@ -38,19 +38,19 @@ class Ask(Protocol):
 
 
 class AuxLine:
-    """A queue of exchanges by name: a new one takes the place of one of its name that still waits.
+    """A queue of exchanges by name: a new one replaces one of its name that still waits.
 
-    is_blind: the device does not answer, and is not waited for.
+    is_one_way: the device does not answer, and is not waited for.
     current: the exchange whose answer is awaited.
     """
 
-    def __init__(self, outbox: Outbox, ask: Ask, detour: float = 0.0) -> None:
-        """Borrow the robot's cable; detour: as `Line` has it, s."""
-        self.is_blind = False
+    def __init__(self, outbox: Outbox, ask: Ask, accessory_delay: float = 0.0) -> None:
+        """Use the robot's line; accessory_delay: as in `LineKind`, s."""
+        self.is_one_way = False
         self.current: AuxExchange | None = None
         self._outbox = outbox
         self._ask = ask
-        self._detour = detour
+        self._accessory_delay = accessory_delay
         self._queue: dict[str, AuxExchange] = {}
         self._give_up_at = inf
         self._not_before = -inf
@@ -67,7 +67,7 @@ class AuxLine:
         """Forget everything."""
         self._queue.clear()
         self.current = None
-        self.is_blind = False
+        self.is_one_way = False
         self._not_before = -inf
         self._is_careful = True
         self._drop_frames()
@@ -86,11 +86,11 @@ class AuxLine:
         self._queue = {name: exchange for name, exchange in self._queue.items() if not is_dropped(name)}
 
     def has(self, name: str) -> bool:
-        """Whether an exchange waits."""
+        """Return whether an exchange waits."""
         return name in self._queue
 
     def watch(self, now: float) -> bool:
-        """Begin what is due; say whether an answer has failed to come."""
+        """Begin what is due; return whether an answer is missing."""
         has_missed = self.current is not None and now >= self._give_up_at
         if has_missed:
             self.current = None
@@ -105,7 +105,7 @@ class AuxLine:
             self._ask(Command.GETAUX, max(1, self.current.whole - pending), ("aux", "fetch"))
 
     def finish(self) -> AuxExchange | None:
-        """The answer is complete; returns what it is the answer to."""
+        """End the exchange whose answer is complete; return it."""
         done, self.current = self.current, None
         self._is_careful = False
         return done
@@ -114,12 +114,12 @@ class AuxLine:
         self._drop_frames()
         self._ask(Command.GETAUX, 0, ("aux", "flush"))
         self._ask(Command.TTY2, exchange.request, ("aux", "request"))
-        if self.is_blind:
+        if self.is_one_way:
             self._not_before = now + BLIND_PERIOD
             return
         self._ask(Command.GETAUX, exchange.first if self._is_careful else exchange.whole, ("aux", "fetch"))
         self.current = exchange
-        self._give_up_at = now + exchange.patience + self._detour
+        self._give_up_at = now + exchange.patience + self._accessory_delay
 
     def _drop_frames(self) -> None:
         self._outbox.drop(*(("aux", frame) for frame in ("flush", "request", "fetch")))

@@ -1,4 +1,4 @@
-"""What every element on the microcontroller's cable has in common.
+"""The base class of the driver's side of elements on the robot's line.
 
 An element asks the robot for its packets, takes them, and gives commands; the driver lends it the cable. What it finds
 out it announces as an event of `gateway.events`; its bus adapter brings the event to the bus. Bytes and time
@@ -26,7 +26,7 @@ class Element:
     takes: ClassVar[tuple[type, ...]] = ()
 
     def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
-        """Borrow the cable.
+        """Prepare the element.
 
         Args:
             outbox: Takes frames for the robot; one of a kind still waiting is replaced.
@@ -45,31 +45,31 @@ class Element:
         return ()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """The robot has just been opened: ask it for what is needed."""
+        """Request what is needed from a robot that has just been opened."""
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """The robot has sent its CONFIGpac."""
+        """Take the robot's CONFIGpac."""
 
     def meet_simulator(self, now: float) -> None:
-        """The robot is one of a simulator; called after `begin_link`, at most twice for each link."""
+        """Note that the robot is simulated; called after `begin_link`, at most twice for each link."""
 
     def lose_link(self) -> None:
-        """The robot is out of touch."""
+        """Note that the robot is lost."""
 
     def see(self, sip: StandardSip, now: float) -> None:
-        """A SIP that was believed has come."""
+        """Take a plausible SIP."""
 
     def take(self, packet: object, now: float) -> None:
-        """A packet of one of the classes in `takes` has come."""
+        """Take a packet of one of the classes in `takes`."""
 
     def watch(self, now: float) -> None:
-        """Time has passed."""
+        """Do what is due at this time, s."""
 
     def halt(self, now: float) -> None:
-        """Stand still: somebody has stopped the robot. Nothing to do for what cannot move."""
+        """Stop where it is, because the robot was stopped. Does nothing for an element that cannot move."""
 
     def is_moving(self, now: float) -> bool:
-        """Whether it moves by motors of its own, as it said last."""
+        """Return whether it moves by motors of its own, by its last report."""
         return False
 
     def _ask(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from configs import load
-from gateway.accelerations import known
+from gateway.accelerations import known_accelerations
 from gateway.settings import DriveLimits, Settings
 from p2os import Command, Configuration, RobotModel
 
@@ -61,6 +61,7 @@ def test_nothing_is_said_of_them_as_long_as_the_robot_may_still_say_it(make_benc
 def test_of_a_robot_that_never_says_them_the_least_is_believed(wanted: float | None, believed: float) -> None:
     model = load(RobotModel, "robots", "p2dx")
     assert model.flash.deceleration == 0.3
-    assert known(DriveLimits(deceleration_m_s2=wanted), model, None)["deceleration"] == believed
-    assert known(DriveLimits(deceleration_m_s2=wanted), model, Configuration())["deceleration"] == believed
-    assert known(DriveLimits(deceleration_m_s2=wanted), model, Configuration(deceleration=0.5))["deceleration"] == 0.5
+    limits = DriveLimits(deceleration_m_s2=wanted)
+    assert known_accelerations(limits, model, None)["deceleration"] == believed
+    assert known_accelerations(limits, model, Configuration())["deceleration"] == believed
+    assert known_accelerations(limits, model, Configuration(deceleration=0.5))["deceleration"] == 0.5

@@ -87,7 +87,7 @@ def test_joints_go_where_the_bus_sends_them(powered: Office) -> None:
         ({"do": "move", "joints": {"1": 0.1}, "speed": 0}, "the joints turn at 0.124 to 3.491 rad/s, and not at 0"),
         ({"do": "home", "speed": 1}, "arm home does not take 'speed'; it takes nothing"),
         ({"do": "power"}, "arm power needs on: true or false"),
-        ({"do": "dance"}, "an arm cannot 'dance'; say move, home, park, stop, power"),
+        ({"do": "dance"}, "an arm cannot 'dance'; use move, home, park, stop, power"),
         ({}, "arm needs do: text"),
     ],
 )

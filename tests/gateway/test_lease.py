@@ -97,7 +97,7 @@ def test_state_never_shows_a_token(leases: Leases) -> None:
 
 
 def test_holder_must_have_a_name(leases: Leases) -> None:
-    assert "who you are" in refused(lambda: take(leases, ""))
+    assert "send a name" in refused(lambda: take(leases, ""))
 
 
 def test_only_what_moves_can_be_leased(leases: Leases) -> None:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bus.heartbeat import LONGEST_PERIOD, SILENCE
-from gateway.durations import travel_time
+from gateway.accelerations import travel_time
 from gateway.settings import Settings
 from tests.gateway.test_arm_on_bus import office as office_with_arm
 from tests.gateway.test_elements_on_bus import MakeFitted, make_fitted
@@ -42,7 +42,7 @@ def ends(office: Office, motion_id: str) -> list[str]:
 
 def test_a_long_motion_without_a_heartbeat_is_refused_with_the_reason_and_the_way(office: Office) -> None:
     why = office.refusal("command/move", distance=6.0)
-    assert "nobody would stop it if its commander died" in why
+    assert "it would not stop when its commander dies" in why
     assert '"heartbeat"' in why
     assert '"detach": true' in why
     assert not office.bench.driver.is_asked_to_move
@@ -64,7 +64,7 @@ def test_how_long_a_motion_without_a_heartbeat_may_take_is_a_setting(
 
 def test_a_detached_motion_goes_on_and_its_answer_says_that_nobody_stops_it(office: Office) -> None:
     answer = office.ask("command/move", distance=3.0, detach=True)
-    assert "nobody stops it" in answer["warning"]
+    assert "it does not stop" in answer["warning"]
     office.run(20.0)
     assert ends(office, answer["id"]) == ["reached"]
 

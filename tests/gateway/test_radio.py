@@ -8,12 +8,11 @@ from math import inf
 import pytest
 
 import configs
-from gateway.dialler import FIRST_PATIENCE, LONGEST_PATIENCE, Dialler
 from gateway.driver import Driver
 from gateway.elements.ptz.element import PtzElement
 from gateway.elements.standard.element import UserPorts
 from gateway.events import Event, LinkLost, SipReceived
-from gateway.line import DIAL, RADIO, RADIO_BAUD
+from gateway.line import DIAL, FIRST_DIAL_TIMEOUT, LONGEST_DIAL_TIMEOUT, RADIO, RADIO_BAUD, ModemDialler
 from gateway.settings import Settings
 from p2os import Command, Frame, FrameDecoder, Identity, RobotModel, decode_command, encode_command
 from p2os.accessories.head_model import HeadModel
@@ -199,17 +198,17 @@ def test_modem_is_dialled_again_after_a_loss_and_ever_more_patiently() -> None:
 def test_dialler_hears_the_answer_in_any_pieces_and_waits_longer_after_each_failure() -> None:
     answer = b"WMS2\r\r\nConnecting...\r\nConnected to address 2\r\n"
     for size in range(1, len(answer)):
-        dialler = Dialler(DIAL)
+        dialler = ModemDialler(DIAL)
         dialler.begin()
         for start in range(0, len(answer), size):
-            dialler.hear(answer[start : start + size])
+            dialler.receive(answer[start : start + size])
         assert dialler.has_answered
     dialler.begin()
-    dialler.hear(b"WMS2\r\r\nConnecting...")
+    dialler.receive(b"WMS2\r\r\nConnecting...")
     assert not dialler.has_answered
     patience = []
     for _ in range(5):
-        patience.append(dialler.patience)
+        patience.append(dialler.timeout)
         dialler.give_up()
-    assert patience == [FIRST_PATIENCE, 2.0, LONGEST_PATIENCE, LONGEST_PATIENCE, LONGEST_PATIENCE]
+    assert patience == [FIRST_DIAL_TIMEOUT, 2.0, LONGEST_DIAL_TIMEOUT, LONGEST_DIAL_TIMEOUT, LONGEST_DIAL_TIMEOUT]
     assert inf not in patience

@@ -17,10 +17,11 @@ from gateway.events import ArmSeen
 from p2os import ArmInformation, ArmJoint, ArmReport, ArmStatus, Command, RobotModel, encode_command
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessories.pioneer_arm import EVERY_JOINT, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
+from p2os.arguments import PacketRequest
 
 
-class Scale(NamedTuple):
-    """What a servo's counts mean. zero: count at zero. per_tick: rad or m, signed. usual: ms a count by itself."""
+class _ServoScale(NamedTuple):
+    """The meaning of a servo's counts. zero: count at zero. per_tick: rad or m, signed. usual: default ms a count."""
 
     zero: int
     per_tick: float
@@ -28,30 +29,30 @@ class Scale(NamedTuple):
     limits: JointLimits
 
     def place(self, tick: float) -> float:
-        """rad or m at a count."""
+        """Return the position of a count, rad or m."""
         return (tick - self.zero) * self.per_tick
 
     def tick(self, place: float) -> int:
-        """The count at a place."""
+        """Return the count of a position, rad or m."""
         return self.zero + round(place / self.per_tick)
 
     def pace(self, speed: float) -> int:
-        """ms a count for a speed."""
+        """Return the ms for each count that give a speed."""
         return min(max(round(abs(self.per_tick) / speed / MS), 1), LONGEST_MS)
 
 
 class ArmElement(AskedElement):
-    """Asks once whether there is one, and has it report from then on.
+    """Asks whether there is one, and then requests its reports.
 
     version: what the arm's board calls itself, once it is known.
     """
 
     takes = (ArmInformation, ArmReport)
     question = Command.ARM_INFO, None
-    stream = Command.ARM_STATUS, 2
-    single = Command.ARM_STATUS, 1
+    stream = Command.ARM_STATUS, PacketRequest.CONTINUOUS
+    single = Command.ARM_STATUS, PacketRequest.ONE
     version = ""
-    _scales: tuple[Scale, ...] = ()
+    _scales: tuple[_ServoScale, ...] = ()
     _is_powered = False
     _follows_manual = False
     _was_initialised = False
@@ -66,7 +67,7 @@ class ArmElement(AskedElement):
         super().begin_link(model, now)
 
     def take(self, packet: object, now: float) -> None:
-        """The robot says what arm it has, or how it is."""
+        """Take the arm's data or its state."""
         if isinstance(packet, ArmInformation):
             self._meet(packet)
             if not self.is_present:
@@ -82,7 +83,7 @@ class ArmElement(AskedElement):
 
     @property
     def limits(self) -> Sequence[JointLimits]:
-        """Of every joint."""
+        """The limits of every joint."""
         return [scale.limits for scale in self._scales]
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
@@ -114,7 +115,7 @@ class ArmElement(AskedElement):
         self._instead(Command.ARM_PARK, None)
 
     def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
-        """Expected duration until the joints are at their targets, s; home if None."""
+        """Return the expected duration until the joints are at their targets, s; home if None."""
         if targets is None:
             targets = {joint: scale.limits.home for joint, scale in enumerate(self._scales)}
         times = []
@@ -127,7 +128,7 @@ class ArmElement(AskedElement):
         return max(times, default=0.0)
 
     def is_moving(self, now: float) -> bool:
-        """Some joint, by the last ARMpac."""
+        """Return whether a joint moves, by the last ARMpac."""
         return self._moves
 
     def halt(self, now: float) -> None:
@@ -141,7 +142,7 @@ class ArmElement(AskedElement):
         self._instead(Command.ARM_POWER, int(on))
 
     def _meet(self, information: ArmInformation) -> None:
-        model = pioneer_arm()
+        model = _pioneer_arm()
         self.version = information.version
         makes_sense = all(each.ticks_per_90 > 0 and each.minimum < each.maximum for each in information.joints)
         self.is_present = makes_sense and len(information.joints) == len(model.joints) + 1
@@ -171,7 +172,7 @@ class ArmElement(AskedElement):
             raise CommandRefused('the arm has no power; send arm {"do": "power", "on": true}')
 
     def _instead(self, command: Command, value: int | None) -> None:
-        """Order something that takes the place of whatever still waits."""
+        """Queue an order that replaces those still waiting."""
         self._drop()
         self._ask(command, value)
 
@@ -186,12 +187,12 @@ class ArmElement(AskedElement):
 
 
 @cache
-def pioneer_arm() -> ArmModel:
-    """What the arm's file says."""
+def _pioneer_arm() -> ArmModel:
+    """Return the model of the Pioneer arm."""
     return load(ArmModel, "accessories", "pioneer-arm")
 
 
-def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> Scale:
+def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> _ServoScale:
     if joint < len(model.joints):
         sense = -1 if model.servos[joint].reversed else 1
         zero, per_tick, fastest = figures.centre, sense * pi / 2 / figures.ticks_per_90, model.joints[joint].speed
@@ -205,4 +206,4 @@ def _scale(joint: int, figures: ArmJoint, model: ArmModel) -> Scale:
     slowest = abs(per_tick) / (LONGEST_MS * MS)
     home = (figures.home - zero) * per_tick
     limits = JointLimits(lower, upper, slowest, fastest, slides=joint == len(model.joints), home=home)
-    return Scale(zero, per_tick, figures.speed, limits)
+    return _ServoScale(zero, per_tick, figures.speed, limits)

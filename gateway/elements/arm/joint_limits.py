@@ -1,10 +1,10 @@
-"""How far and how fast a joint goes, whatever moves it."""
+"""Limits of a joint of any arm."""
 
 from typing import NamedTuple
 
 
 class JointLimits(NamedTuple):
-    """Of one joint.
+    """Limits of one joint.
 
     lower, upper: its ends, rad; m of a gripper that opens. slowest, fastest: rad/s or m/s. slides: it is a gripper's.
     home: where it goes when it is sent home.
@@ -19,5 +19,5 @@ class JointLimits(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Of its position."""
+        """The unit of its position."""
         return "m" if self.slides else "rad"

@@ -6,11 +6,11 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Compass, Vector3, header
 from gateway.elements.adapter import BusAdapter
-from gateway.elements.compass.element import ERROR_BITS, CompassElement
+from gateway.elements.compass.element import CompassElement
 from gateway.events import CompassSeen, Event
 
 
-class CompassAdapter(BusAdapter):
+class _CompassAdapter(BusAdapter):
     """`<robot>/compass`."""
 
     name = "compass"
@@ -18,7 +18,7 @@ class CompassAdapter(BusAdapter):
     streams = (keys.COMPASS,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every packet."""
+        """Return one message for each packet."""
         if isinstance(event, CompassSeen):
             report = event.report
             message = Compass(
@@ -28,9 +28,9 @@ class CompassAdapter(BusAdapter):
                 roll=report.roll,
                 magnetic_field=Vector3(x=report.field_x, y=report.field_y, z=report.field_z),
                 temperature=report.temperature,
-                errors=report.errors & ERROR_BITS,
+                errors=report.error_bits,
             )
             yield keys.COMPASS, message
 
 
-ADAPTERS = (CompassAdapter,)
+ADAPTERS = (_CompassAdapter,)

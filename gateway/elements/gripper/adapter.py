@@ -13,7 +13,7 @@ from gateway.elements.gripper.element import STOPPING, GripperElement
 from gateway.events import Event, GripperJoints, GripperSeen
 
 
-class GripperAdapter(BusAdapter):
+class _GripperAdapter(BusAdapter):
     """`<robot>/gripper`, its joints in `<robot>/joint_states`, and `command/gripper`.
 
     Joints, in m: `<robot>/lift` from its lowest place, `<robot>/left_paddle` and `right_paddle` from the middle, to the
@@ -25,7 +25,7 @@ class GripperAdapter(BusAdapter):
     streams = (keys.GRIPPER, keys.JOINT_STATES)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One of each with every SIP; a joint whose place nobody knows is left out."""
+        """Return two messages for each SIP; a joint whose position is unknown is left out."""
         match event:
             case GripperSeen():
                 yield keys.GRIPPER, Gripper(self._header(stamp), True, *event)
@@ -59,4 +59,4 @@ class GripperAdapter(BusAdapter):
     commands = (CommandRow(keys.GRIP, {"do": str}, _order, name, duration=_duration),)
 
 
-ADAPTERS = (GripperAdapter,)
+ADAPTERS = (_GripperAdapter,)

@@ -16,6 +16,7 @@ from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
 from p2os.accessories.gripper import GripperFlags, GripperInput, GripperKind, GripperOrder
+from p2os.arguments import PacketRequest
 
 ORDERS = {
     "open": (GripperOrder.OPEN,),
@@ -27,13 +28,13 @@ ORDERS = {
     "deploy": (GripperOrder.DEPLOY,),
     "halt": (GripperOrder.HALT,),
 }
-"""What it can be told, and the arguments of GRIPPER that say so: to stop, paddles and lift are told one by one."""
+"""Orders and their arguments of GRIPPER; to stop, paddles and lift get one each."""
 STOPPING = ("stop", "halt")
 
 
 @dataclass(frozen=True, slots=True)
-class GripperTravel:
-    """How far its joints go, m, and how fast, m/s: opening between open paddles, lift, and speeds of each."""
+class _GripperTravel:
+    """Travel, m, and speeds, m/s: opening between the open paddles, lift, and the speed of each."""
 
     opening: float
     lift: float
@@ -41,7 +42,7 @@ class GripperTravel:
     lift_speed: float
 
     @classmethod
-    def from_table(cls, table: Mapping[str, Any]) -> "GripperTravel":
+    def from_table(cls, table: Mapping[str, Any]) -> "_GripperTravel":
         """Read what is needed of a gripper's file in `configs/accessories`."""
         return cls(table["opening_m"], table["lift_travel_m"], table["paddle_speed_m_s"], table["lift_speed_m_s"])
 
@@ -54,18 +55,18 @@ class GripperElement(AskedElement):
     """Asks once whether there is one; SIPs bring its state."""
 
     takes = (GripperReport,)
-    question = Command.GRIPREQUEST, 1
+    question = Command.GRIPREQUEST, PacketRequest.ONE
     _kind = GripperKind.NONE
     _has_failed = False
     _moves = False
 
     @property
     def faults(self) -> Sequence[str]:
-        """The firmware says so itself."""
+        """The errors that the firmware reports."""
         return ("the gripper reports an error of its paddles or its lift",) if self._has_failed else ()
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """An older firmware has no GRIPPERpac, and says here that there is one."""
+        """Take the gripper of an older firmware, which has no GRIPPERpac."""
         if configuration.gripper and not self.is_present:
             self._meet(configuration.gripper)
 
@@ -76,13 +77,13 @@ class GripperElement(AskedElement):
         self.deadline = inf
 
     def take(self, packet: object, now: float) -> None:
-        """The robot says which gripper it has."""
+        """Take the robot's gripper."""
         super().take(packet, now)
         assert isinstance(packet, GripperReport)
         self._meet(packet.kind)
 
     def see(self, sip: StandardSip, now: float) -> None:
-        """Every SIP carries the gripper's state."""
+        """Take the gripper's state."""
         if not self.is_present:
             return
         state = GripperFlags(sip.gripper_state or sip.analog_port)
@@ -115,7 +116,7 @@ class GripperElement(AskedElement):
             CommandRefused: There is no such order.
         """
         if what not in ORDERS:
-            raise CommandRefused(f"a gripper cannot {what!r}; say {', '.join(ORDERS)}")
+            raise CommandRefused(f"a gripper cannot {what!r}; use {', '.join(ORDERS)}")
         if what in STOPPING:
             self._drop()
         for argument in ORDERS[what]:
@@ -124,7 +125,7 @@ class GripperElement(AskedElement):
             self._ask(Command.GRIPPER, argument, kind)
 
     def duration(self, what: str) -> float:
-        """Expected duration of an order, s; 0 of one that moves nothing."""
+        """Return the expected duration of an order, s; 0 for one that moves nothing."""
         if not self.is_present or what in STOPPING:
             return 0.0
         paddles = self._travel.opening / 2.0 / self._travel.paddle_speed
@@ -132,7 +133,7 @@ class GripperElement(AskedElement):
         return {"open": paddles, "close": paddles}.get(what, max(paddles, lift))
 
     def is_moving(self, now: float) -> bool:
-        """Paddles or lift, by the last SIP."""
+        """Return whether paddles or lift move, by the last SIP."""
         return self._moves
 
     def halt(self, now: float) -> None:
@@ -147,11 +148,11 @@ class GripperElement(AskedElement):
 
     def _meet(self, kind: int) -> None:
         self._kind = GripperKind.PEOPLEBOT if kind == GripperKind.PEOPLEBOT else GripperKind.PIONEER
-        self._travel = configs.load(GripperTravel, "accessories", TRAVELS[self._kind])
+        self._travel = configs.load(_GripperTravel, "accessories", TRAVELS[self._kind])
         self.is_present = kind != GripperKind.NONE
 
     def _joints(self, seen: GripperSeen) -> GripperJoints:
-        """Where the joints are, as far as switches tell: paddles that hold something stand somewhere."""
+        """Return the positions of the joints as far as switches show them; unknown for paddles that hold something."""
         holds = seen.left_contact or seen.right_contact or seen.outer_beam or seen.inner_beam
         opening = self._travel.opening if seen.paddles_open else None
         if seen.paddles_closed and not holds:

@@ -15,7 +15,7 @@ FIXED_VARIANCE = 1e-9
 """Of the axes about which a robot in the plane does not turn, (rad/s)²."""
 
 
-class GyroAdapter(BusAdapter):
+class _GyroAdapter(BusAdapter):
     """`<robot>/imu`: the turn rate about the vertical axis; orientation and acceleration are unknown."""
 
     name = "gyro"
@@ -24,7 +24,7 @@ class GyroAdapter(BusAdapter):
 
     def __init__(self, robot: RobotContext) -> None:
         super().__init__(robot)
-        self._unknown = np.array([-1.0, *[0.0] * 8])  # as sensor_msgs/Imu wants what nobody measures
+        self._unknown = np.array([-1.0, *[0.0] * 8])  # sensor_msgs/Imu: not measured
         self._covariance = np.diag([FIXED_VARIANCE, FIXED_VARIANCE, 0.0]).reshape(9)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
@@ -43,7 +43,7 @@ class GyroAdapter(BusAdapter):
             yield keys.IMU, message
 
 
-class InnerGyroAdapter(BusAdapter):
+class _InnerGyroAdapter(BusAdapter):
     """A gyro that the controller uses itself: it improves the odometry, and its readings are not published."""
 
     name = "gyro"
@@ -57,4 +57,4 @@ class InnerGyroAdapter(BusAdapter):
         return {"used_by": "the robot's controller, for its odometry"}
 
 
-ADAPTERS = (GyroAdapter, InnerGyroAdapter)
+ADAPTERS = (_GyroAdapter, _InnerGyroAdapter)

@@ -14,7 +14,7 @@ THRESHOLD = 0.0
 """m; each frame lies where its sensor sees something, since a switch measures no distance."""
 
 
-class InfraredAdapter(BusAdapter):
+class _InfraredAdapter(BusAdapter):
     """`<robot>/ir`: each sensor is a switch. REP 117: -inf where something is near, and +inf where nothing is."""
 
     name = "ir"
@@ -22,14 +22,14 @@ class InfraredAdapter(BusAdapter):
     streams = (keys.IR,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every IOpac."""
+        """Return one message for each reading of the sensors."""
         if isinstance(event, InfraredSeen):
             base = header(stamp, frame(self._robot, "base_link"))
             ranges = [self._range(base, number, near) for number, near in event.near]
             yield keys.IR, RangeArray(base, ranges)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """Where the sensors look, as far as the model says so."""
+        """Return the poses of the sensors, as far as the model has them."""
         base = header(stamp, frame(self._robot, "base_link"))
         return [placed(base, self._frame(sensor.number), sensor.x, sensor.y, 0.0) for sensor in self._model.irs]
 
@@ -48,4 +48,4 @@ class InfraredAdapter(BusAdapter):
         )
 
 
-ADAPTERS = (InfraredAdapter,)
+ADAPTERS = (_InfraredAdapter,)

@@ -13,7 +13,7 @@ from gateway.elements.joystick.element import JoystickElement
 from gateway.events import Event, JoystickSeen
 
 
-class JoystickAdapter(BusAdapter):
+class _JoystickAdapter(BusAdapter):
     """`<robot>/joystick` and `command/joystick`.
 
     Axes as ROS has them: to the left, forward, throttle. Buttons: 1 and 2.
@@ -24,7 +24,7 @@ class JoystickAdapter(BusAdapter):
     streams = (keys.JOYSTICK,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every packet."""
+        """Return one message for each packet."""
         if isinstance(event, JoystickSeen):
             held = event.report
             message = Joy(
@@ -37,10 +37,10 @@ class JoystickAdapter(BusAdapter):
     def _let_drive(self, arguments: Arguments, now: float) -> None:
         joystick = self._driver.element(JoystickElement, now)
         if arguments["on"]:
-            self._driver.let_go(now)
+            self._driver.release_wheels(now)
         joystick.let_drive(arguments["on"])
 
     commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive, BASE),)
 
 
-ADAPTERS = (JoystickAdapter,)
+ADAPTERS = (_JoystickAdapter,)

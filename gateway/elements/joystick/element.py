@@ -7,9 +7,8 @@ hand has moved the stick, or if the settings know that there is one.
 from gateway.elements.asked import AskedElement
 from gateway.events import JoystickSeen
 from p2os import Command, JoystickReport, RobotModel, encode_command
+from p2os.arguments import PacketRequest
 
-ONE_PACKET, CONTINUOUS = 1, 2
-"""Arguments of JOYINFO."""
 LOOK_PERIOD = 2.0
 """Seconds from one look at a socket that may be empty to the next."""
 REST = 0.02
@@ -17,11 +16,11 @@ REST = 0.02
 
 
 class JoystickElement(AskedElement):
-    """is_present: somebody has moved it, or the settings say so."""
+    """is_present: it was moved, or the settings say so."""
 
     takes = (JoystickReport,)
-    question = Command.JOYREQUEST, ONE_PACKET
-    stream = Command.JOYREQUEST, CONTINUOUS
+    question = Command.JOYREQUEST, PacketRequest.ONE
+    stream = Command.JOYREQUEST, PacketRequest.CONTINUOUS
     _drives = False
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -31,7 +30,7 @@ class JoystickElement(AskedElement):
             super().begin_link(model, now)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass it on, if it is one."""
+        """Announce a packet of a joystick that is there."""
         assert isinstance(packet, JoystickReport)
         self.is_present = self.is_present or _is_held(packet)
         if self.is_present:
@@ -47,14 +46,14 @@ class JoystickElement(AskedElement):
         self._ask(Command.JOYDRIVE, int(on))
 
     def halt(self, now: float) -> None:
-        """Let it drive no longer: who stops a robot stops it against a hand on the stick as well."""
+        """End its driving: a stop holds against a hand on the stick as well."""
         if self._drives:
             self._drives = False
             self._outbox.drop(Command.JOYDRIVE)
             self._outbox.put(Command.JOYDRIVE, encode_command(Command.JOYDRIVE, 0))
 
     def lose_link(self) -> None:
-        """The CLOSE that comes first on the next link ends its driving."""
+        """End its driving, as the CLOSE of the next link does."""
         super().lose_link()
         self._drives = False
 

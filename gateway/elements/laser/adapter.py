@@ -18,7 +18,7 @@ from p2os.accessories.lms import MIRROR_PERIOD
 NEAREST = 0.01
 """m; a hand on the window is measured too."""
 FARTHEST = 80.0
-"""m; what the scanner reaches at best, however large the numbers that its values could say."""
+"""m; the range of the scanner at best, whatever its values could represent."""
 
 
 class LaserAdapter(BusAdapter):
@@ -44,18 +44,18 @@ class LaserAdapter(BusAdapter):
         self._is_flipped = mount.flipped if own.flipped is None else own.flipped
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """The scan."""
+        """Return the scan."""
         if isinstance(event, LaserScanned):
             yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """`<robot>/laser` in `<robot>/base_link`."""
+        """Return `<robot>/laser` in `<robot>/base_link`."""
         transform = placed(header(stamp, self._base), self._frame, self._x, self._y, self._heading)
         transform.transform.translation.z = self._z
         yield transform
 
     def describe(self) -> Mapping[str, Any]:
-        """Geometry and reach."""
+        """Return geometry and range."""
         variant = self._laser.variant
         return {
             "type": self._laser.type,
@@ -92,7 +92,7 @@ class LaserAdapter(BusAdapter):
             angle_min=angle_min,
             angle_max=angle_max,
             angle_increment=variant.resolution,
-            # Of the mirror; the beams between the degrees, which come in turns of their own, are not told apart.
+            # Of the mirror; the beams between the degrees, from further turns, are not distinguished.
             time_increment=MIRROR_PERIOD * variant.resolution / (2 * pi),
             scan_time=period,
             range_min=NEAREST,

@@ -1,8 +1,8 @@
 """The driver of a SICK LMS 2xx on a cable of its own: bytes and time in, scans and bytes out. No port, no clock.
 
-A laser may have been left in any state: silent or sending, at any rate, half a command in its receiver. So at each rate
-in turn it is told to fall silent until it says that it does. Then it is set up as the settings want it, as little as
-is needed, and told to go on.
+A laser may be in any state: silent or sending, at any rate, with half a command in its receiver. So at each rate in
+turn it receives the request to stop until it acknowledges it. Then its settings are changed where they differ from
+those wanted, and the scans are started.
 
 Source: accessory sheet, section 1; the times are those that the clients there allow, or shorter where they only wait
 for the human eye.
@@ -51,7 +51,7 @@ ANSWER_WINDOW = 3.0
 CONFIGURING_WINDOW = 25.0
 """Seconds; the laser writes its settings down for good."""
 TRIES = 3
-"""Times that a command is given before everything begins anew."""
+"""Times that a command is sent before the search begins again."""
 SETTLING = 0.3
 """Seconds after a change of the rate."""
 PAUSE = 0.5
@@ -76,7 +76,7 @@ UNITS: Mapping[LaserUnit, Unit] = {
 }
 
 
-class _Ask(NamedTuple):
+class _LmsRequest(NamedTuple):
     """A command and what ends the waiting: an answer of this code, or time, s."""
 
     command: bytes
@@ -85,7 +85,7 @@ class _Ask(NamedTuple):
     tries: int = TRIES
 
 
-_Script = Generator[_Ask, LmsTelegram, None]
+_Script = Generator[_LmsRequest, LmsTelegram, None]
 
 
 class LaserDriver:
@@ -116,9 +116,9 @@ class LaserDriver:
         self._plan: list[int] = []
         self._known: int | None = None
         self._script: _Script | None = None
-        self._ask = _Ask(b"", None, 0.0)
+        self._ask = _LmsRequest(b"", None, 0.0)
         self._tries_left = 0
-        self._talks = False  # a sound telegram has come at this rate
+        self._is_at_rate = False  # a sound telegram has come at this rate
         self._waits_for_end = False  # a telegram had begun when an answer was due
         self._last_run: float | None = None
         self._scan_at = 0.0
@@ -140,27 +140,27 @@ class LaserDriver:
 
     @property
     def is_moving(self) -> bool:
-        """Scans still come: the last words must wait for the end of the one on the line."""
+        """Scans still arrive: the closing bytes must wait for the end of the scan on the line."""
         return self._is_sending
 
     @property
-    def stopping_words(self) -> bytes:
-        """Fall silent."""
+    def stopping_bytes(self) -> bytes:
+        """The request that stops the scans."""
         return STOP
 
     @property
-    def last_words(self) -> bytes:
-        """Be as after the power switch, so that any client finds the laser."""
+    def closing_bytes(self) -> bytes:
+        """The request for the rate after power-on, so that any client finds the laser."""
         return encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[RATES[0]],))) if self._has_rate else b""
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         self._last_run = now
         self.has_port = True
         self._search(now)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone. `receive` still reports what follows from it."""
+        """Note that the port is lost, and why. `receive` reports what follows."""
         self._last_run = now
         self.has_port = False
         self._lose(reason)
@@ -170,7 +170,7 @@ class LaserDriver:
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Take bytes as read; none lets time pass. now: steady time, s."""
         if self._last_run is not None and now - self._last_run > LONGEST_SILENCE:
-            data = b""  # it has been there for who knows how long, and would be stamped as if it came now
+            data = b""  # of unknown age, and would be stamped with the present time
             self._decoder = LmsTelegramDecoder(from_laser=True)
             self._scan_at = 0.0
             if self.is_connected:
@@ -195,14 +195,14 @@ class LaserDriver:
     # The bus's side.
 
     def faults(self) -> Sequence[str]:
-        """What is wrong with the laser, a sentence each."""
+        """Return what is wrong with the laser, a sentence each."""
         if not self.is_connected:
             return ["the laser does not answer" if self.has_port else "the laser's port is gone"]
         found = [self._refused] if self._refused else []
         return [*found, "the laser's window is dirty"] if self._is_polluted else found
 
     def figures(self) -> Mapping[str, Any]:
-        """What diagnostics say of the laser beside the counters."""
+        """Return the values for diagnostics, beside the counters."""
         rate = 1.0 / self.scan_period if self.is_connected else 0.0
         return {
             "type": self.type,
@@ -212,12 +212,12 @@ class LaserDriver:
         }
 
     def halt(self, now: float) -> None:
-        """Nothing of a laser can hurt: it goes on."""
+        """Do nothing: a laser has no dangerous motion."""
 
     # Inside.
 
     def _search(self, now: float) -> None:
-        """Begin with the rate at which the laser was heard last."""
+        """Begin with the rate at which the laser answered last."""
         rates = RATES if self._has_rate else NO_RATE
         self._plan = sorted(rates, key=lambda rate: rate != self._known)
         self._decoder = LmsTelegramDecoder(from_laser=True)
@@ -230,16 +230,16 @@ class LaserDriver:
             self.deadline = now + PAUSE
             return
         self.baud = self._plan.pop(0)
-        self._talks = False
+        self._is_at_rate = False
         self._script = self._set_up()
         self._put(next(self._script), now)
 
-    def _put(self, ask: _Ask, now: float) -> None:
+    def _put(self, ask: _LmsRequest, now: float) -> None:
         self._ask = ask
         self._tries_left = ask.tries
-        self._say(now)
+        self._send(now)
 
-    def _say(self, now: float) -> None:
+    def _send(self, now: float) -> None:
         self._tries_left -= 1
         self._waits_for_end = False
         self._outgoing = self._ask.command
@@ -247,7 +247,7 @@ class LaserDriver:
         self.deadline = now + sending + self._ask.window
 
     def _run_late(self, now: float) -> None:
-        """Nothing has come in time."""
+        """Act on a timeout."""
         if self.is_connected:
             self._lose("the laser fell silent")
             self._search(now)
@@ -259,7 +259,7 @@ class LaserDriver:
             self._waits_for_end = True  # something long may be on the line, and the answer behind it
             self.deadline = now + self._line_time(LONGEST_TELEGRAM) + FIRST_WINDOW
         elif self._tries_left:
-            self._say(now)
+            self._send(now)
         else:
             self._try_next(now)
 
@@ -276,9 +276,9 @@ class LaserDriver:
             self._go_on(telegram, now)
         elif telegram.code == LmsAnswerCode.NOT_UNDERSTOOD:
             self.deadline = now  # the next try at once
-        elif not self._talks:
+        elif not self._is_at_rate:
             # This is the rate. The answer follows the scan that is on the line when the command arrives.
-            self._talks = True
+            self._is_at_rate = True
             self._tries_left = TRIES
             self.deadline = max(self.deadline, now + self._line_time(LONGEST_TELEGRAM) + FIRST_WINDOW)
 
@@ -294,25 +294,25 @@ class LaserDriver:
             self._try_next(now)
 
     def _set_up(self) -> _Script:
-        """Silence the laser, bring it to the rate and the settings that are wanted, and let it scan."""
-        # One try more than at a known rate: half a command that somebody left in its receiver swallows the first.
-        yield _Ask(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
+        """Stop the laser's output, set the rate and the settings wanted, and start the scans."""
+        # One try more than at a known rate: half a command in its receiver makes it ignore the first.
+        yield _LmsRequest(STOP, LmsAnswerCode.MODE, FIRST_WINDOW + self._line_time(len(STOP)), tries=2)
         self._known = self.baud
         if self._wanted_baud not in (self.baud, 0):
-            yield _Ask(
+            yield _LmsRequest(
                 encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[self._wanted_baud],))),
                 LmsAnswerCode.MODE,
                 ANSWER_WINDOW,
             )
-            yield _Ask(b"", None, SETTLING)
+            yield _LmsRequest(b"", None, SETTLING)
             if self._has_rate:
                 self.baud = self._known = self._wanted_baud
-        self.type = (yield _Ask(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
+        self.type = (yield _LmsRequest(encode(LmsRequestCode.TYPE), LmsAnswerCode.TYPE, ANSWER_WINDOW)).data.decode(
             "ascii", "replace"
         )
         yield from self._set_variant()
         yield from self._configure()
-        yield _Ask(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
+        yield _LmsRequest(START, LmsAnswerCode.MODE, ANSWER_WINDOW)
         self._is_sending = True
         self.is_connected = True
         self.scan_period = max(self.variant.passes * MIRROR_PERIOD, self._line_time(2 * self.variant.beams))
@@ -323,10 +323,10 @@ class LaserDriver:
         wanted = self._variant
         self._refused = ""
         self.variant = read_status(
-            (yield _Ask(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
+            (yield _LmsRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
         )
         if self.variant != wanted:
-            answer = yield _Ask(
+            answer = yield _LmsRequest(
                 encode(LmsRequestCode.VARIANT, variant_data(wanted)), LmsAnswerCode.VARIANT, ANSWER_WINDOW
             )
             accepted, self.variant = read_variant(answer.data)
@@ -335,14 +335,14 @@ class LaserDriver:
                 self._refused = f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
 
     def _configure(self) -> _Script:
-        answer = yield _Ask(encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW)
+        answer = yield _LmsRequest(encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW)
         self.configuration = LmsConfiguration.unpack(answer.data)
         wanted = self.configuration._replace(
             unit=UNITS[self._settings.unit], measuring_mode=REFLECTOR_MODE[self._settings.reflector_bits]
         )
         if wanted != self.configuration:
-            yield _Ask(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
-            yield _Ask(
+            yield _LmsRequest(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
+            yield _LmsRequest(
                 encode(LmsRequestCode.SET_CONFIGURATION, wanted.pack()), LmsAnswerCode.CONFIGURED, CONFIGURING_WINDOW
             )
             self.configuration = wanted
@@ -382,7 +382,7 @@ class LaserDriver:
         return max(LEAST_SILENCE, SCANS_MISSED * max(self.scan_period, self._line_time(LONGEST_TELEGRAM)))
 
     def _line_time(self, size: int) -> float:
-        """Seconds for so many bytes."""
+        """Return the seconds that so many bytes take."""
         return size * BITS_PER_BYTE / self.baud if self.baud else 0.0
 
     def _lose(self, reason: str) -> None:

@@ -1,4 +1,4 @@
-"""What the robot obeys without an answer, on the bus: charging contacts, display, servo pulses, power outputs."""
+"""Elements without feedback on the bus: charging contacts, display, servo pulses, power outputs."""
 
 from typing import Any
 
@@ -8,14 +8,14 @@ from gateway.elements.adapter import BusAdapter
 from gateway.elements.panel.element import ChargerElement, Display, PowerOutputs, Servos
 
 
-class ChargerAdapter(BusAdapter):
+class _ChargerAdapter(BusAdapter):
     """`command/charge`."""
 
     name = "charger"
     element = ChargerElement
 
     def describe(self) -> dict[str, str]:
-        """Which."""
+        """Return the kind of the contacts."""
         return {"kind": self._driver.lookup(ChargerElement).kind}
 
     def _charge(self, arguments: Arguments, now: float) -> None:
@@ -26,7 +26,7 @@ class ChargerAdapter(BusAdapter):
     commands = (CommandRow(keys.CHARGE, {"on": bool}, _charge, name),)
 
 
-class DisplayAdapter(BusAdapter):
+class _DisplayAdapter(BusAdapter):
     """`command/lcd`."""
 
     name = "lcd"
@@ -38,7 +38,7 @@ class DisplayAdapter(BusAdapter):
     commands = (CommandRow(keys.LCD, {"text": str}, _write, NOTHING),)
 
 
-class ServosAdapter(BusAdapter):
+class _ServosAdapter(BusAdapter):
     """`command/servo`."""
 
     name = "servos"
@@ -53,14 +53,14 @@ class ServosAdapter(BusAdapter):
     commands = (CommandRow(keys.SERVO, {"port": int, "pulse": float}, _servo, name),)
 
 
-class PowerAdapter(BusAdapter):
+class _PowerAdapter(BusAdapter):
     """`command/power`."""
 
     name = "power"
     element = PowerOutputs
 
     def describe(self) -> dict[str, list[str]]:
-        """What can be switched."""
+        """Return the names of the outputs."""
         return {"outputs": list(self._driver.lookup(PowerOutputs).outputs)}
 
     def _power(self, arguments: Arguments, now: float) -> dict[str, Any]:
@@ -71,4 +71,4 @@ class PowerAdapter(BusAdapter):
     commands = (CommandRow(keys.POWER, {"output": str, "on": bool}, _power, NOTHING),)
 
 
-ADAPTERS = (DisplayAdapter, ServosAdapter, PowerAdapter, ChargerAdapter)
+ADAPTERS = (_DisplayAdapter, _ServosAdapter, _PowerAdapter, _ChargerAdapter)

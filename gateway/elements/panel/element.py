@@ -1,4 +1,4 @@
-"""What a robot can be told and never answers: charging contacts, display, servo pulses, power outputs.
+"""Elements without feedback: charging contacts, display, servo pulses, power outputs.
 
 Source: H8-series and Pioneer 3 operations manuals (CHARGE, LCDWRITE), Pioneer 2 manual (PTUPOS), client libraries (the
 power commands; SETPBIOPORT as output number and state, output 11 the laser).
@@ -9,21 +9,24 @@ from collections.abc import Mapping
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused
 from p2os import Command, Configuration, Family, RobotModel
+from p2os.arguments import (
+    DISPLAY_SIZE,
+    LASER_POWER_PORT,
+    LONGEST_PULSE,
+    POWER_PORTS,
+    PULSE_UNIT,
+    SERVO_PORTS,
+    display_data,
+)
+from p2os.configuration import ChargerKind
 
-CHARGERS = {1: "Pioneer 3", 2: "PowerBot"}
-"""CONFIGpac's charger."""
-DISPLAY_SIZE = 20
-"""Characters."""
-SERVO_PORTS = range(1, 5)
-PULSE_UNIT = 1e-5
-"""Seconds that a count of PTUPOS lasts on P2OS and what came after it."""
-LONGEST_PULSE = 255 * PULSE_UNIT
-IO_PORTS: Mapping[str, Mapping[str, int]] = {
-    name: {"laser": 11, **{str(port): port for port in range(16)}}
+_CHARGERS: Mapping[int, str] = {ChargerKind.PIONEER: "Pioneer 3", ChargerKind.POWERBOT: "PowerBot"}
+_IO_PORTS: Mapping[str, Mapping[str, int]] = {
+    name: {"laser": LASER_POWER_PORT, **{str(port): port for port in POWER_PORTS}}
     for name in ("patrolbot-sh", "powerbot", "powerbot-sh", "powerbot-sh-uarcs")
 }
 """Models whose power outputs SETPBIOPORT switches: output to number. Which output feeds what else is not documented."""
-POWER_COMMANDS: Mapping[str, Command] = {
+_POWER_COMMANDS: Mapping[str, Command] = {
     "pc": Command.POWER_PC,
     "laser": Command.POWER_LRF,
     "5v": Command.POWER_5V,
@@ -38,20 +41,20 @@ class ChargerElement(Element):
     kind = ""
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """The robot says whether it has charging contacts."""
-        self.is_present = configuration.charger != 0
-        self.kind = CHARGERS.get(configuration.charger, f"number {configuration.charger}")
+        """Take the kind of charging contacts."""
+        self.is_present = configuration.charger != ChargerKind.NONE
+        self.kind = _CHARGERS.get(configuration.charger, f"number {configuration.charger}")
 
     def deploy(self, on: bool) -> None:
-        """Put the contacts out, or draw them in."""
+        """Lower or raise the contacts."""
         self._ask(Command.CHARGE, int(on))
 
 
 class Display(Element):
-    """A display that only the settings know of."""
+    """A display; only the settings tell whether there is one."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """The settings say whether there is one."""
+        """Take from the settings whether there is one."""
         self.is_present = self._settings.fitted.lcd
 
     def write(self, text: str) -> None:
@@ -62,14 +65,14 @@ class Display(Element):
         """
         if len(text) > DISPLAY_SIZE or not text.isascii() or not text.isprintable():
             raise CommandRefused(f"the display shows up to {DISPLAY_SIZE} printable ASCII characters, not {text!r}")
-        self._ask(Command.LCDWRITE, text.encode("ascii") + b"\0")
+        self._ask(Command.LCDWRITE, display_data(text))
 
 
 class Servos(Element):
     """Four ports for the pulses of RC servos."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """Every board has them but the AmigoBot's."""
+        """Note that every board but the AmigoBot's has them."""
         self.is_present = model.firmware is not Family.AMIGOS
 
     def move(self, port: int, pulse: float) -> None:
@@ -92,14 +95,14 @@ class PowerOutputs(Element):
     _ports: Mapping[str, int] = {}
 
     def begin_link(self, model: RobotModel, now: float) -> None:
-        """The model says what there is."""
-        self._ports = IO_PORTS.get(model.name, {})
+        """Take the sensors or outputs of the model."""
+        self._ports = _IO_PORTS.get(model.name, {})
         self._offer(self._ports)
 
     def configure(self, configuration: Configuration, now: float) -> None:
-        """Later firmware has a command for each output."""
+        """Offer the outputs of later firmware, which has a command for each."""
         if configuration.power_bits:
-            self._offer(POWER_COMMANDS)
+            self._offer(_POWER_COMMANDS)
 
     def switch(self, output: str, on: bool) -> None:
         """Switch one.
@@ -109,8 +112,8 @@ class PowerOutputs(Element):
         """
         if output not in self.outputs:
             raise CommandRefused(f"there is no output {output!r}; there are {', '.join(self.outputs)}")
-        if self.outputs == tuple(POWER_COMMANDS):
-            self._ask(POWER_COMMANDS[output], int(on))
+        if self.outputs == tuple(_POWER_COMMANDS):
+            self._ask(_POWER_COMMANDS[output], int(on))
         else:
             port = self._ports[output]
             self._ask(Command.SETPBIOPORT, (port, int(on)), kind=(Command.SETPBIOPORT, port))

@@ -5,14 +5,13 @@ from typing import TypeVar
 
 from gateway.cables.cable import ElementCable
 from gateway.elements.adapter import RobotContext
-from gateway.elements.arm.adapter import ArmAdapter
-from gateway.elements.arm.commands import Reaching
+from gateway.elements.arm.adapter import ArmAdapter, ArmCommands
 from gateway.elements.arm.joint_limits import JointLimits
 
 T = TypeVar("T")
 
 
-class PowerCubeAdapter(ArmAdapter):
+class _PowerCubeAdapter(ArmAdapter):
     """`<robot>/arm` and `command/arm` of the PowerBot's arm, on a cable of its own."""
 
     def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
@@ -24,9 +23,9 @@ class PowerCubeAdapter(ArmAdapter):
         limits: Sequence[JointLimits] = self._arm.driver.limits
         return limits
 
-    def _call(self, call: Callable[[Reaching, float], T], now: float) -> T:
+    def _call(self, call: Callable[[ArmCommands, float], T], now: float) -> T:
         result: T = self._arm.bridge.command(call)
         return result
 
 
-ADAPTERS = (PowerCubeAdapter,)
+ADAPTERS = (_PowerCubeAdapter,)

@@ -1,7 +1,7 @@
 """The driver of an arm of PowerCube modules on a cable of its own: bytes and time in, events and bytes out.
 
-The modules are asked for their state and place ten times a second, which also tells their watchdogs that somebody is
-there. Whoever has been away for longer than a moment, gateway or cable, begins with letting every module stand.
+The modules are asked for state and position ten times a second, which also resets their watchdogs. After an
+interruption of the gateway or the cable, the driver begins by stopping every module.
 """
 
 from collections import Counter
@@ -29,7 +29,7 @@ NAME = "arm"
 PERIOD = 0.1
 """Seconds between two rounds of questions."""
 PATIENCE = 1.0
-"""Seconds without an answer of a module after which the arm is lost; and after which a search has found nobody."""
+"""Seconds without an answer of a module after which the arm is lost; and after which a search has failed."""
 LONGEST_SILENCE = 0.5
 """Seconds between two calls, beyond which the driver distrusts itself."""
 SLOWEST = 0.01
@@ -39,21 +39,21 @@ REFUSAL_SHOWN = 5.0
 ROUNDS_AT_REST = 2
 """After which an arm that parks has arrived."""
 
-STAND = ModuleRequest(CubeCommand.MOVE, MotionKind.VELOCITY_ACKNOWLEDGED, 0.0)
+STOP_MODULE = ModuleRequest(CubeCommand.MOVE, MotionKind.VELOCITY_ACKNOWLEDGED, 0.0)
 FIGURES = (ModuleParameter.MINIMUM, ModuleParameter.MAXIMUM, ModuleParameter.MOST_VELOCITY)
 WHY = {
     CubeState.LAGS: "could not follow",
     CubeState.SILENCE: "heard nothing from the gateway for too long",
     CubeState.ERROR: "reports an error",
-    CubeState.HALTED: "was told to halt",
+    CubeState.HALTED: "was halted by a command",
 }
-"""What has halted a module, what says most first."""
+"""What has halted a module, the most specific first."""
 SWITCH_ON = 'send arm {"do": "power", "on": true}'
 
 
 @dataclass(slots=True)
 class Module:
-    """What is known of one module.
+    """The state of one module.
 
     answered_at: s. state, position: as last heard. figures: what does not change. speed: rad/s or m/s, set last.
     """
@@ -66,18 +66,18 @@ class Module:
 
     @property
     def is_known(self) -> bool:
-        """Everything has been heard that one needs to order it."""
+        """All values are known that an order needs."""
         return self.state is not None and self.position is not None and len(self.figures) == len(FIGURES)
 
     def has(self, state: CubeState) -> bool:
-        """It was in a state when last heard."""
+        """Return whether it was in a state by its last answer."""
         return self.state is not None and state in self.state
 
 
 class PowerCubeDriver:
-    """One arm; an `ElementDriver`, and `Reaching`.
+    """One arm; an `ElementDriver`, and `ArmCommands`.
 
-    limits: of every joint, as the modules say, once the arm was found; the gripper's is the last.
+    limits: of every joint, as the modules report, once the arm was found; the gripper's is the last.
     """
 
     def __init__(self, model: ArmModel, *, has_rate: bool = True) -> None:
@@ -101,7 +101,7 @@ class PowerCubeDriver:
         self._gripper = len(model.joints) + 1
         self._line = CubeLine(self.damaged)
         self._modules: dict[int, Module] = {}
-        self._unheard: set[int] = set()  # in this round
+        self._unanswered: set[int] = set()  # in this round
         self._events: list[Event] = []
         self._last_run: float | None = None
         self._search_until = inf
@@ -112,27 +112,27 @@ class PowerCubeDriver:
 
     @property
     def is_moving(self) -> bool:
-        """A module is on its way, as it said last."""
+        """A module moves, by its last answer."""
         return self.is_connected and any(module.has(CubeState.MOVING) for module in self._modules.values())
 
     @property
-    def stopping_words(self) -> bytes:
-        """Stand still, all of you."""
-        return b"".join(encode_request(number, STAND) for number in self._modules)
+    def stopping_bytes(self) -> bytes:
+        """The requests that stop every module."""
+        return b"".join(encode_request(number, STOP_MODULE) for number in self._modules)
 
     @property
-    def last_words(self) -> bytes:
-        """None: an arm that stands holds itself."""
+    def closing_bytes(self) -> bytes:
+        """Empty: an arm that stands holds its position."""
         return b""
 
     def port_opened(self, now: float) -> None:
-        """There is a line to talk on; begin."""
+        """Begin: the port is open."""
         self._last_run = now
         self.has_port = True
         self._begin(now)
 
     def port_lost(self, reason: str, now: float) -> None:
-        """The line is gone. `receive` still reports what follows from it."""
+        """Note that the port is lost, and why. `receive` reports what follows."""
         self._last_run = now
         self.has_port = False
         self._lose(reason)
@@ -141,7 +141,7 @@ class PowerCubeDriver:
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Take bytes as read; none lets time pass. now: steady time, s."""
         if self._wake(now):
-            data = b""  # it has been there for who knows how long
+            data = b""  # of unknown age
         for heard in self._line.receive(data):
             if heard.module in self._modules:
                 self._take(heard, self._modules[heard.module], now)
@@ -159,7 +159,7 @@ class PowerCubeDriver:
     # The bus's side.
 
     def faults(self) -> Sequence[str]:
-        """What is wrong with the arm, a sentence each."""
+        """Return what is wrong with the arm, a sentence each."""
         if not self.is_connected:
             return ["the arm does not answer" if self.has_port else "the arm's port is gone"]
         at, refusal = self._refusal
@@ -167,7 +167,7 @@ class PowerCubeDriver:
         return [*self._halted(), *([refusal] if is_news else ())]
 
     def figures(self) -> Mapping[str, Any]:
-        """What diagnostics say of the arm beside the counters."""
+        """Return the values for diagnostics, beside the counters."""
         return {"baud": self.baud, "unanswered orders": self._line.unanswered}
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
@@ -207,7 +207,7 @@ class PowerCubeDriver:
         self._rounds_at_rest = 0
 
     def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
-        """Expected duration until the joints are at their targets, s; their zeros if None."""
+        """Return the expected duration until the joints are at their targets, s; their zeros if None."""
         if targets is None:
             targets = dict.fromkeys(range(len(self.limits)), 0.0)
         times = []
@@ -224,7 +224,7 @@ class PowerCubeDriver:
         self._line.drop_orders()
         for number, module in self._modules.items():
             if not module.has(CubeState.HALTED):
-                self._line.order(number, STAND, now)
+                self._line.order(number, STOP_MODULE, now)
 
     def switch(self, on: bool, now: float) -> None:
         """End what has halted the modules; or halt them at once, on their brakes.
@@ -240,7 +240,7 @@ class PowerCubeDriver:
     # Inside.
 
     def _wake(self, now: float) -> bool:
-        """Notice that nobody has called for too long; say whether everything begins anew."""
+        """Detect that the last call is too long ago; return whether the connection begins again."""
         silence = 0.0 if self._last_run is None else now - self._last_run
         self._last_run = now
         if silence <= LONGEST_SILENCE or not self.has_port:
@@ -255,7 +255,7 @@ class PowerCubeDriver:
         self._search_until = now + PATIENCE
         self._rounds_at_rest = None
         for number in self._modules:
-            self._line.ask(number, STAND)
+            self._line.ask(number, STOP_MODULE)
         self._begin_round(now)
 
     def _lose(self, reason: str) -> None:
@@ -265,7 +265,7 @@ class PowerCubeDriver:
         self.is_connected = False
 
     def _begin_round(self, now: float) -> None:
-        """Look who is there, then ask everyone."""
+        """Check which modules answer, then ask all of them."""
         self.deadline = now + PERIOD
         if self.is_connected:
             silent = [n for n, module in self._modules.items() if now - module.answered_at > PATIENCE]
@@ -277,7 +277,7 @@ class PowerCubeDriver:
             self._search_until = now + PATIENCE
             self._events.append(ElementSilent(NAME))
         self._line.repeat(now)
-        self._unheard = set(self._modules)
+        self._unanswered = set(self._modules)
         for number, module in self._modules.items():
             missing = [each for each in FIGURES if each not in module.figures]
             for parameter in (ModuleParameter.STATE, ModuleParameter.POSITION, *missing):
@@ -289,18 +289,18 @@ class PowerCubeDriver:
         if state is not None:
             module.state = state
         if outcome is ModuleOutcome.REFUSED:
-            self._refusal = now, f"module {number} refused what it was told"
+            self._refusal = now, f"module {number} refused a request"
         if value is not None and command == CubeCommand.GET and about in FIGURES:
             module.figures[about] = value
         elif value is not None and about not in FIGURES:
             module.position = value
         if command == CubeCommand.GET and about == ModuleParameter.POSITION:
-            self._unheard.discard(number)
-            if not self._unheard:
+            self._unanswered.discard(number)
+            if not self._unanswered:
                 self._end_round()
 
     def _end_round(self) -> None:
-        """Everyone has said where it is."""
+        """Report the arm: all modules have answered."""
         modules = self._modules.values()
         if not all(module.is_known for module in modules):
             return

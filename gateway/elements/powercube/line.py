@@ -1,6 +1,6 @@
-"""Requests to PowerCube modules and their answers: what waits to be written, what for an answer, what is repeated.
+"""Requests to PowerCube modules and their answers; orders without an answer are repeated.
 
-The line carries both ways at once and an answer says what it answers: requests need not wait for one another.
+The line is full duplex and an answer names its request, so requests need not wait for one another.
 """
 
 from collections import Counter
@@ -25,7 +25,7 @@ TRIES = 4
 
 
 class ModuleAnswer(NamedTuple):
-    """An answer, and from whom."""
+    """An answer and its sender."""
 
     module: int
     reply: ModuleReply
@@ -36,7 +36,7 @@ _Subject = tuple[int, int, int]
 
 @dataclass(slots=True)
 class _Order:
-    """One that waits for its answer. tries: left."""
+    """An order that waits for its answer. tries: left."""
 
     telegram: bytes
     ask_again_at: float
@@ -63,7 +63,7 @@ class CubeLine:
         self._server.clear()
 
     def ask(self, module: int, request: ModuleRequest) -> None:
-        """Send a question; nobody minds if it is lost, since it comes again."""
+        """Send a request that may be lost, since it is repeated with the next round."""
         self._outgoing += encode_request(module, request)
 
     def order(self, module: int, request: ModuleRequest, now: float) -> None:
@@ -74,11 +74,11 @@ class CubeLine:
 
     @property
     def has_orders(self) -> bool:
-        """Some have not been answered."""
+        """Orders without an answer remain."""
         return bool(self._server)
 
     def drop_orders(self) -> None:
-        """Repeat nothing that was ordered up to now, and let nothing of it leave that has not."""
+        """Drop all orders, sent or not."""
         self._server.clear()
         self._outgoing.clear()
 
@@ -118,5 +118,5 @@ class CubeLine:
 
 
 def _subject(module: int, about: ModuleRequest | ModuleReply) -> _Subject:
-    """What an answer has in common with its request; a new motion takes the place of one of any kind."""
+    """Return what identifies a request and its answer; a new motion replaces one of any kind."""
     return module, about.command, 0 if about.command == CubeCommand.MOVE else about.about

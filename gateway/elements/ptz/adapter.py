@@ -13,7 +13,7 @@ from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
 
 
-class PtzAdapter(BusAdapter):
+class _PtzAdapter(BusAdapter):
     """`<robot>/ptz` and `command/ptz`."""
 
     name = "ptz"
@@ -21,12 +21,12 @@ class PtzAdapter(BusAdapter):
     streams = (keys.PTZ,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One whenever it is known where it looks."""
+        """Return one message for each report of the head."""
         if isinstance(event, HeadSeen):
             yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
 
     def describe(self) -> Mapping[str, Any]:
-        """What it is, what it can be told, and its widest horizontal view."""
+        """Return model, limits and widest horizontal field of view."""
         model = self._driver.lookup(PtzElement).model
         return {
             "model": model.name,
@@ -42,7 +42,7 @@ class PtzAdapter(BusAdapter):
         elif what == "look":
             head.look(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"), now)
         else:
-            raise CommandRefused(f"a camera head cannot {what!r}; say stop, or give pan, tilt or zoom")
+            raise CommandRefused(f"a camera head cannot {what!r}; use stop, or pan, tilt or zoom")
 
     def _duration(self, arguments: Arguments, now: float) -> float:
         if arguments.get("do", "look") != "look":
@@ -63,4 +63,4 @@ class PtzAdapter(BusAdapter):
     )
 
 
-ADAPTERS = (PtzAdapter,)
+ADAPTERS = (_PtzAdapter,)

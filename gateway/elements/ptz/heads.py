@@ -1,4 +1,4 @@
-"""How the two kinds of camera heads are talked to: what to send, how much to ask for, and what an answer means."""
+"""The protocols of the two kinds of camera heads: requests, lengths and meanings of the answers."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
@@ -11,24 +11,24 @@ from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage
 
 
 class Direction(NamedTuple):
-    """Where a head looks, rad: to the left, up."""
+    """Direction of a head, rad: to the left, up."""
 
     pan: float
     tilt: float
 
 
 class Zoom(NamedTuple):
-    """How a head magnifies; 1 at the widest."""
+    """Magnification of a head; 1 at the widest."""
 
     ratio: float
 
 
-class Obeyed(NamedTuple):
-    """A head has taken a command."""
+class _Obeyed(NamedTuple):
+    """A head has accepted a command."""
 
 
 class Declined(NamedTuple):
-    """A head has not.
+    """A head has not accepted a command.
 
     is_busy: it may later. is_asleep: it must be started first.
     """
@@ -37,11 +37,11 @@ class Declined(NamedTuple):
     is_asleep: bool = False
 
 
-Heard = Direction | Zoom | Obeyed | Declined
+HeadReply = Direction | Zoom | _Obeyed | Declined
 
 
-class HeadTalk(Protocol):
-    """One kind of head.
+class HeadProtocol(Protocol):
+    """The protocol of one kind of head.
 
     probe: harmless, and answered by this kind of head only. start: in order, to make a head obey.
     """
@@ -56,24 +56,24 @@ class HeadTalk(Protocol):
 
     @property
     def pending(self) -> int:
-        """Bytes that have come of an answer that is not complete yet."""
+        """Bytes of an answer that is not complete yet."""
         ...
 
-    def hear(self, data: bytes) -> list[Heard]:
+    def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
         ...
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
-        """Look somewhere, rad."""
+        """Return the exchange that turns the head, rad."""
         ...
 
     def zoom(self, ratio: float) -> AuxExchange:
-        """Magnify."""
+        """Return the exchange that sets the magnification."""
         ...
 
 
-class Vcc4Talk:
-    """The Canon VC-C4; implements `HeadTalk`."""
+class Vcc4Protocol:
+    """The Canon VC-C4; implements `HeadProtocol`."""
 
     kind: HeadKind = HeadKind.VCC4
 
@@ -98,34 +98,34 @@ class Vcc4Talk:
         """Bytes of an answer that is not complete yet."""
         return self._decoder.pending
 
-    def hear(self, data: bytes) -> list[Heard]:
+    def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
         return [self._meaning(answer) for answer in self._decoder.receive(data)]
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
-        """Look somewhere, rad."""
+        """Return the exchange that turns the head, rad."""
         return _plain(vcc4.move(self.model.pan.count(pan), self.model.tilt.count(tilt)))
 
     def zoom(self, ratio: float) -> AuxExchange:
-        """Magnify."""
+        """Return the exchange that sets the magnification."""
         return _plain(vcc4.zoom(self.model.lens.count_at(ratio)))
 
-    def _meaning(self, answer: HeadAnswer) -> Heard:
+    def _meaning(self, answer: HeadAnswer) -> HeadReply:
         if answer.status != Status.OK:
             return Declined(answer.status == Status.BUSY, answer.status == Status.NOT_HOST_CONTROLLED)
         counts = vcc4.read_pair(answer.data)
         if counts is not None:
             return Direction(self.model.pan.angle(counts[0]), self.model.tilt.angle(counts[1]))
         position = vcc4.number(answer.data)
-        return Obeyed() if position is None else Zoom(self.model.lens.ratio_at(position))
+        return _Obeyed() if position is None else Zoom(self.model.lens.ratio_at(position))
 
 
 def _plain(request: bytes, patience: float = 0.5) -> AuxExchange:
     return AuxExchange(request, vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
 
 
-class ViscaTalk:
-    """The Sony EVI-D30; implements `HeadTalk`."""
+class ViscaProtocol:
+    """The Sony EVI-D30; implements `HeadProtocol`."""
 
     kind: HeadKind = HeadKind.EVID30
 
@@ -145,27 +145,27 @@ class ViscaTalk:
         """Bytes of a message that is not complete yet."""
         return self._decoder.pending
 
-    def hear(self, data: bytes) -> list[Heard]:
+    def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
         meanings = (self._meaning(message) for message in self._decoder.receive(data))
         return [meaning for meaning in meanings if meaning is not None]
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
-        """Look somewhere, rad."""
+        """Return the exchange that turns the head, rad."""
         return _command(visca.move(self.model.pan.count(pan), self.model.tilt.count(tilt), *self._speeds))
 
     def zoom(self, ratio: float) -> AuxExchange:
-        """Magnify."""
+        """Return the exchange that sets the magnification."""
         return _command(visca.zoom(self.model.lens.count_at(ratio)))
 
-    def _meaning(self, message: ViscaMessage) -> Heard | None:
-        """None for what nobody has asked for: completions, and what the head did not understand."""
+    def _meaning(self, message: ViscaMessage) -> HeadReply | None:
+        """Return the meaning of a message; None for completions and for errors of syntax."""
         header, payload = message
         if header == visca.BROADCAST:
-            return Obeyed() if payload[:1] == visca.ADDRESS_SET else None
-        kind = payload[0] & 0xF0
+            return _Obeyed() if payload[:1] == visca.ADDRESS_SET else None
+        kind, _ = visca.kind_and_socket(payload[0])
         if kind == visca.ACK:
-            return Obeyed()
+            return _Obeyed()
         if kind == visca.ERROR and len(payload) > 1:
             return Declined(payload[1] == Error.BUFFER_FULL, payload[1] == Error.NOT_EXECUTABLE)
         counts, position = visca.read_direction(payload), visca.read_zoom(payload)

@@ -1,4 +1,4 @@
-"""Where a camera head looks: as it says, or reckoned from its speeds where it says nothing."""
+"""The position of a camera head: reported, or estimated from its speeds where the head reports nothing."""
 
 from math import radians
 from typing import NamedTuple
@@ -12,7 +12,7 @@ ZOOM_ARRIVED = 0.02
 SLACK = 1.0
 """Seconds that a head may take beyond its speeds before it counts as resting elsewhere."""
 STILL_MOVES = 0.5
-"""Seconds for which a head that has just moved, though nobody told it to, counts as moving."""
+"""Seconds for which a head that has just moved, without a command, counts as moving."""
 
 
 class HeadPosition(NamedTuple):
@@ -23,10 +23,10 @@ class HeadPosition(NamedTuple):
     zoom: float = 1.0
 
 
-class HeadPlace:
+class HeadTracker:
     """Follows one head.
 
-    goal: where it was told to look.
+    goal: of the last command.
     """
 
     def __init__(self, model: HeadModel) -> None:
@@ -38,12 +38,12 @@ class HeadPlace:
         self._is_reckoned = False
 
     def reckon(self, now: float) -> None:
-        """From now on the head says nothing."""
+        """Estimate the position from now on: the head sends nothing."""
         self._is_reckoned = True
         self._at = now
 
     def now(self, now: float) -> HeadPosition:
-        """Where it looks, as far as one knows."""
+        """Return the position, as far as is known."""
         if not self._is_reckoned:
             return self._place
         model, lens, seconds = self._model, self._model.lens, now - self._at
@@ -57,48 +57,48 @@ class HeadPlace:
         )
 
     def changed(self, pan: float | None, tilt: float | None, zoom: float | None) -> HeadPosition:
-        """The goal with these in place of its own; what is None stays as it is."""
+        """Return the goal with these values; None leaves a value as it is."""
         return HeadPosition(
             *(old if new is None else new for new, old in zip((pan, tilt, zoom), self.goal, strict=True))
         )
 
     def travel_time(self, pan: float | None, tilt: float | None, zoom: float | None) -> float:
-        """Seconds to a goal that is changed so."""
+        """Return the seconds to a goal that is changed so."""
         return self._travel_time(self.changed(pan, tilt, zoom))
 
     def is_moving(self, now: float) -> bool:
-        """It is on its way."""
+        """Return whether it moves."""
         return now < self._moves_until
 
     @property
     def zooms(self) -> bool:
-        """The lens is not where it was sent."""
+        """The lens has not reached its goal."""
         return abs(self._place.zoom - self.goal.zoom) > ZOOM_ARRIVED * self.goal.zoom
 
     @property
     def turns(self) -> bool:
-        """Pan or tilt are not where they were sent."""
+        """Pan or tilt have not reached their goals."""
         return max(abs(self._place.pan - self.goal.pan), abs(self._place.tilt - self.goal.tilt)) > ARRIVED
 
     def send(self, goal: HeadPosition, now: float) -> None:
-        """It was told to look somewhere."""
+        """Note a command to move to a goal."""
         self._place, self._at, self.goal = self.now(now), now, goal
         self._moves_until = now + self._travel_time(goal) + (0.0 if self._is_reckoned else SLACK)
 
     def postpone(self, at: float) -> None:
-        """It is busy, and will be told again then, s."""
+        """Note that it is busy and that the command is repeated at a time, s."""
         self._moves_until = max(self._moves_until, at + self._travel_time(self.goal) + SLACK)
 
     def stop(self, now: float) -> None:
-        """It was told to stay where it is."""
+        """Note a command to stop."""
         self.send(self.now(now), now)
 
     def expect(self, seconds: float, now: float) -> None:
-        """It moves by itself for some time."""
+        """Note that it moves by itself for some time, s."""
         self._moves_until = max(self._moves_until, now + seconds)
 
     def see(self, place: HeadPosition, now: float) -> bool:
-        """It says where it looks; returns whether that is new."""
+        """Take a reported position; return whether it has changed."""
         has_moved = place != self._place
         self._place, self._at = place, now
         if has_moved:

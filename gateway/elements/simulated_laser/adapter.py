@@ -1,4 +1,4 @@
-"""The laser of a simulator on the bus: sweeps that came on the robot's own line."""
+"""The laser of a simulator on the bus: sweeps from the robot's own line."""
 
 from collections.abc import Iterable, Mapping
 from math import inf, nan
@@ -19,7 +19,7 @@ FARTHEST = 32.0
 """m; what MobileSim's laser sees. A simulator writes its own farthest range where nothing was near enough."""
 
 
-class SimulatedLaserAdapter(BusAdapter):
+class _SimulatedLaserAdapter(BusAdapter):
     """Publishes `<robot>/scan` in `<robot>/laser`, which sits where the robot's model has its laser.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no reading.
@@ -36,19 +36,19 @@ class SimulatedLaserAdapter(BusAdapter):
         self._is_seen = False
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """A scan with every sweep."""
+        """Return a scan for each sweep."""
         if isinstance(event, SweepReceived):
             self._is_seen = True
             yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """`<robot>/laser` in `<robot>/base_link`."""
+        """Return `<robot>/laser` in `<robot>/base_link`."""
         if self._is_seen:
             mount = self._model.laser
             yield placed(header(stamp, self._base), self._frame, mount.x, mount.y, mount.heading)
 
     def describe(self) -> Mapping[str, Any]:
-        """Geometry and reach."""
+        """Return geometry and range."""
         mount = self._model.laser
         beams = self._driver.lookup(SimulatedLaserScanner).beams
         return {
@@ -80,4 +80,4 @@ class SimulatedLaserAdapter(BusAdapter):
         )
 
 
-ADAPTERS = (SimulatedLaserAdapter,)
+ADAPTERS = (_SimulatedLaserAdapter,)

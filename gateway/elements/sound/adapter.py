@@ -9,14 +9,14 @@ from gateway.elements.sound.element import SoundElement
 from gateway.errors import CommandRefused
 
 
-class SoundAdapter(BusAdapter):
+class _SoundAdapter(BusAdapter):
     """`command/sound`."""
 
     name = "sound"
     element = SoundElement
 
     def describe(self) -> dict[str, Any]:
-        """The sounds that an AmigoBot has answered."""
+        """Return the sounds that an AmigoBot has reported."""
         sounds = self._driver.lookup(SoundElement).sounds
         return {"sounds": [{"number": number, "name": name} for number, name in sorted(sounds.items())]}
 
@@ -30,9 +30,9 @@ class SoundAdapter(BusAdapter):
             case {"on": on, **rest} if not rest:
                 sound.switch(on)
             case _:
-                raise CommandRefused("say one of notes, number and on")
+                raise CommandRefused("send one of notes, number and on")
 
     commands = (CommandRow(keys.SOUND, {}, _sound, NOTHING, may_take={"notes": list, "number": int, "on": bool}),)
 
 
-ADAPTERS = (SoundAdapter,)
+ADAPTERS = (_SoundAdapter,)

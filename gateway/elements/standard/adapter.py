@@ -13,7 +13,7 @@ from gateway.events import MotionEnd
 from geometry import wrap_angle
 
 
-class BaseAdapter(BusAdapter):
+class _BaseAdapter(BusAdapter):
     """The driven wheels: velocities, long motions, motors, stop and e-stop."""
 
     name = BASE
@@ -21,7 +21,7 @@ class BaseAdapter(BusAdapter):
     subscriptions = (keys.CMD_VEL, keys.CMD_VEL_STAMPED)
 
     def halt(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
-        """Stop the wheels, whoever drives them."""
+        """Stop the wheels, also while the joystick drives them."""
         self._driver.halt_base(now, end)
 
     def is_moving(self, now: float) -> bool:
@@ -70,14 +70,14 @@ class BaseAdapter(BusAdapter):
     )
 
 
-class BatteryAdapter(BusAdapter):
+class _BatteryAdapter(BusAdapter):
     """`<robot>/battery`."""
 
     name = "battery"
     streams = (keys.BATTERY,)
 
 
-class UserPortsAdapter(BusAdapter):
+class _UserPortsAdapter(BusAdapter):
     """`<robot>/io` and `command/output`."""
 
     name = "io"
@@ -89,7 +89,7 @@ class UserPortsAdapter(BusAdapter):
     commands = (CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _set_outputs, NOTHING),)
 
 
-class SonarAdapter(BusAdapter):
+class _SonarAdapter(BusAdapter):
     """`<robot>/sonar` and `command/sonar`."""
 
     name = "sonar"
@@ -105,7 +105,7 @@ class SonarAdapter(BusAdapter):
     commands = (CommandRow(keys.SONAR_POWER, {"on": bool}, _switch, NOTHING),)
 
 
-class BumpersAdapter(BusAdapter):
+class _BumpersAdapter(BusAdapter):
     """`<robot>/bumpers`."""
 
     name = "bumpers"
@@ -116,7 +116,7 @@ class BumpersAdapter(BusAdapter):
         return bool(self._model.front_bumpers or self._model.rear_bumpers)
 
 
-class EncodersAdapter(BusAdapter):
+class _EncodersAdapter(BusAdapter):
     """The driven wheels among `<robot>/joint_states`, where the settings ask for them."""
 
     name = "encoders"
@@ -131,4 +131,4 @@ class EncodersAdapter(BusAdapter):
         return self._is_wanted
 
 
-ADAPTERS = (BaseAdapter, BatteryAdapter, UserPortsAdapter, SonarAdapter, BumpersAdapter, EncodersAdapter)
+ADAPTERS = (_BaseAdapter, _BatteryAdapter, _UserPortsAdapter, _SonarAdapter, _BumpersAdapter, _EncodersAdapter)

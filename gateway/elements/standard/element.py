@@ -3,17 +3,16 @@
 Source of the battery packet: client libraries.
 """
 
-from gateway.elements.asked import AskedElement
+from gateway.elements.asked import AskedElement, PolledElement
 from gateway.elements.element import Element
-from gateway.elements.polled import PolledElement
 from gateway.errors import CommandRefused
 from gateway.events import ChargeSeen, EncodersReceived, InputsOutputsReceived
 from p2os import BatteryReport, Command, Configuration, Encoders, IoReport, RobotModel
+from p2os.accessory_packets import RELATIVE_CHARGE
+from p2os.arguments import EVERY_OUTPUT, PacketRequest
 
 PERIOD = 10.0
 """Seconds from one answer to the next question; a charge changes slowly."""
-RELATIVE_CHARGE = 3
-"""Byte of a battery that holds its charge in percent of what it can hold now."""
 
 
 class ControllerConfiguration(AskedElement):
@@ -26,7 +25,7 @@ class ControllerConfiguration(AskedElement):
 
 
 class SonarElement(Element):
-    """Remembers whether it is to be on, to switch it again after a reset."""
+    """Keeps whether the sonar is to be on, to restore it after a reset."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Switch it as the settings want it, or as it was switched since."""
@@ -37,13 +36,13 @@ class SonarElement(Element):
             self.switch(self._wanted)
 
     def switch(self, on: bool) -> None:
-        """All arrays on or off."""
+        """Switch all arrays on or off."""
         self._wanted = on
         self._ask(Command.SONAR, int(on))
 
 
 class UserPorts(PolledElement):
-    """Asks for I/O packets where somebody needs them; remembers the outputs, to set a robot again that was reset."""
+    """Requests I/O packets where they are needed; keeps the outputs, to restore them after a reset."""
 
     takes = (IoReport,)
     command = Command.IOREQUEST
@@ -59,7 +58,7 @@ class UserPorts(PolledElement):
             self.set_outputs(self._mask, self._value)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass them on."""
+        """Announce the packet."""
         super().take(packet, now)
         assert isinstance(packet, IoReport)
         self._announce(InputsOutputsReceived(packet))
@@ -70,8 +69,8 @@ class UserPorts(PolledElement):
         Raises:
             CommandRefused: These are no bytes.
         """
-        if not (0 <= mask <= 255 and 0 <= value <= 255):
-            raise CommandRefused(f"mask {mask} and value {value} must be 0 to 255")
+        if not (0 <= mask <= EVERY_OUTPUT and 0 <= value <= EVERY_OUTPUT):
+            raise CommandRefused(f"mask {mask} and value {value} must be 0 to {EVERY_OUTPUT}")
         self._value = (self._value & ~mask) | (value & mask)
         self._mask |= mask
         # All outputs set so far go in one frame, since a frame that still waits is replaced.
@@ -92,7 +91,7 @@ class WheelEncoders(PolledElement):
             self.begin(now)
 
     def take(self, packet: object, now: float) -> None:
-        """Pass them on."""
+        """Announce the packet."""
         super().take(packet, now)
         assert isinstance(packet, Encoders)
         self._announce(EncodersReceived(packet, self._model))
@@ -102,7 +101,7 @@ class Batteries(AskedElement):
     """is_present: the robot has answered."""
 
     takes = (BatteryReport,)
-    question = Command.BATTERYINFO, 1
+    question = Command.BATTERYINFO, PacketRequest.ONE
 
     def take(self, packet: object, now: float) -> None:
         """Report the mean charge of all batteries."""

@@ -83,7 +83,7 @@ def test_a_container_that_is_killed_or_frozen_is_a_peer_that_died(
         assert (await console.request(f"base@{robot}", "look")).is_done
         sleeping = asyncio.ensure_future(console.request(f"base@{robot}", "sleep", reply_within=3600.0))
         await asyncio.sleep(0)  # now it is asked, before the next
-        # The agreement follows one turn of the loop later than the handler begins, maybe after the first of these results.
+        # The agreement is sent one turn of the loop after the handler begins, maybe after the first of these results.
         for _ in range(2):
             assert (await console.request(f"base@{robot}", "look")).is_done
         base.send_signal(how)

@@ -166,9 +166,9 @@ def test_on_leaving_it_falls_silent_and_is_as_after_the_power_switch(bench: "Las
     bench.connect()
     bench.run(1.0)
     assert bench.driver.is_moving
-    bench.laser.receive(bench.driver.stopping_words)
+    bench.laser.receive(bench.driver.stopping_bytes)
     bench.run_until(lambda: not bench.driver.is_moving, 0.5)
-    bench.laser.receive(bench.driver.last_words)
+    bench.laser.receive(bench.driver.closing_bytes)
     for _ in range(30):
         bench.laser.step(1 / 120)
     assert bench.laser.baud == 9600

@@ -142,7 +142,7 @@ def test_parked_arm_goes_home_and_puts_its_brakes_on(bench: ArmBench) -> None:
     assert bench.arm.positions[1] == pytest.approx(0.0)
     assert bench.arm.braked == set(range(8))
     assert not bench.seen.powered
-    with pytest.raises(CommandRefused, match="told to halt"):
+    with pytest.raises(CommandRefused, match="halted by a command"):
         bench.move(1, 0.5)
     bench.driver.switch(True, bench.now)
     bench.run(0.3)
@@ -197,10 +197,10 @@ def test_leaving_lets_everything_stand(bench: ArmBench) -> None:
     bench.homed()
     bench.move(1, 1.5)
     bench.run(1.0)
-    bench.device.receive(bench.driver.stopping_words)
+    bench.device.receive(bench.driver.stopping_bytes)
     bench.run(0.8)
     assert not bench.driver.is_moving
-    assert bench.driver.last_words == b""
+    assert bench.driver.closing_bytes == b""
 
 
 def test_orders_arrive_over_a_noisy_line_and_damage_is_counted(bench: ArmBench) -> None:
