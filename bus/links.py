@@ -32,7 +32,7 @@ class Ends(NamedTuple):
     there: int
 
 
-def ends_of(link: zenoh.Link) -> Ends | None:
+def _ends_of(link: zenoh.Link) -> Ends | None:
     """The ends of a link that has ports."""
     here, there = PORT.search(link.src), PORT.search(link.dst)
     return Ends(str(link.zid), int(here[1]), int(there[1])) if here and there else None
@@ -94,7 +94,7 @@ class LinkWatch:
         """Cut what Zenoh does not know, and what is left of a transport that has lost a link."""
         with self._lock:
             opened, robbed = set(self._opened), set(self._robbed)  # first: Zenoh knows a link before it tells of it
-        known = set(map(ends_of, self._info.links()))
+        known = set(map(_ends_of, self._info.links()))
         unsound = {ends for ends in opened if ends not in known or ends.peer in robbed}
         for ends in unsound:
             self._cut(ends)
@@ -102,7 +102,7 @@ class LinkWatch:
             self._opened -= unsound
 
     def _on_link(self, event: zenoh.LinkEvent) -> None:
-        ends = ends_of(event.link)
+        ends = _ends_of(event.link)
         with self._lock:
             if ends is None or self._is_closed:
                 return

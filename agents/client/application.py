@@ -100,7 +100,7 @@ class Application(Agent):
     async def _main(self) -> None:
         self.has_failed = False
         try:
-            await in_thread(lambda: self._program.run(self._team, self._arguments), str(self.name))
+            await _in_thread(lambda: self._program.run(self._team, self._arguments), str(self.name))
         except Exception:
             self.has_failed = True
             raise
@@ -126,7 +126,7 @@ class Application(Agent):
         return run
 
 
-async def in_thread(work: Callable[[], None], name: str) -> None:
+async def _in_thread(work: Callable[[], None], name: str) -> None:
     """Do what may take long, or for ever, in a thread of its own; who is cancelled waits a little for its end."""
     loop = asyncio.get_running_loop()
     ended: asyncio.Future[None] = loop.create_future()

@@ -8,18 +8,18 @@ from agents.components.camera import CameraAgent
 from agents.components.component import ElementAgent
 from agents.components.generic import Generic
 from agents.components.gripper import GripperAgent
-from agents.components.io import InputOutput
 from agents.components.ptz import PtzAgent
 from agents.components.sensors import (
     BatteryAgent,
     BumpersAgent,
     EncodersAgent,
     InfraredAgent,
+    InputOutput,
     JoystickAgent,
     LaserAgent,
     SonarAgent,
+    SoundAgent,
 )
-from agents.components.sound import SoundAgent
 
 COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "base": BaseAgent,

@@ -12,7 +12,7 @@ from bus.aio import hand_over
 T = TypeVar("T")
 
 
-class MovingRequest:
+class _MovingRequest:
     """A request that has been obeyed and has not ended. name: in words, as `move, asked by app@lab`."""
 
     def __init__(self, name: str, task: "asyncio.Task[None]") -> None:
@@ -46,7 +46,7 @@ class OneAtATime:
         self._bus = bus
         self._halt = halt
         self._beginning = asyncio.Lock()
-        self._present: MovingRequest | None = None
+        self._present: _MovingRequest | None = None
 
     @property
     def is_changing(self) -> bool:
@@ -80,7 +80,7 @@ class OneAtATime:
                     await beginning
                     self._halt(token)
                 raise
-            request = MovingRequest(f"{what}, asked by {asker()}", asyncio.ensure_future(_wait(follow, begun)))
+            request = _MovingRequest(f"{what}, asked by {asker()}", asyncio.ensure_future(_wait(follow, begun)))
             self.end(f"replaced by {request.name}")
             self._present = request
             agree()
@@ -90,7 +90,7 @@ class OneAtATime:
             if self._present is request:
                 self._present = None
 
-    async def _to_its_end(self, request: MovingRequest, token: str) -> None:
+    async def _to_its_end(self, request: _MovingRequest, token: str) -> None:
         who, loop = asker(), asyncio.get_running_loop()
 
         def see(key: str, is_alive: bool) -> None:

@@ -1,4 +1,4 @@
-"""Agents of the elements that only measure: sonar, laser, bumpers, infrared, encoders, battery, joystick."""
+"""Agents of the elements that only measure, and of user ports and sound, whose commands end at once."""
 
 from collections.abc import Mapping
 from math import atan2, cos, inf, sin
@@ -9,9 +9,9 @@ import numpy as np
 from agents.components.component import ElementAgent, every_known, known
 from agents.components.generic import Generic
 from agents.platform import AgentName, request
-from bus import keys
+from bus import Refused, keys
 from bus.keys import frame
-from bus.messages import NS_PER_S, BatteryState, Bumpers, Joy, LaserScan, RangeArray, stamp_ns
+from bus.messages import NS_PER_S, BatteryState, Bumpers, InputsOutputs, Joy, LaserScan, RangeArray, stamp_ns
 
 MEMORY = 1.0
 """Seconds for which a disc's range stands; each packet brings those of a few discs only."""
@@ -198,4 +198,44 @@ class JoystickAgent(ElementAgent):
         return {
             "axes": every_known([float(axis) for axis in message.axes]),
             "buttons": [int(button) for button in message.buttons],
+        }
+
+
+class SoundAgent(ElementAgent):
+    """Plays; hears nothing."""
+
+    @request("play", agrees_itself=True)
+    async def play(self, notes: list[Any] | None = None, number: int | None = None) -> dict[str, Any]:
+        """Play notes, each a MIDI number and s as in [[60, 0.2]]; or a sound that the robot has, by its number."""
+        if (notes is None) == (number is None):
+            raise Refused("say either notes or a number")
+        return await self.command(keys.SOUND, notes=notes, number=number)
+
+    @request("mute", agrees_itself=True)
+    async def mute(self, on: bool = True) -> dict[str, Any]:
+        """Be silent, or no longer so."""
+        return await self.command(keys.SOUND, on=not on)
+
+
+class InputOutput(ElementAgent):
+    """Digital and analogue ports."""
+
+    source = keys.IO
+    results: ClassVar[Mapping[str, str]] = {
+        "digital_in": "true or false of each pin, the lowest bit first",
+        "digital_out": "likewise",
+        "analog_in": "V of each",
+    }
+
+    @request("output", agrees_itself=True)
+    async def output(self, mask: int, value: int) -> dict[str, Any]:
+        """Set the digital outputs whose bits are in the mask, to the bits of the value."""
+        return await self.command(keys.OUTPUT, mask=mask, value=value)
+
+    def result(self, message: InputsOutputs) -> dict[str, Any]:
+        """The state of all ports."""
+        return {
+            "digital_in": [bool(pin) for pin in message.digital_in],
+            "digital_out": [bool(pin) for pin in message.digital_out],
+            "analog_in": every_known([float(pin) for pin in message.analog_in], 3),
         }

@@ -12,9 +12,8 @@ from math import inf
 from typing import Any, ClassVar, NoReturn
 
 from agents.components.component import ElementAgent, failure, known
-from agents.components.headway import Headway
 from agents.components.moving_request import OneAtATime
-from agents.components.pose_control import PoseControlLimits, Velocity
+from agents.components.pose_control import Headway, PoseControlLimits, Velocity
 from agents.components.troubles import Troubles
 from agents.platform import AgentName, asker, on
 from bus import Refused, keys

@@ -116,7 +116,7 @@ class AclMessage:
         Raises:
             AclError: A field is of the wrong type, or the message is too large or too deep.
         """
-        return json_object(self.encode())
+        return _json_object(self.encode())
 
     def encode(self) -> bytes:
         """The message as JSON.
@@ -144,7 +144,7 @@ class AclMessage:
         Raises:
             AclError: It is too large, too deep, no JSON object, or no message: a field is unknown, missing or wrong.
         """
-        return cls._of(json_object(payload))
+        return cls._of(_json_object(payload))
 
     @classmethod
     def from_dict(cls, value: Mapping[str, Any]) -> Self:
@@ -167,7 +167,7 @@ class AclMessage:
         return cls(**{name: _READERS[name](name, given) for name, given in value.items()})
 
 
-def json_object(payload: bytes) -> dict[str, Any]:
+def _json_object(payload: bytes) -> dict[str, Any]:
     """Read a JSON object that may come from anyone.
 
     Raises:

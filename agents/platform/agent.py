@@ -29,9 +29,8 @@ from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
-from agents.platform.container.context import ContainerContext
+from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
-from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
 from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values

@@ -54,7 +54,7 @@ class OneShot(Behaviour):
     """An action that is done once; its result is the behaviour's."""
 
     def __init__(self, action: Action, name: str = "") -> None:
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self._action = action
 
     async def run(self, gate: Gate) -> Any:
@@ -70,7 +70,7 @@ class Cyclic(Behaviour):
     """
 
     def __init__(self, action: Action, name: str = "") -> None:
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self._action = action
 
     async def run(self, gate: Gate) -> Any:
@@ -94,7 +94,7 @@ class Ticker(Behaviour):
     def __init__(self, period: float, action: Action, name: str = "") -> None:
         if not period > 0:
             raise ValueError(f"a period is more than 0 s, not {period:g} s")
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self.missed = 0
         self._period = period
         self._action = action
@@ -120,7 +120,7 @@ class Waker(Behaviour):
     """An action that is done once, `delay` seconds from now."""
 
     def __init__(self, delay: float, action: Action, name: str = "") -> None:
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self._delay = delay
         self._action = action
 
@@ -236,6 +236,6 @@ def behaviour(part: Behaviour | Action) -> Behaviour:
     return part if isinstance(part, Behaviour) else OneShot(part)
 
 
-def name_of(action: Action) -> str:
+def _name_of(action: Action) -> str:
     """What to call a behaviour after its action."""
     return str(getattr(action, "__name__", type(action).__name__))

@@ -17,7 +17,7 @@ _HOOKS = "_agent_hooks"
 
 
 @dataclass(frozen=True, slots=True)
-class Hook:
+class _Hook:
     """What a decorator has noted on a method: how to begin it once its agent is active."""
 
     begin: Begin
@@ -73,14 +73,14 @@ def proposes(name: str) -> Callable[[Method], Method]:
     return hooked(lambda agent, method: agent.answer_calls(name, method))
 
 
-def hooks_of(agent: object) -> list[tuple[Callable[..., Any], Hook]]:
+def hooks_of(agent: object) -> list[tuple[Callable[..., Any], _Hook]]:
     """The methods that decorators have marked, in the order of their definition, base classes first."""
     names = dict.fromkeys(name for kind in reversed(type(agent).__mro__) for name in vars(kind))
     methods = [getattr(agent, name) for name in names if hasattr(getattr(type(agent), name), _HOOKS)]
     return [(method, hook) for method in methods for hook in marks(method)]
 
 
-def marks(function: Callable[..., Any]) -> list[Hook]:
+def marks(function: Callable[..., Any]) -> list[_Hook]:
     """What decorators have noted on one function, the innermost first."""
     return list(getattr(function, _HOOKS, []))
 
@@ -89,7 +89,7 @@ def hooked(begin: Begin) -> Callable[[Method], Method]:
     """A decorator for methods, which begins them so once their agent is active; for decorators of other rooms."""
 
     def mark(method: Method) -> Method:
-        setattr(method, _HOOKS, [*getattr(method, _HOOKS, []), Hook(begin)])
+        setattr(method, _HOOKS, [*getattr(method, _HOOKS, []), _Hook(begin)])
         return method
 
     return mark

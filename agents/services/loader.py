@@ -19,7 +19,7 @@ from agents.client.application import SERVICE as APPLICATION
 from agents.client.private_container import PLATFORM
 from agents.client.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.services.loaded import KIND, check_text, locate
@@ -137,7 +137,7 @@ class Loader(Agent):
     @request("unload", agrees_itself=True)
     async def unload(self, name: str) -> dict[str, Any]:
         """End an application that was loaded."""
-        load = self._loads.get(agent_name(name))
+        load = self._loads.get(_agent_name(name))
         if load is None:
             known = ", ".join(map(str, sorted(self._loads))) or "nothing"
             raise Refused(f"{name} has not been loaded here; {known} has")
@@ -165,7 +165,7 @@ class Loader(Agent):
         if into and into not in self._containers.there:
             known = ", ".join(sorted(self._containers.there))
             raise Refused(f"there is no container {into!r}; those that are there: {known}")
-        agent = agent_name(name or application)
+        agent = _agent_name(name or application)
         return Load(agent, application, arguments, into or _own_container(agent), sha256)
 
     def _row(self, load: Load) -> dict[str, Any]:
@@ -272,7 +272,7 @@ class Loader(Agent):
                 load.why = f"{what}: {error}"
 
 
-def agent_name(text: str) -> AgentName:
+def _agent_name(text: str) -> AgentName:
     """The name of an application's agent: `patrol` is `patrol@apps`.
 
     Raises:

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, NameNotValid, OneShot, every, request
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.names import ContainerName
 from agents.services.diagnostics import Standing, diagnostic_array, worst
 from agents.services.events import History

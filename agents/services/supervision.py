@@ -14,7 +14,7 @@ from typing import Any
 
 from agents.platform import AgentName, OneShot
 from agents.platform.behaviours import Behaviour
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ContainerName
 from agents.services.events import Level

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from agents.platform import AgentName, NameNotValid
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.names import PASSER_BY, ContainerName
 from agents.services.diagnostics import Standing
 from agents.services.events import Level

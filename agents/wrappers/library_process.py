@@ -31,12 +31,12 @@ TYPES = {**NUMBERS, "text": ctypes.c_char_p, "bytes": ctypes.c_char_p, "out": ct
 PORTION = 1 << 20
 
 
-def library_path(file: str, beside: Path) -> str:
+def _library_path(file: str, beside: Path) -> str:
     """Where a library is: a path with a slash is relative to the wrapper's file."""
     return str(beside.parent / file) if "/" in file else file
 
 
-class CFunction:
+class _CFunction:
     """One function, as its row describes it.
 
     Raises:
@@ -115,7 +115,7 @@ def _size(argument: FunctionArgument, given: Mapping[str, Any]) -> int:
     return size
 
 
-def functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]]:
+def _functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]]:
     """Load the library of a wrapper's file.
 
     Raises:
@@ -125,8 +125,8 @@ def functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str,
     wrapper, path = load_wrapper(file)
     if wrapper.library is None:
         raise ValueError(f"{file} has no [library]")
-    library = ctypes.CDLL(library_path(wrapper.library.file, path))
-    return {row.name: CFunction(library, row).call for row in wrapper.functions}
+    library = ctypes.CDLL(_library_path(wrapper.library.file, path))
+    return {row.name: _CFunction(library, row).call for row in wrapper.functions}
 
 
 def main(file: str) -> int:
@@ -134,7 +134,7 @@ def main(file: str) -> int:
     calls, answers = sys.stdin.fileno(), os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what the library prints must not get among the answers
     try:
-        functions = functions_of(file)
+        functions = _functions_of(file)
     except (ValueError, OSError) as err:
         print(err, file=sys.stderr)
         return 1

@@ -18,11 +18,11 @@ from agents.wrappers import acts
 from agents.wrappers.codec import ProgramCodec
 from agents.wrappers.frames import FramesCodec
 from agents.wrappers.lines import JsonLinesCodec, LinesCodec
-from agents.wrappers.pictures import compressed, pixels
 from agents.wrappers.program import NotAnswered, ProgramEnded, ProgramRun
 from agents.wrappers.wrapper_file import (
     ArgumentKind,
     Codec,
+    Colours,
     FunctionArgument,
     FunctionRow,
     PictureRow,
@@ -32,14 +32,11 @@ from agents.wrappers.wrapper_file import (
 from bus import Refused
 from bus.messages import CompressedImage, stamp_ns
 from configs import ConfigError
+from configs.extras import missing, needs
 
-KINDS: Mapping[ArgumentKind, type] = {
-    ArgumentKind.NUMBER: float,
-    ArgumentKind.INTEGER: int,
-    ArgumentKind.TEXT: str,
-    ArgumentKind.BOOLEAN: bool,
-    ArgumentKind.BYTES: str,
-}
+QUALITY = 90  # of JPEG, percent
+
+
 C_KINDS = {
     "float": ArgumentKind.NUMBER,
     "double": ArgumentKind.NUMBER,
@@ -87,7 +84,7 @@ class Wrapped(Agent):
         for row in self._wrapper.requests:
             self.answer(row.name, self._handler(row), agrees_itself=True)
         for function in self._wrapper.functions:
-            self.answer(function.name, self._handler(as_request(function)), agrees_itself=True)
+            self.answer(function.name, self._handler(_as_request(function)), agrees_itself=True)
         self.add(OneShot(self._keep, "keep its program running"), AGAIN)
         await self._tried.wait()
         for result in self._wrapper.results:
@@ -120,7 +117,7 @@ class Wrapped(Agent):
         elif command and "/" in command[0]:
             command[0] = str(self._file.parent / command[0])
         program = ProgramRun(
-            command, self._file.parent, part.address if part else "", codec_of(self._wrapper), self._told
+            command, self._file.parent, part.address if part else "", _codec_of(self._wrapper), self._told
         )
         try:
             await program.start(part.ready_within_s if part else LIBRARY_READY_WITHIN)
@@ -170,7 +167,7 @@ class Wrapped(Agent):
                 self._told(await self.ask(name, row.defaults, row.within_s))
 
     def _requests(self) -> list[RequestRow]:
-        return [*self._wrapper.requests, *map(as_request, self._wrapper.functions)]
+        return [*self._wrapper.requests, *map(_as_request, self._wrapper.functions)]
 
     def _watch(self, row: PictureRow) -> None:
         function = next(each for each in self._wrapper.functions if each.name == row.function)
@@ -178,10 +175,10 @@ class Wrapped(Agent):
         async def look(message: CompressedImage) -> None:
             if self._program is None:
                 return
-            given = await asyncio.to_thread(pixels, bytes(message.data), row.colours)
+            given = await asyncio.to_thread(_pixels, bytes(message.data), row.colours)
             found = await self.ask(row.function, {**function.defaults, **given}, function.within_s)
             if row.out:
-                picture = await asyncio.to_thread(compressed, found.pop(row.out), given["width"], given["height"])
+                picture = await asyncio.to_thread(_compressed, found.pop(row.out), given["width"], given["height"])
                 data = np.frombuffer(picture, np.uint8)
                 self.bus.put(self.image_key, CompressedImage(message.header, format="jpeg", data=data))
             stamp = stamp_ns(message.header) * 1e-9
@@ -210,7 +207,7 @@ def check(wrapper: WrapperFile, file: Path) -> None:
         raise ConfigError(f"{file}: there is no version {part.version!r} of ACTS; there are {known}")
 
 
-def codec_of(wrapper: WrapperFile) -> ProgramCodec:
+def _codec_of(wrapper: WrapperFile) -> ProgramCodec:
     """The language of one run."""
     if wrapper.program is None:
         return FramesCodec()
@@ -223,7 +220,7 @@ def codec_of(wrapper: WrapperFile) -> ProgramCodec:
             return LinesCodec(wrapper.requests, wrapper.results)
 
 
-def as_request(row: FunctionRow) -> RequestRow:
+def _as_request(row: FunctionRow) -> RequestRow:
     """A function as a request: what it writes is no argument of it."""
     takes = {each.name: _kind(each) for each in row.arguments if each.kind != "out"}
     return RequestRow(name=row.name, takes=takes, defaults=row.defaults, within_s=row.within_s)
@@ -243,3 +240,58 @@ def _bytes(name: str, value: str) -> bytes:
 def _without_bytes(value: Mapping[str, Any]) -> dict[str, Any]:
     """As JSON can hold it: bytes become base64."""
     return {key: base64.b64encode(each).decode() if isinstance(each, bytes) else each for key, each in value.items()}
+
+
+class PicturesNotPossible(RuntimeError):
+    """OpenCV is missing, or these bytes are no picture."""
+
+
+def _pixels(picture: bytes, colours: Colours) -> dict[str, Any]:
+    """Arguments for a function: `image` (bytes, row by row from the top left), `width` and `height` in pixels.
+
+    Raises:
+        PicturesNotPossible: OpenCV is missing, or these bytes are no picture.
+    """
+    cv2, numpy = _opencv()
+    how = cv2.IMREAD_GRAYSCALE if colours is Colours.GREY else cv2.IMREAD_COLOR
+    image = cv2.imdecode(numpy.frombuffer(picture, numpy.uint8), how) if picture else None
+    if image is None:
+        raise PicturesNotPossible(f"{len(picture)} bytes are no picture that OpenCV can read")
+    if colours is Colours.RGB:
+        image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+    return {"image": image.tobytes(), "width": image.shape[1], "height": image.shape[0]}
+
+
+def _compressed(image: bytes, width: int, height: int) -> bytes:
+    """A JPEG picture of pixels, grey or in colour as their number tells.
+
+    Raises:
+        PicturesNotPossible: OpenCV is missing, or there are not as many pixels as there should be.
+    """
+    cv2, numpy = _opencv()
+    channels = len(image) // (width * height) if width * height else 0
+    if channels not in (1, 3) or len(image) != width * height * channels:
+        raise PicturesNotPossible(f"{len(image)} bytes are no picture of {width} by {height}, grey or in colour")
+    array = numpy.frombuffer(image, numpy.uint8).reshape((height, width, channels))
+    if channels == 3:
+        array = cv2.cvtColor(array, cv2.COLOR_RGB2BGR)
+    _, coded = cv2.imencode(".jpg", array, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return bytes(coded)
+
+
+def _opencv() -> tuple[Any, Any]:
+    if missing("vision"):
+        raise PicturesNotPossible(needs("a wrapper with pictures", "vision"))
+    import cv2  # late: only wrappers with pictures need it
+    import numpy
+
+    return cv2, numpy
+
+
+KINDS: Mapping[ArgumentKind, type] = {
+    ArgumentKind.NUMBER: float,
+    ArgumentKind.INTEGER: int,
+    ArgumentKind.TEXT: str,
+    ArgumentKind.BOOLEAN: bool,
+    ArgumentKind.BYTES: str,
+}

@@ -13,8 +13,8 @@ from typing import Any, Self
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
+from agents.platform.container.context import AgentEnd
 from agents.platform.container.control import Control
-from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.askers import Askers
 from agents.platform.directory import check_free
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words

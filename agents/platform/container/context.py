@@ -2,13 +2,28 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from enum import StrEnum
 from pathlib import Path
 from typing import Protocol
 
 from agents.platform.acl import AclMessage
-from agents.platform.container.ends import AgentEnd
 from agents.platform.names import AgentName
 from bus import Bus
+
+
+class AgentEnd(StrEnum):
+    """Why an agent does not live in its container any more."""
+
+    STOPPED = "stopped"  # on purpose, by itself or by somebody
+    CLOSED = "closed"  # with its container, on purpose
+    MOVED = "moved"  # it lives on in another container
+    FAILED = "failed"  # a behaviour without which it is nothing
+    NOT_SET_UP = "not set up"  # its setup raised or took too long
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether nobody wanted it."""
+        return self in (AgentEnd.FAILED, AgentEnd.NOT_SET_UP)
 
 
 class ContainerContext(Protocol):

@@ -139,14 +139,14 @@ class Control:
     def _call(self, given: Given, conversation: Conversation) -> None:
         """Hand a conversation to an agent that has moved here: its replies are the agent's own."""
         try:
-            agent = self._container.agent(named_in(given))
-            agent.migration.gate.caller(table_of(given, "message"), conversation)
+            agent = self._container.agent(_name_in(given))
+            agent.migration.gate.caller(_table_of(given, "message"), conversation)
         except AgentError as err:
             with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
                 conversation.refuse(str(err))
 
     async def _do(self, given: Given, orders: Mapping[str, Order]) -> dict[str, Any]:
-        order = text_of(given, "do")
+        order = _text_of(given, "do")
         if order not in orders:
             near = meant(order, orders)
             advice = f"did you mean {near}?" if near else f"it obeys {', '.join(orders)}"
@@ -167,13 +167,13 @@ class Control:
         }
 
     async def _start(self, given: Given) -> dict[str, Any]:
-        agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
+        agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))
         await check_free(self._container.bus, agent.name)
         await self._container.bring_up(agent, agent.begin)
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _stop(self, given: Given) -> dict[str, Any]:
-        agent, task = self._container.agent(named_in(given)), asyncio.current_task()
+        agent, task = self._container.agent(_name_in(given)), asyncio.current_task()
         assert task is not None
         self._stopping.add(task)
         try:
@@ -183,56 +183,56 @@ class Control:
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _suspend(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
+        agent = self._container.agent(_name_in(given))
         if agent.state is AgentState.SUSPENDED:
             raise OrderNotValid(f"{agent.name} is suspended already")
         agent.suspend()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _resume(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
+        agent = self._container.agent(_name_in(given))
         if agent.state is not AgentState.SUSPENDED:
             raise OrderNotValid(f"{agent.name} is not suspended; it is {agent.state}")
         agent.resume()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _introspect(self, given: Given) -> dict[str, Any]:
-        return introspect(self._container.agent(named_in(given)))
+        return introspect(self._container.agent(_name_in(given)))
 
     async def _move(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
-        there, state = await self._departures.send(agent, text_of(given, "to"))
+        agent = self._container.agent(_name_in(given))
+        there, state = await self._departures.send(agent, _text_of(given, "to"))
         return {"name": str(agent.name), "state": str(state), "container": there.name}
 
     async def _adopt(self, given: Given) -> dict[str, Any]:
-        agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
-        await self._arrivals.adopt(agent, unpacked(table_of(given, "luggage")), text_of(given, "from"))
+        agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))
+        await self._arrivals.adopt(agent, unpacked(_table_of(given, "luggage")), _text_of(given, "from"))
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _settle(self, given: Given) -> dict[str, Any]:
-        self._arrivals.settle(named_in(given), opened(given.get("letters")))
+        self._arrivals.settle(_name_in(given), opened(given.get("letters")))
         return {}
 
     async def _deliver(self, given: Given) -> dict[str, Any]:
-        self._container.agent(named_in(given)).migration.gate.bring(opened(given.get("letters")))
+        self._container.agent(_name_in(given)).migration.gate.bring(opened(given.get("letters")))
         return {}
 
     async def _forsake(self, given: Given) -> dict[str, Any]:
-        await self._arrivals.forsake(named_in(given), text_of(given, "from"))
+        await self._arrivals.forsake(_name_in(given), _text_of(given, "from"))
         return {}
 
 
-def named_in(given: Given) -> AgentName:
+def _name_in(given: Given) -> AgentName:
     """The agent that an order is about.
 
     Raises:
         OrderNotValid: It names none.
         NameNotValid: What it names cannot be an agent.
     """
-    return AgentName.parse(text_of(given, "name"))
+    return AgentName.parse(_text_of(given, "name"))
 
 
-def text_of(given: Given, field: str) -> str:
+def _text_of(given: Given, field: str) -> str:
     """A text that an order must have.
 
     Raises:
@@ -244,7 +244,7 @@ def text_of(given: Given, field: str) -> str:
     return value
 
 
-def table_of(given: Given, field: str) -> dict[str, Any]:
+def _table_of(given: Given, field: str) -> dict[str, Any]:
     """A JSON object that an order may have.
 
     Raises:

@@ -4,8 +4,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any, Protocol
 
 from agents.platform.agent import Agent
-from agents.platform.container.context import ContainerContext
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.kinds import Kinds
 from agents.platform.names import AgentName, ContainerName
 

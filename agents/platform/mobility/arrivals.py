@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.agent import Agent
-from agents.platform.container.context import ContainerContext
+from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import QueuedMessage
-from agents.platform.container.ends import AgentEnd
 from agents.platform.errors import NotMoved, UnknownAgent
 from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState

@@ -18,9 +18,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from agents.platform.agent import Agent
+from agents.platform.container.context import AgentEnd
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import Caller, QueuedMessage
-from agents.platform.container.ends import AgentEnd
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
