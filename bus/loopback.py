@@ -64,7 +64,7 @@ class LocalBus(NamedTuple):
     def _registry(self) -> str:
         return f"acromovi/local:{self.name}/"
 
-    def entries(self) -> list["SessionEntry"]:
+    def entries(self) -> list["_SessionEntry"]:
         """Return the sessions that are registered, oldest first.
 
         Raises:
@@ -81,10 +81,10 @@ class LocalBus(NamedTuple):
             if path.startswith(f"@{self._registry}"):
                 serial, _, port = path.removeprefix(f"@{self._registry}").partition("/")
                 if serial.isdecimal() and port.isdecimal():
-                    found.add(SessionEntry(int(serial), int(port)))
+                    found.add(_SessionEntry(int(serial), int(port)))
         return sorted(found)
 
-    def endpoint(self, entry: "SessionEntry") -> str:
+    def endpoint(self, entry: "_SessionEntry") -> str:
         """Return the address of a registered session, as Zenoh writes it."""
         return f"tcp/{self.address}:{entry.port}"
 
@@ -92,7 +92,7 @@ class LocalBus(NamedTuple):
         return hashlib.sha256(f"acromovi local:{self.name}".encode()).digest()
 
 
-class SessionEntry(NamedTuple):
+class _SessionEntry(NamedTuple):
     """A registered session. serial: later sessions have higher ones. port: where it listens."""
 
     serial: int
@@ -118,7 +118,7 @@ class Registration(Closeable):
         """
         while True:
             before = bus.entries()
-            own = SessionEntry(max((entry.serial for entry in before), default=0) + 1, _free_port(bus.address))
+            own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, _free_port(bus.address))
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 self._socket.bind(f"\0{bus._registry}{own.serial}/{own.port}")

@@ -30,7 +30,7 @@ class MemoryListener:
             self.call(*args)
 
 
-class PendingQuery(Protocol):
+class _PendingQuery(Protocol):
     """A query that has not ended."""
 
     deadline: float
@@ -50,7 +50,7 @@ class MemoryNetwork:
         self.tokens: list[MemoryListener] = []
         self.watchers: list[MemoryListener] = []
         self.now = 0.0  # s since the network was made; moved by `let_pass` alone
-        self.queries: list[PendingQuery] = []
+        self.queries: list[_PendingQuery] = []
         self._routes: dict[str, list[MemoryListener]] = {}
         self._due: deque[Callable[[], None]] = deque()
         self._is_delivering = False

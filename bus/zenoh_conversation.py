@@ -32,7 +32,7 @@ def _read_reply(reply: zenoh.Reply) -> RawReply | None:
     return RawReply(True, "", payload)
 
 
-class ZenohConversation(Conversation):
+class _ZenohConversation(Conversation):
     """The answerer's end. Zenoh ends the query when this is closed, forgotten, or its process dies."""
 
     def __init__(self, key: str, query: zenoh.Query) -> None:
@@ -77,7 +77,7 @@ class ConversationListening(Listening):
     def hear(self, item: zenoh.Query) -> None:
         """Begin a conversation, unless this was closed while the query waited."""
         if self._prepare():
-            conversation = ZenohConversation(self._key, item)
+            conversation = _ZenohConversation(self._key, item)
             with refusing_errors(self._key, conversation):
                 self._talker(decode_unchecked_json(item.payload.to_bytes() if item.payload else b""), conversation)
 

@@ -43,7 +43,7 @@ class Team:
         complain_in_a_sentence()
         own_container = PrivateContainer(bus or default_bus())
         self._own_container: PrivateContainer | None = own_container
-        self._begin(own_container.thread, own_container.thread.call(look(own_container.thread)))
+        self._begin(own_container.loop_thread, own_container.loop_thread.call(look(own_container.loop_thread)))
         atexit.register(self.close)
 
     @classmethod

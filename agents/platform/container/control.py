@@ -34,7 +34,7 @@ from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
 from agents.platform.mobility.arrivals import Arrivals
 from agents.platform.mobility.departures import Departures
-from agents.platform.mobility.migration_state import opened, unpacked
+from agents.platform.mobility.migration_state import MigrationState, decode_queued
 from agents.platform.names import AgentName
 from bus import BusError, BusUnavailable, Conversation, Subscription
 from bus.aio import hand_over
@@ -206,15 +206,17 @@ class Control:
 
     async def _adopt(self, given: Given) -> dict[str, Any]:
         agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))
-        await self._arrivals.adopt(agent, unpacked(_table_of(given, "luggage")), _text_of(given, "from"))
+        await self._arrivals.adopt(
+            agent, MigrationState.from_dict(_table_of(given, "luggage")), _text_of(given, "from")
+        )
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _settle(self, given: Given) -> dict[str, Any]:
-        self._arrivals.settle(_name_in(given), opened(given.get("letters")))
+        self._arrivals.settle(_name_in(given), decode_queued(given.get("letters")))
         return {}
 
     async def _deliver(self, given: Given) -> dict[str, Any]:
-        self._container.agent(_name_in(given)).migration.gate.bring(opened(given.get("letters")))
+        self._container.agent(_name_in(given)).migration.gate.bring(decode_queued(given.get("letters")))
         return {}
 
     async def _forsake(self, given: Given) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from agents.platform.container.delivery_gate import Caller, QueuedMessage
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
-from agents.platform.mobility.migration_state import MigrationState, enveloped, packed
+from agents.platform.mobility.migration_state import MigrationState, encode_queued
 from agents.platform.names import AgentName, ContainerName
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
 from bus.aio import query
@@ -70,7 +70,7 @@ class Departures:
         there = await self._find(to)
         if agent.state is AgentState.TRANSIT:
             raise NotMoved(f"{agent.name} is moving already")
-        migration = await self._packed(agent)
+        migration = await self._pack(agent)
         try:
             await self._hand_over(agent, migration, there)
         except BaseException as err:
@@ -94,7 +94,7 @@ class Departures:
             raise NotMoved(f"{len(found)} containers are called {to}")
         return ContainerName.of_key(found[0].key)
 
-    async def _packed(self, agent: Agent) -> MigrationState:
+    async def _pack(self, agent: Agent) -> MigrationState:
         try:
             return await agent.migration.depart(DRAIN_TIME, agent.pack)
         except AgentError:
@@ -126,7 +126,7 @@ class Departures:
             if agent.state is not AgentState.TRANSIT:
                 raise NotMoved("it has been ended meanwhile")
             waiting = agent.migration.gate.waiting()
-            settle: Order = {"do": "settle", "name": str(agent.name), "letters": enveloped(waiting)}
+            settle: Order = {"do": "settle", "name": str(agent.name), "letters": encode_queued(waiting)}
             await self._tell(there, settle, ORDER_TIME)
             return len(waiting)
         except (BusError, TimeoutError) as err:
@@ -143,7 +143,7 @@ class Departures:
             "kind": kind_of(agent),
             "properties": agent.properties,
             "from": self._container.called.control_key,
-            "luggage": packed(migration),
+            "luggage": migration.to_dict(),
         }
 
     async def _linger(self, agent: Agent, there: ContainerName) -> None:
@@ -164,7 +164,7 @@ class Departures:
             self._pass_on(agent.name, there, caller)
         if waiting:
             try:
-                order: Order = {"do": "deliver", "name": str(agent.name), "letters": enveloped(waiting)}
+                order: Order = {"do": "deliver", "name": str(agent.name), "letters": encode_queued(waiting)}
                 await self._tell(there, order, ORDER_TIME)
             except (BusError, TimeoutError) as err:
                 self._container.report(agent.name, f"{len(waiting)} messages could not follow it to {there}", err)
