@@ -20,7 +20,8 @@ OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 class PrivateContainer:
     """The container of a plain script, on an event loop in a daemon thread, which ends with the program.
 
-    loop_thread: runs calls of the script by its agent, `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the owner of the key.
+    loop_thread: runs the calls of the script by its agent `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the
+        owner of the key.
     """
 
     def __init__(self, bus: Bus | str) -> None:

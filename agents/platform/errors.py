@@ -1,4 +1,4 @@
-"""What can go wrong among agents.
+"""Errors of agents.
 
 AgentError
  +-- NameNotValid (ValueError)      a text names no agent
@@ -16,11 +16,11 @@ from bus.errors import BusError
 
 
 class AgentError(Exception):
-    """The root: whatever can go wrong among agents."""
+    """The base class of errors of agents."""
 
 
 class NameNotValid(AgentError, ValueError):
-    """A text names no agent."""
+    """A text is not the name of an agent."""
 
 
 class AclError(AgentError, ValueError):
@@ -28,37 +28,37 @@ class AclError(AgentError, ValueError):
 
 
 class DescriptionNotValid(AgentError, ValueError):
-    """What an agent says of itself cannot be read, or is about another one."""
+    """The description of an agent cannot be read, or is that of another agent."""
 
 
 class IllegalTransition(AgentError):
-    """An agent's life knows no such step from its present state."""
+    """The life cycle has no such step from the agent's present state."""
 
 
 class UnknownAgent(AgentError, LookupError):
-    """No such agent lives here."""
+    """There is no such agent in this container."""
 
 
 class AlreadyThere(AgentError):
-    """An agent of this name lives here already."""
+    """There is an agent of this name already."""
 
 
 class SetupFailed(AgentError):
-    """An agent's setup raised or took too long, so it does not live."""
+    """An agent's setup raised or took too long, so it was not started."""
 
 
 class NotMoved(AgentError):
-    """An agent could not move into another container, and lives where it did."""
+    """An agent could not move into another container, and stays in its own."""
 
 
 class RequestNotDone(AgentError):
-    """What another agent was asked for was not done; the message says how it ended and why."""
+    """Another agent has not done what was requested; the message says how it ended and why."""
 
 
 def in_words(error: BaseException) -> str:
-    """An exception as the end of a sentence, never empty.
+    """Return an exception as the end of a sentence, never empty.
 
-    The text of our own errors is complete; of other errors the type is given as well, or alone where there is no text.
+    Errors of this product are returned as their text; other errors with their type as well.
     """
     text = str(error).strip()
     if isinstance(error, AgentError | BusError) and text:
