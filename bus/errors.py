@@ -15,7 +15,7 @@ from typing import Any
 
 
 class BusError(Exception):
-    """The root: whatever can go wrong on the bus."""
+    """The base class of errors of the bus."""
 
 
 class BusUnavailable(BusError, ConnectionError):
@@ -39,20 +39,20 @@ class NameTaken(BusError):
 
 
 class NoAnswer(BusError, TimeoutError):
-    """Nobody answered a query in time; a killed answerer is seen as this too."""
+    """No program answered a query in time; also when the responder was killed."""
 
 
 class TimedOut(NoAnswer):
-    """Someone is there and has not answered in time, or not ended its answers."""
+    """A program serves the key and has not answered in time, or not ended its answers."""
 
 
 class Refused(BusError):
-    """The answerer said no.
+    """The responder sent an error reply.
 
-    A handler given to `Bus.serve` raises it with the reason; `Bus.query` raises it on the asker's side.
+    A handler given to `Bus.serve` raises it with the reason; `Bus.query` raises it on the initiator's side.
 
     why: the reason in one sentence.
-    answers: what the other answerers of the same query said, key to value; empty for a query to one key.
+    answers: the answers of other programs to the same query, key to value; empty for a query to one key.
     """
 
     def __init__(self, why: str, answers: dict[str, dict[str, Any]] | None = None) -> None:

@@ -173,7 +173,7 @@ class Agent:
         """
 
         def malformed(error: Exception) -> None:
-            self._report(f"a sample on {key_expr} is skipped", error)
+            self._report(f"a sample on {key_expr} is left out", error)
 
         stream = Stream(key_expr, hear, keep, malformed, keyed)
         self._open.append(self.bus.subscribe(key_expr, stream.take, urgent=True))
