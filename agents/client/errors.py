@@ -1,16 +1,16 @@
-"""What can go wrong between a program and its robots.
+"""Errors of programs that drive robots.
 
 RobotError
- +-- NotThere                 no such robot, element or agent, or not any more
- +-- Refused                  the other said no, and has done nothing
+ +-- NotThere                 no such robot, element or agent, or no longer
+ +-- Refused                  the peer has refused, and has done nothing
  |    +-- LeaseLost           the lease that allowed it is lost, or about to be
- +-- Failed                   it tried, in vain
+ +-- Failed                   it was tried without success
  +-- TimedOut (TimeoutError)  it has not come to an end in time
 
-Every message says in one sentence what happened and, where there is a way out, which.
+Every message says in one sentence what happened and, if possible, what to do.
 
-`Stopped` stands apart, as KeyboardInterrupt does: it is no error but the wish that the program ends, and `except
-RobotError` or `except Exception` must not hold it up.
+`Stopped` is a BaseException like KeyboardInterrupt: it is no error but ends the program, and `except RobotError` or
+`except Exception` must not catch it.
 """
 
 from agents.client.wording import in_api_words
@@ -18,23 +18,23 @@ from agents.platform import Ending, Outcome
 
 
 class RobotError(Exception):
-    """The root: whatever can go wrong between a program and its robots."""
+    """The base class of errors of programs that drive robots."""
 
 
 class NotThere(RobotError):
-    """No such robot, element or agent, or not any more."""
+    """There is no such robot, element or agent, or no longer."""
 
 
 class RequestRefused(RobotError):
-    """The other said no, and has done nothing."""
+    """The peer has refused, and has done nothing."""
 
 
 class LeaseLost(RequestRefused):
-    """The lease is lost under which it was to be done, or somebody of higher priority is about to take it."""
+    """The lease for it is lost, or a program of higher priority is about to take it."""
 
 
 class Failed(RobotError):
-    """It was tried, in vain."""
+    """It was tried without success."""
 
 
 class RequestTimedOut(RobotError, TimeoutError):
@@ -42,7 +42,7 @@ class RequestTimedOut(RobotError, TimeoutError):
 
 
 class Stopped(BaseException):
-    """The program is told to end, by whoever runs it."""
+    """The program is stopped from outside."""
 
 
 _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
@@ -56,7 +56,7 @@ _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
 
 
 def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
-    """The error that a request's end is to whoever asked, in the words of this API."""
+    """Return the error for the outcome of a request, in the terms of this API."""
     kind, sentence = _BY_ENDING[outcome.ending]
     why = in_api_words(outcome.why, str(peer).partition("@")[0])
     return kind(sentence.format(peer=peer, request=request, why=why))

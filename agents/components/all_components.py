@@ -1,4 +1,4 @@
-"""Which class serves which element."""
+"""The agent classes by element."""
 
 from collections.abc import Mapping
 
@@ -41,5 +41,5 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
 
 
 def component_for(element: str) -> type[ElementAgent]:
-    """The class for an element; one that nobody has thought of is served all the same."""
+    """Return the class for an element; an unknown one gets the generic class."""
     return COMPONENTS.get(element, Generic)

@@ -11,11 +11,11 @@ from geometry import Pose2D, wrap_angle
 THERE = 0.02
 """m from the goal at which the robot has arrived."""
 STILL_THERE = 0.1
-"""m; so far it may slip while it turns to its final heading, without driving again."""
+"""m that the robot may slip while it turns to its final heading, without driving again."""
 ALIGNED = 0.02
 """rad."""
 FACING = pi / 3
-"""rad beyond which it turns on the spot before it drives."""
+"""rad beyond which the robot turns on the spot before it drives."""
 GAIN = 1.5
 """1/s, linear as angular; robot and line answer after 0.2 s or so."""
 BRAKING = 0.2
@@ -23,14 +23,14 @@ BRAKING = 0.2
 ANGULAR_BRAKING = 0.8
 """rad/s²."""
 AT_THE_END = 0.01
-"""m short of the end of a straight way."""
+"""m before the end of a straight path."""
 SLOWEST = 0.03
-"""m/s; below, wheels stick."""
+"""m/s; below this speed wheels stick."""
 
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """What to drive, m/s forward and rad/s counter-clockwise. is_done: nothing is left to do."""
+    """A velocity, m/s forward and rad/s counter-clockwise. is_done: the goal is reached."""
 
     linear: float
     angular: float
@@ -39,7 +39,7 @@ class Velocity:
 
 @dataclass(frozen=True, slots=True)
 class PoseControlLimits:
-    """What the robot is not to exceed, m/s and rad/s."""
+    """The largest speeds, m/s and rad/s."""
 
     linear: float
     angular: float
@@ -47,14 +47,14 @@ class PoseControlLimits:
 
 @dataclass(frozen=True, slots=True)
 class PoseGoal:
-    """A place, and a heading if one is wanted."""
+    """A position, and optionally a heading."""
 
     x: float
     y: float
     heading: float | None = None
 
     def distance(self, pose: Pose2D) -> float:
-        """How far it is, m."""
+        """Return the distance, m."""
         return hypot(self.x - pose.x, self.y - pose.y)
 
 
@@ -97,7 +97,7 @@ def _turning(error: float, limits: PoseControlLimits) -> float:
 
 
 def _slowing(left: float, limit: float, braking: float) -> float:
-    """A speed from which one comes to rest in the way that is left, signed as that is."""
+    """Return a speed from which the robot can stop in the remaining distance, with its sign."""
     return copysign(min(limit, GAIN * abs(left), sqrt(2.0 * braking * abs(left))), left)
 
 
