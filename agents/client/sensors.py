@@ -1,4 +1,4 @@
-"""The elements that tell what a robot senses."""
+"""The clients of sensors, user ports and sound."""
 
 import base64
 import math
@@ -46,7 +46,7 @@ class Picture:
     stamp: float = math.nan
 
     def __repr__(self) -> str:
-        """Its size and stamp: `<Picture jpeg, 320 x 240 pixels, 10.4 kB, stamp 1793404800.512>`."""
+        """Return its size and stamp: `<Picture jpeg, 320 x 240 pixels, 10.4 kB, stamp 1793404800.512>`."""
         size = "unknown size" if self.width is None or self.height is None else f"{self.width} x {self.height} pixels"
         stamp = "" if math.isnan(self.stamp) else f", stamp {self.stamp:.3f}"
         return f"<Picture {self.format}, {size}, {len(self.data) / 1000:.1f} kB{stamp}>"
@@ -63,14 +63,14 @@ class Picture:
             raise RobotError(f"the picture cannot be written to {file}: {err.strerror}") from err
 
     def pixels(self) -> npt.NDArray[np.uint8]:
-        """The colours of its pixels: rows from the top, columns from the left, and blue, green and red, 0 to 255.
+        """Return its pixels: rows from the top, columns from the left, and blue, green and red, 0 to 255.
 
         Raises:
-            RobotError: It is no picture, or OpenCV is missing, which takes it apart.
+            RobotError: It is no picture, or OpenCV is missing.
         """
         if missing("vision"):
             raise RobotError(needs("Picture.pixels", "vision"))
-        import cv2  # here and not at the top: it is a large part that only this needs
+        import cv2  # late: only this needs the large module
 
         found = cv2.imdecode(np.frombuffer(self.data, np.uint8), cv2.IMREAD_COLOR)
         if found is None:
@@ -89,7 +89,7 @@ class SonarClient(ElementClient[SonarReading]):
 
     @property
     def discs(self) -> dict[int, SonarDiscPose]:
-        """The discs by number: where each is, where it points, and its frame; empty where the robot gives none.
+        """Return the discs by number with pose and frame; empty if the robot's description has none.
 
         Raises:
             RobotError: The agent does not answer.
@@ -105,11 +105,11 @@ class SonarClient(ElementClient[SonarReading]):
         return self.read().within(angle, width)
 
     def nearest(self) -> float:
-        """The nearest echo, m; infinite when there is none."""
+        """Return the nearest echo, m; infinite if there is none."""
         return self.read().nearest
 
     def power(self, on: bool = True) -> None:
-        """Switch the discs."""
+        """Switch the discs on or off."""
         self.ask("power", on=on)
 
     def _read(self, result: Any) -> SonarReading:
@@ -117,7 +117,7 @@ class SonarClient(ElementClient[SonarReading]):
 
 
 def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDiscPose:
-    """A disc of the agent's description.
+    """Return a disc of the agent's description.
 
     Raises:
         RobotError: It cannot be read.
@@ -142,17 +142,17 @@ class LaserClient(ElementClient[LaserReading]):
     reading = LaserReading
 
     def nearest(self) -> float:
-        """The nearest obstacle, m; infinite when there is none."""
+        """Return the nearest obstacle, m; infinite if there is none."""
         return self.read().nearest
 
 
 class BumpersClient(ElementClient[BumpersReading]):
-    """What feels contact."""
+    """The bumpers."""
 
     reading = BumpersReading
 
     def pressed(self) -> bool:
-        """Whether anything touches the robot."""
+        """Return whether anything touches the robot."""
         return self.read().pressed
 
 
@@ -162,7 +162,7 @@ class InfraredClient(ElementClient[RangesReading]):
     reading = RangesReading
 
     def nearest(self) -> float:
-        """The nearest thing, m; infinite when there is none."""
+        """Return the nearest obstacle, m; infinite if there is none."""
         return self.read().nearest
 
 
@@ -192,7 +192,7 @@ class CameraClient(ElementClient[CameraReading]):
     reading = CameraReading
 
     def picture(self) -> Picture:
-        """The newest picture: `robot.camera.picture().save("here.jpg")`."""
+        """Return the newest picture: `robot.camera.picture().save("here.jpg")`."""
         taken = self.ask("picture")
         return Picture(
             format=taken["format"],
@@ -204,17 +204,17 @@ class CameraClient(ElementClient[CameraReading]):
 
 
 class SoundClient(ElementClient[OtherReading]):
-    """Buzzer or loudspeaker."""
+    """The buzzer or loudspeaker."""
 
     def play(self, notes: Sequence[tuple[int, float]] | int) -> None:
-        """Play notes, each a MIDI number and its length in s, or a tune that the robot knows by its number."""
+        """Play notes, each a MIDI number and its length in s, or a tune of the robot by its number."""
         if isinstance(notes, int):
             self.ask("play", number=notes)
         else:
             self.ask("play", notes=[list(note) for note in notes])
 
     def mute(self, on: bool = True) -> None:
-        """Be silent, or no longer."""
+        """Switch the sound off or on."""
         self.ask("mute", on=on)
 
 
@@ -224,7 +224,7 @@ class JoystickClient(ElementClient[JoystickReading]):
     reading = JoystickReading
 
     def drive(self, on: bool = True) -> None:
-        """Let it drive the robot, or no longer."""
+        """Permit or forbid that it drives the robot."""
         self.ask("drive", on=on)
 
 
@@ -232,6 +232,6 @@ class CompassClient(ElementClient[OtherReading]):
     """The compass."""
 
     def heading(self) -> float:
-        """From magnetic north, counter-clockwise, rad; NaN where it cannot be told."""
+        """Return the heading from magnetic north, counter-clockwise, rad; NaN if it is not known."""
         heading = self.read()["heading"]
         return math.nan if heading is None else float(heading)

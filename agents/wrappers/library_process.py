@@ -1,7 +1,7 @@
 """A process that calls the functions of a C library for an agent: `python -m agents.wrappers.library_process FILE`.
 
-It is a process of its own because a fault in C ends the process in which it happens. It hears calls on its standard
-input and answers on its standard output (`frames`), and ends when its input does.
+It is a process of its own because a fault in C ends the process. It reads calls from its standard input, writes answers
+to its standard output (`frames`), and ends with its input.
 """
 
 import ctypes
@@ -32,12 +32,12 @@ PORTION = 1 << 20
 
 
 def _library_path(file: str, beside: Path) -> str:
-    """Where a library is: a path with a slash is relative to the wrapper's file."""
+    """Return the path of a library: a path with a slash is relative to the wrapper's file."""
     return str(beside.parent / file) if "/" in file else file
 
 
 class _CFunction:
-    """One function, as its row describes it.
+    """One function by its row.
 
     Raises:
         ValueError: The library has no such function, or the row does not describe it; the message says why.
@@ -132,7 +132,7 @@ def _functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str
 def main(file: str) -> int:
     """Answer calls until the input ends."""
     calls, answers = sys.stdin.fileno(), os.dup(sys.stdout.fileno())
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what the library prints must not get among the answers
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of the library must not mix with the answers
     try:
         functions = _functions_of(file)
     except (ValueError, OSError) as err:

@@ -1,4 +1,4 @@
-"""An agent made of a program or a library, as a file says: requests go to it, what it tells becomes results."""
+"""An agent for a program or a library by a wrapper file: it passes on requests, and publishes results."""
 
 import asyncio
 import base64
@@ -49,18 +49,17 @@ IMAGE = "image/compressed"
 
 
 class Wrapped(Agent):
-    """Lives as long as its container wants; its program is started with it, ended with it, and started again when it
-    ends by itself. While it is not there, requests are refused."""
+    """Starts and ends a program with itself, and restarts it when it ends by itself. Otherwise requests are refused."""
 
     def __init__(self, name: AgentName | str, wrapper: WrapperFile, file: Path) -> None:
-        """Make it ready.
+        """Prepare it.
 
         Args:
             name: The agent's.
-            wrapper: What the file says.
-            file: Where it is; paths in it are relative to its folder.
+            wrapper: The contents of the file.
+            file: Its path; paths in it are relative to its folder.
         Raises:
-            ConfigError: The file asks for something that its language has not.
+            ConfigError: The file demands something that its protocol does not have.
         """
         super().__init__(name, {"about": wrapper.about, "wrapper": file.stem})
         self._wrapper = wrapper
@@ -72,15 +71,15 @@ class Wrapped(Agent):
 
     @property
     def image_key(self) -> str:
-        """Where the pictures appear that a function made."""
+        """The key of the pictures that a function makes."""
         return f"{self.name.platform}/agents/{self.name.local}/{IMAGE}"
 
     def describe(self) -> dict[str, Any]:
-        """Its services are the file's."""
+        """Return the description with the services of the file."""
         return {**super().describe(), "services": list(self._wrapper.services)}
 
     async def setup(self) -> None:
-        """Start the program; where that fails, it is tried again later, and requests are refused until then."""
+        """Start the program; after a failure this is repeated, and requests are refused until then."""
         for row in self._wrapper.requests:
             self.answer(row.name, self._handler(row), agrees_itself=True)
         for function in self._wrapper.functions:
@@ -99,7 +98,7 @@ class Wrapped(Agent):
             await self._program.end()
 
     async def ask(self, name: str, arguments: Mapping[str, Any], within: float) -> dict[str, Any]:
-        """Put a request to the program.
+        """Send a request to the program.
 
         Raises:
             NotAnswered, ProgramEnded: It was not done.
@@ -109,7 +108,7 @@ class Wrapped(Agent):
         return await self._program.ask(name, arguments, within)
 
     async def _keep(self) -> None:
-        """One run of the program."""
+        """Keep one run of the program."""
         part, library = self._wrapper.program, self._wrapper.library
         command = list(part.command) if part else [sys.executable, "-m", "agents.wrappers.library_process"]
         if library is not None:
@@ -136,7 +135,7 @@ class Wrapped(Agent):
         self.publish(_without_bytes(value))
 
     def _handler(self, row: RequestRow) -> Callable[..., Any]:
-        """A function that the platform can check arguments against."""
+        """Return a handler whose signature has the arguments of a request."""
 
         async def serve(**given: Any) -> dict[str, Any]:
             arguments = {**row.defaults, **given}
@@ -160,7 +159,7 @@ class Wrapped(Agent):
         return serve
 
     async def _poll(self, name: str) -> None:
-        """Ask for what is published; while the program is not there, there is nothing to tell."""
+        """Request what is published; nothing while the program does not run."""
         row = next(row for row in self._requests() if row.name == name)
         if self._program is not None:
             with contextlib.suppress(ProgramEnded):  # that is told by whoever keeps it running
@@ -188,10 +187,10 @@ class Wrapped(Agent):
 
 
 def check(wrapper: WrapperFile, file: Path) -> None:
-    """See that the language has what the file asks for.
+    """Check that the protocol has what the file demands.
 
     Raises:
-        ConfigError: It has not.
+        ConfigError: It does not.
     """
     part = wrapper.program
     if part is None:
@@ -208,7 +207,7 @@ def check(wrapper: WrapperFile, file: Path) -> None:
 
 
 def _codec_of(wrapper: WrapperFile) -> ProgramCodec:
-    """The language of one run."""
+    """Return the protocol for one run."""
     if wrapper.program is None:
         return FramesCodec()
     match wrapper.program.codec:
@@ -221,7 +220,7 @@ def _codec_of(wrapper: WrapperFile) -> ProgramCodec:
 
 
 def _as_request(row: FunctionRow) -> RequestRow:
-    """A function as a request: what it writes is no argument of it."""
+    """Return a function as a request: its outputs are no arguments."""
     takes = {each.name: _kind(each) for each in row.arguments if each.kind != "out"}
     return RequestRow(name=row.name, takes=takes, defaults=row.defaults, within_s=row.within_s)
 
@@ -238,7 +237,7 @@ def _bytes(name: str, value: str) -> bytes:
 
 
 def _without_bytes(value: Mapping[str, Any]) -> dict[str, Any]:
-    """As JSON can hold it: bytes become base64."""
+    """Return values for JSON: bytes become base64."""
     return {key: base64.b64encode(each).decode() if isinstance(each, bytes) else each for key, each in value.items()}
 
 
@@ -247,7 +246,7 @@ class PicturesNotPossible(RuntimeError):
 
 
 def _pixels(picture: bytes, colours: Colours) -> dict[str, Any]:
-    """Arguments for a function: `image` (bytes, row by row from the top left), `width` and `height` in pixels.
+    """Return arguments for a function: `image` (bytes, row by row from the top left), `width` and `height` in pixels.
 
     Raises:
         PicturesNotPossible: OpenCV is missing, or these bytes are no picture.
@@ -263,7 +262,7 @@ def _pixels(picture: bytes, colours: Colours) -> dict[str, Any]:
 
 
 def _compressed(image: bytes, width: int, height: int) -> bytes:
-    """A JPEG picture of pixels, grey or in colour as their number tells.
+    """Return a JPEG picture of pixels, grey or in colour by their number.
 
     Raises:
         PicturesNotPossible: OpenCV is missing, or there are not as many pixels as there should be.
