@@ -175,8 +175,8 @@ class ElementAgent(Agent):
         try:
             replies = ReplyQueue(COMMAND_TIME)
             with self.bus.ask(topic.key(self.robot), given, replies.put, replies.put, COMMAND_TIME, urgent=True):
-                (answer,) = [reply.value async for reply in replies]
-            return answer
+                answers = [reply.value async for reply in replies]
+            return answers[0]
         except TimeoutError as err:
             if isinstance(err, NoAnswer) and not isinstance(err, TimedOut):
                 raise Refused(f"nobody drives {self.robot}; see whether its p2os-gateway runs") from err
