@@ -394,7 +394,7 @@ class Agent:
             self._open.pop().close()  # in reverse order: out of the directory before the subscriptions end
         clinging = await self._dispatcher.close() + await self._schedule.stop()
         if clinging:
-            self._report(f"{' and '.join(clinging)} continues although it was cancelled", None)
+            self._report(f"{' and '.join(clinging)} goes on although it was told to end", None)
 
     def _move_in(self, home: ContainerContext) -> None:
         self._home, self._loop = home, asyncio.get_running_loop()
