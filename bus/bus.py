@@ -1,10 +1,9 @@
-"""The bus as every room sees it: push, query, send, and presence.
+"""The interface of the bus: publish, query, and liveliness tokens.
 
-`ZenohBus` (session.py) carries it between processes, `MemoryBus` (memory.py) inside one; one suite tests both.
+`ZenohBus` (session.py) implements it between processes, `MemoryBus` (memory.py) inside one; one suite tests both.
 
-Three patterns: **push** is `publisher` and `put` (a reading nobody must wait for; dropped under congestion), **query**
-is `serve` and `query` (a question with an answer, in JSON), **send** is `send` (a command or a record; blocks under
-congestion).
+Three patterns: **push** is `publisher` and `put` (a stream; dropped under congestion), **query** is `serve` and `query`
+(request and reply, in JSON), **send** is `send` (a command or a record; blocks under congestion).
 """
 
 from abc import ABC, abstractmethod
@@ -29,10 +28,10 @@ REPLY_GRACE = 2.0  # s after its timeout, in which a query ends by itself
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """What arrived on a key.
+    """A sample received on a key.
 
     encoding: `application/cdr;nav_msgs/msg/Odometry` or `application/json`; a foreign program may write anything.
-    attachment: bytes beside the payload, for example a lease's token; empty when there are none.
+    attachment: bytes sent with the payload, for example a lease's token; empty when there are none.
     """
 
     key: str
@@ -56,11 +55,11 @@ class Answer:
 
 
 class Closeable(ABC):
-    """What a `with` block closes at its end. Closing twice does no harm."""
+    """An object that a `with` block closes at its end. Closing it twice has no effect."""
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of everything it holds."""
+        """Release everything it holds."""
 
     def __enter__(self) -> Self:
         return self
@@ -72,10 +71,10 @@ class Closeable(ABC):
 
 
 class Conversation(Closeable):
-    """The answerer's end of a query that wants several replies; closing it ends the conversation.
+    """The responder's end of a query with several replies; closing it ends the conversation.
 
-    Any thread may use it, whenever it likes. What is said after the asker has lost patience or died, or after this bus
-    was closed, is lost, and nobody notices here.
+    Any thread may use it at any time. Replies after the initiator's timeout or death, or after this bus was closed, are
+    lost without an error.
     """
 
     @abstractmethod
@@ -89,7 +88,7 @@ class Conversation(Closeable):
 
     @abstractmethod
     def refuse(self, why: str) -> None:
-        """Say no, in one sentence, and end the conversation.
+        """Send an error reply with one sentence, and end the conversation.
 
         Raises:
             BusUnavailable: The conversation has been ended already.
@@ -97,25 +96,25 @@ class Conversation(Closeable):
 
 
 class Subscription(Closeable):
-    """Something held open on the bus: a subscriber, a queryable, a token.
+    """A declaration on the bus: a subscriber, a queryable or a token.
 
     It stays open until it or the bus is closed, whether or not anyone keeps a reference to it.
     """
 
     @abstractmethod
     def close(self) -> None:
-        """Let go. No new call of the handler starts afterwards."""
+        """Withdraw the declaration. No new call of the handler starts afterwards."""
 
 
 class Publisher(Subscription):
-    """A key and a type, declared once and put to often."""
+    """A publisher of messages of one type on one key."""
 
     @property
     @abstractmethod
     def has_listeners(self) -> bool:
-        """Whether somebody subscribes to its key now, as far as this participant has heard; cheap enough for every put.
+        """Whether a program subscribes to its key now, as far as this participant knows; cheap enough for every put.
 
-        What is dear to make is made only while it is true. False once this or the bus is closed.
+        Expensive messages are made only while it is true. False once this or the bus is closed.
         """
 
     @abstractmethod
@@ -132,21 +131,21 @@ class Bus(Closeable):
     """One participant on the bus.
 
     Handlers run on threads of the bus, one call at a time for each subscription, and must be quick. What a handler
-    raises is logged, and the subscription lives on. Messages are the classes of `bus.messages`; a dict travels as JSON.
-    Every method raises `KeyNotValid` for a malformed key, `BusUnavailable` after `close`, and on a secure bus
+    raises is logged, and the subscription continues. Messages are the classes of `bus.messages`; a dict is sent as
+    JSON. Every method raises `KeyNotValid` for a malformed key, `BusUnavailable` after `close`, and on a secure bus
     `NotAllowed` for what the role of this program's certificate does not permit.
     """
 
     @property
     def own_name(self) -> str | None:
-        """The only name under which this participant may speak: its keys begin with it. None where it may take any."""
+        """The only name that this participant may use: the first chunk of its keys. None if it may use any."""
         return None
 
     def check_may_query(self, key_expr: str) -> None:
-        """See whether a query would be let through, before anything is begun for its sake.
+        """Check whether this program may send a query.
 
         Raises:
-            NotAllowed: It would not be.
+            NotAllowed: It may not.
         """
         return
 
@@ -161,28 +160,28 @@ class Bus(Closeable):
 
     @abstractmethod
     def put(self, key: str, message: object, attachment: bytes = b"") -> None:
-        """Publish one message once; dropped under congestion. A dict travels as JSON."""
+        """Publish one message once; dropped under congestion. A dict is sent as JSON."""
 
     @abstractmethod
     def send(self, key: str, message: object, attachment: bytes = b"") -> None:
-        """Publish one message that must not be dropped: wait while the way is congested. A dict travels as JSON."""
+        """Publish one message that must not be dropped: wait during congestion. A dict is sent as JSON."""
 
     @abstractmethod
     def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
-        """Hear what is put on every key that the expression matches (`*` one chunk, `**` any number of chunks).
+        """Subscribe to every key that the expression matches (`*` one chunk, `**` any number of chunks).
 
         Args:
             key_expr: A key, or an expression.
             on_sample: Called with each sample.
-            urgent: Call it on the thread that receives, which spares a change of threads; such a handler must not wait
-                for anything, since the whole session waits for it.
+            urgent: Call it on the receiving thread, without a change of threads; such a handler must not block, since
+                it blocks the whole session.
         """
 
     @abstractmethod
     def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
-        """Hear the latest sample on a key; samples that arrive while the handler runs replace each other.
+        """Subscribe to the latest sample on a key; samples that arrive while the handler runs replace each other.
 
-        For commands that grow stale: a publisher that sends faster than the handler can keep up builds no queue.
+        For commands that become stale: a publisher that is faster than the handler fills no queue.
 
         Args:
             key: The key, without wildcards.
@@ -196,17 +195,16 @@ class Bus(Closeable):
     ) -> Subscription:
         """Answer queries on a key: a JSON object in, a JSON object out.
 
-        The handler raises `Refused` to say no: an error reply `{"error": why}`. Anything else it raises is logged and
-        becomes an error reply too, and so does a query that carries no JSON object within the limits of
-        `bus.validation`; the handler goes on serving.
+        The handler raises `Refused` for an error reply `{"error": why}`. Any other exception is logged and also becomes
+        an error reply. A query without a JSON object within the limits of `bus.validation` gets one, too.
 
-        Queries wait for the thread of this bus in one queue per client, and the clients take turns; a query beyond
-        `MOST_WAITING` of one client gets an error reply at once.
+        Queries wait for the thread of this bus in one queue per client, and the clients take turns; a query of a client
+        with `MOST_WAITING` queries in its queue gets an error reply at once.
 
         Args:
             key: The key, without wildcards.
-            answer: Called with the JSON object that was asked; returns a JSON object, or one that is encoded already.
-            urgent: Call it on the thread that receives, as `subscribe` does: such a query waits for no other.
+            answer: Called with the JSON object of the query; returns a JSON object, or one that is encoded already.
+            urgent: Call it on the receiving thread, as `subscribe` does: such a query waits for no other.
         """
 
     def query(
@@ -247,14 +245,14 @@ class Bus(Closeable):
     ) -> Subscription:
         """Answer queries on a key with any number of replies, now or later.
 
-        The handler checks the texts and numbers that it uses with `bus.validation.check_value`, since it may want to
-        refuse in the form of its own protocol. It must end each conversation: until then, or until this process
-        dies, the asker waits. What it raises becomes an error reply and ends the conversation, as with `serve`.
+        The handler checks the texts and numbers that it uses with `bus.validation.check_value`, so that it can refuse
+        in the form of its own protocol. It must end each conversation: until then, or until this process dies, the
+        initiator waits. What it raises becomes an error reply and ends the conversation, as with `serve`.
 
         Args:
             key: The key, without wildcards.
-            handler: Called with the JSON object that was asked, and the conversation to reply in.
-            urgent: Call it on the thread that receives, as `subscribe` does.
+            handler: Called with the JSON object of the query, and the conversation for the replies.
+            urgent: Call it on the receiving thread, as `subscribe` does.
         """
 
     @abstractmethod
@@ -268,32 +266,33 @@ class Bus(Closeable):
         *,
         urgent: bool = False,
     ) -> Subscription:
-        """Ask everyone who serves a matching key, and hear every reply as it comes, without waiting.
+        """Query every program that serves a matching key, and pass on every reply as it comes, without blocking.
 
-        `on_end` is called once, after the last reply, with None when every answerer has ended the conversation or is
-        gone after at least one reply. That all was said is for the replies themselves to tell: who is killed ends the
-        conversation as well. Otherwise it gets `NoAnswer` when there was no reply at all (nobody serves the key, or who
-        does was killed), `TimedOut` when someone has not ended it in time, `Refused` when there was an error reply.
+        `on_end` is called once, after the last reply, with None when every responder has ended the conversation or has
+        gone after at least one reply. Only the replies can show that they are complete, since a responder that is
+        killed ends the conversation as well. Otherwise `on_end` gets `NoAnswer` when there was no reply at all (no
+        program serves the key, or it was killed), `TimedOut` when one has not ended it in time, `Refused` for an error
+        reply.
 
         Args:
-            key_expr: A key, or an expression to ask several at once.
+            key_expr: A key, or an expression that matches several keys.
             arguments: The JSON object to carry; none is the empty object.
             on_reply: Called with each answer.
-            on_end: Called with what went wrong, or None.
-            timeout: s until the whole conversation must have ended.
-            urgent: Call both on the thread that receives, as `subscribe` does.
+            on_end: Called with the error, or None.
+            timeout: s until the end of the whole conversation.
+            urgent: Call both on the receiving thread, as `subscribe` does.
         Returns:
-            What to close when the rest is of no interest: neither handler is called any more.
+            The query; once it is closed, neither handler is called any more.
         """
 
     @abstractmethod
     def declare_alive(self, key: str) -> Subscription:
-        """Show a token while this participant lives; it goes with `close`, with the process or with the connection."""
+        """Declare a liveliness token; it is withdrawn by `close`, and with the end of the process or the connection."""
 
     @abstractmethod
     def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
-        """Hear of tokens: `on_change(key, True)` for each there is or comes, `on_change(key, False)` as it goes."""
+        """Watch tokens: `on_change(key, True)` for each one that exists or appears, `False` when it disappears."""
 
     @abstractmethod
     def close(self) -> None:
-        """Leave the bus: everything this participant declared is withdrawn. Closing twice does no harm."""
+        """Leave the bus: everything this participant declared is withdrawn. Closing twice has no effect."""

@@ -1,4 +1,4 @@
-"""What a Zenoh session holds open."""
+"""Declarations on a Zenoh session: subscribers, queryables and tokens."""
 
 import threading
 import time
@@ -14,7 +14,7 @@ HANDLER_GRACE = 1.0  # s for handlers to end when the bus is closed
 
 
 class Undeclarable(Protocol):
-    """What Zenoh returns for a declaration."""
+    """A declaration as Zenoh returns it."""
 
     def undeclare(self) -> object:
         """Withdraw it."""
@@ -22,7 +22,7 @@ class Undeclarable(Protocol):
 
 
 class Declared(Subscription):
-    """Something declared on a Zenoh session; when the session closes, so does it."""
+    """A declaration on a Zenoh session, with which it closes."""
 
     def __init__(self, declared: "set[Declared]", handle: Undeclarable | None = None) -> None:
         self.handle = handle
@@ -38,7 +38,7 @@ class Declared(Subscription):
 
 
 def _withdraw(handle: Undeclarable) -> None:
-    """Withdraw a declaration, as soon as no other thread uses it: Zenoh's Python calls it borrowed so long."""
+    """Withdraw a declaration as soon as no other thread uses it; until then Zenoh's Python raises RuntimeError."""
     until = time.monotonic() + HANDLER_GRACE
     while True:
         try:
@@ -57,7 +57,7 @@ class Listening(Declared):
         """Open it.
 
         Args:
-            declared: What the session holds open.
+            declared: The open declarations of the session.
             handler: Called with each item; must not raise.
             is_urgent: Whether `hear` is called on Zenoh's own threads.
         """
@@ -78,7 +78,7 @@ class Listening(Declared):
         return self._is_open
 
     def close(self) -> None:
-        """Withdraw it; what waits to be heard is dropped."""
+        """Withdraw it; waiting items are dropped."""
         self._is_open = False
         super().close()
 
@@ -86,7 +86,7 @@ class Listening(Declared):
 class LatestListening(Declared):
     """A subscriber whose channel keeps one sample, and a thread that takes it from there.
 
-    The channel replaces older samples outside Python, so a flood costs this process next to nothing.
+    The channel replaces older samples outside Python, so a flood costs this process almost nothing.
     """
 
     def __init__(
@@ -96,10 +96,10 @@ class LatestListening(Declared):
         handler: Callable[[Any], None],
         period: float,
     ) -> None:
-        """Begin to listen.
+        """Start the thread.
 
         Args:
-            declared: What the session holds open.
+            declared: The open declarations of the session.
             subscriber: Its channel holds one sample.
             handler: Called with each sample that is taken; must not raise.
             period: Least time between two calls, s.
@@ -113,7 +113,7 @@ class LatestListening(Declared):
         self._thread.start()
 
     def close(self) -> None:
-        """Withdraw it; a sample that waits is dropped. Its thread has ended then, unless a handler hangs.
+        """Withdraw it; a waiting sample is dropped. Its thread has ended afterwards, unless a handler hangs.
 
         A thread that still waits inside Zenoh when the interpreter ends would abort the process.
         """

@@ -47,12 +47,12 @@ class TimedOut(NoAnswer):
 
 
 class Refused(BusError):
-    """The answerer said no.
+    """The responder sent an error reply.
 
-    A handler given to `Bus.serve` raises it with the reason; `Bus.query` raises it on the asker's side.
+    A handler given to `Bus.serve` raises it with the reason; `Bus.query` raises it on the initiator's side.
 
     why: the reason in one sentence.
-    answers: what the other answerers of the same query said, key to value; empty for a query to one key.
+    answers: the answers of other programs to the same query, key to value; empty for a query to one key.
     """
 
     def __init__(self, why: str, answers: dict[str, dict[str, Any]] | None = None) -> None:

@@ -1,4 +1,4 @@
-"""What the two kinds of bus do alike: check keys, encode, answer queries, sort replies, guard handlers."""
+"""Functions of both kinds of bus: check keys, encode, answer queries, collect replies, log errors of handlers."""
 
 import contextlib
 import logging
@@ -22,7 +22,7 @@ P = ParamSpec("P")
 
 
 class RawReply(NamedTuple):
-    """One reply as it travels: an error reply has no key."""
+    """One encoded reply: an error reply has no key."""
 
     is_error: bool
     key: str
@@ -30,7 +30,7 @@ class RawReply(NamedTuple):
 
 
 def key_expression(text: str) -> zenoh.KeyExpr:
-    """A key expression, checked.
+    """Return a key expression.
 
     Raises:
         KeyNotValid: It is malformed.
@@ -44,10 +44,10 @@ def key_expression(text: str) -> zenoh.KeyExpr:
 
 
 def plain_key(text: str) -> str:
-    """A key without wildcards, checked.
+    """Return a key, after checking that it has no wildcards.
 
     Raises:
-        KeyNotValid: It is malformed, or stands for several keys.
+        KeyNotValid: It is malformed, or matches several keys.
     """
     key_expression(text)
     if "*" in text:
@@ -56,19 +56,19 @@ def plain_key(text: str) -> str:
 
 
 def reason(error: zenoh.ZError) -> str:
-    """Zenoh's sentence, out of what it wraps around it and without the source line that follows."""
+    """Return the sentence of an error of Zenoh's, without its wrapping and source line."""
     text = str(error)
     quoted = re.search(r'msg: "([^"]*)', text)
     return (quoted[1] if quoted else text).partition(" at /")[0].strip()
 
 
 def encoding_of(type_name: str) -> str:
-    """The encoding that says what a payload is: `application/cdr;nav_msgs/msg/Odometry`, or `application/json`."""
+    """Return the encoding for a type: `application/cdr;nav_msgs/msg/Odometry`, or `application/json`."""
     return JSON if type_name == JSON else f"{CDR};{type_name}"
 
 
 def encode_any(message: object) -> tuple[bytes, str]:
-    """A message or a dict as payload and encoding.
+    """Return payload and encoding of a message or a dict.
 
     Raises:
         MessageError: It is neither, or a value does not fit.
@@ -79,7 +79,7 @@ def encode_any(message: object) -> tuple[bytes, str]:
 
 
 def encode_as(message: object, type_name: str) -> bytes:
-    """A message's payload on a stream of one type.
+    """Return a message's payload on a stream of one type.
 
     Raises:
         MessageError: It is of another type, or a value does not fit.
@@ -92,7 +92,7 @@ def encode_as(message: object, type_name: str) -> bytes:
 
 
 def reply_of(value: Any) -> bytes:
-    """The payload of a reply in a conversation.
+    """Return the payload of a reply in a conversation.
 
     Raises:
         MessageError: It is no JSON object.
@@ -103,12 +103,12 @@ def reply_of(value: Any) -> bytes:
 
 
 def refusal(why: str) -> bytes:
-    """The payload of an error reply."""
+    """Return the payload of an error reply."""
     return encode_json({"error": sentence(why)})
 
 
 def answered(key: str, answer: Answerer, payload: bytes) -> RawReply:
-    """Let a handler answer one query; whatever happens, there is a reply."""
+    """Call the handler of one query, and return the reply; an exception becomes an error reply."""
     try:
         value = answer(decode_json(payload, LARGEST_REQUEST))
         return RawReply(False, key, value if isinstance(value, bytes) else encode_json(value))
@@ -127,7 +127,7 @@ def refusing_errors(key: str, conversation: Conversation) -> Iterator[None]:
 
 
 def _why_not(key: str, error: Exception) -> str:
-    """The sentence of an error reply for what a handler raised; what is no refusal is logged."""
+    """Return the sentence of an error reply for an exception of a handler; it is logged unless it is a refusal."""
     if isinstance(error, Refused | MessageError):
         return str(error)
     log.error("the handler of %s failed", key, exc_info=error)
@@ -135,9 +135,9 @@ def _why_not(key: str, error: Exception) -> str:
 
 
 class Replies:
-    """What has been heard of one `ask`: passes the answers on, and knows in the end how it went.
+    """Collects the replies to one `ask`: passes the answers on, and determines the end.
 
-    error: set by who finds out that someone has not answered in time.
+    error: set when a program has not answered in time.
     """
 
     def __init__(
@@ -152,11 +152,11 @@ class Replies:
 
     @property
     def is_silent(self) -> bool:
-        """Whether nothing at all has been heard."""
+        """Whether there was no reply at all."""
         return not self._answers and not self._refusals and self.error is None
 
     def hear(self, reply: RawReply) -> None:
-        """Pass one reply on, or keep why it is none."""
+        """Pass one reply on, or keep its error."""
         if reply.is_error:
             self._refusals.append(_why(reply.payload))
             return
@@ -169,7 +169,7 @@ class Replies:
         self._on_reply(answer)
 
     def end(self) -> None:
-        """Say that nothing more will come, and how it went."""
+        """Report the end, with the error if there is one."""
         if self.error is None and self._refusals:
             self.error = Refused("; ".join(self._refusals), self._answers)
         elif self.is_silent:
@@ -198,7 +198,7 @@ def check_timeout(timeout: object) -> None:
 
 
 def guarded(key_expr: str, handler: Callable[P, None]) -> Callable[P, None]:
-    """The handler, with a log entry in place of what it raises: one bad sample must not end a stream."""
+    """Return the handler with its exceptions logged: one bad sample must not end a stream."""
     check_handler(handler)
 
     def call(*args: P.args, **kwargs: P.kwargs) -> None:
@@ -211,7 +211,7 @@ def guarded(key_expr: str, handler: Callable[P, None]) -> Callable[P, None]:
 
 
 def _why(payload: bytes) -> str:
-    """The sentence of an error reply; a foreign program's reply is quoted as it stands."""
+    """Return the sentence of an error reply; a foreign program's reply is quoted as it is."""
     try:
         return str(decode_json(payload)["error"])
     except (MessageError, KeyError):

@@ -1,7 +1,7 @@
-"""The types of message fields, as ROS names them, on top of what Python programs see.
+"""The types of message fields by their ROS names, as annotations of Python types.
 
 A message class is a dataclass whose annotations are these, other message classes, or lists of those; `definition` reads
-from it what the serialisers have to know.
+the input of the serialisers from it.
 """
 
 from dataclasses import fields
@@ -33,7 +33,7 @@ Definition = tuple[list[Any], list[tuple[str, Any]]]
 
 
 def definition(message_class: Any) -> Definition:
-    """What the fields of a message class are."""
+    """Return the fields of a message class."""
     hints = get_type_hints(message_class, include_extras=True)
     return [], [(field.name, _node(hints[field.name])) for field in fields(message_class)]
 

@@ -1,8 +1,8 @@
 """The thread on which the handlers of one session run.
 
 Queries wait in a queue for each client, and the clients take turns, so that a client that floods delays itself only.
-The queues are bounded: a query too many is refused at once. Samples, tokens and replies share one queue in the order
-of arrival; samples are dropped, the oldest of their subscription first, where a handler cannot keep up.
+The queues are bounded: a query that does not fit is refused at once. Samples, tokens and replies share one queue in the
+order of arrival; samples are dropped, the oldest of their subscription first, where a handler cannot keep up.
 """
 
 import logging
@@ -17,9 +17,9 @@ from bus.declared import HANDLER_GRACE, Listening
 from bus.exchange import refusal
 
 MOST_WAITING_IN_ALL = 1024
-"""Queries of all clients that wait, at most: whoever pretends to be many clients fills no memory."""
+"""Waiting queries of all clients, at most: a program that pretends to be many clients cannot fill the memory."""
 MOST_SAMPLES = 1024
-"""Samples of one subscription that wait, at most."""
+"""Waiting samples of one subscription, at most."""
 EVENTS = b""  # the queue of samples, tokens and replies
 
 log = logging.getLogger("bus")
@@ -32,7 +32,7 @@ class _Work(NamedTuple):
 
 
 class HandlerThread:
-    """Runs handlers one after the other. A daemon, since a handler may hang and the program must still end."""
+    """Runs handlers one after the other, in a daemon thread, since a handler that hangs must not keep the program."""
 
     def __init__(self) -> None:
         self._queues: dict[bytes, deque[_Work]] = {}  # by client; a dict keeps whose turn it is
@@ -45,12 +45,12 @@ class HandlerThread:
         self._thread.start()
 
     def post(self, listening: Listening, item: Any) -> None:
-        """Have an item handled when its turn comes. Nothing is dropped: only for what is bounded by its nature."""
+        """Queue an item. Nothing is dropped, so this is only for items whose number is bounded."""
         with self._changed:
             self._put(EVENTS, _Work(listening, item))
 
     def post_sample(self, listening: Listening, sample: zenoh.Sample) -> None:
-        """Have a sample handled when its turn comes; drops the oldest of a subscription that is late."""
+        """Queue a sample; drop the oldest of a subscription that is late."""
         with self._changed:
             if self._samples[listening] >= MOST_SAMPLES:
                 self._drop_oldest(listening)
@@ -58,7 +58,7 @@ class HandlerThread:
             self._put(EVENTS, _Work(listening, sample, is_sample=True))
 
     def post_query(self, listening: Listening, query: zenoh.Query) -> None:
-        """Have a query handled when it is its client's turn; refuses it if too many wait."""
+        """Queue a query of its client; refuse it if too many wait."""
         attachment = query.attachment
         client = attachment.to_bytes() if attachment else str(query.key_expr).encode()
         with self._changed:
@@ -73,7 +73,7 @@ class HandlerThread:
                 query.reply_err(refusal(why), encoding=JSON)
 
     def stop(self) -> None:
-        """End after what waits already; a handler that hangs is left behind."""
+        """End after the items in the queues; a handler that hangs is not waited for."""
         with self._changed:
             self._is_stopped = True
             self._changed.notify()
@@ -93,7 +93,7 @@ class HandlerThread:
             log.warning("a handler is too slow: of more than %d waiting samples the oldest are dropped", MOST_SAMPLES)
 
     def _next(self) -> _Work | None:
-        """Wait for the next item; None when all is done and nothing more will come."""
+        """Wait for the next item, and return it; None when all are done and the thread is to end."""
         with self._changed:
             self._changed.wait_for(lambda: self._queues or self._is_stopped)
             if not self._queues:

@@ -1,8 +1,8 @@
-"""Heartbeats: how a program shows, several times a second, that it still works.
+"""Heartbeats: a program shows several times a second that it still works.
 
-A robot's gateway binds a motion to the heartbeat that the command names, and stops the motion when the heartbeat is
-silent. Unlike a liveliness token, which goes only when the link to a program is lost, a heartbeat also stops when the
-program freezes. It is a sample on a key of the commander's own that ends in `/heartbeat`; what it carries is ignored.
+A robot's gateway binds a motion to the heartbeat that the command names, and stops the motion when the heartbeat stops.
+A liveliness token disappears only when the link to a program is lost; a heartbeat also stops when the program freezes.
+It is a sample on a key of the commanding program that ends in `/heartbeat`; the payload is ignored.
 """
 
 import logging
@@ -25,7 +25,7 @@ log = logging.getLogger("bus")
 
 
 def heartbeat_key(text: str) -> str:
-    """A key that serves for a heartbeat, checked.
+    """Return a key, after checking that it can be that of a heartbeat.
 
     Raises:
         KeyNotValid: It has wildcards, is malformed, or does not end in `/heartbeat`.
@@ -41,17 +41,17 @@ def heartbeat_key(text: str) -> str:
 class Heartbeat(Subscription):
     """Publishes a heartbeat from a thread of its own until it is closed, for a program without an event loop.
 
-    key: of the heartbeat, for the commands that are bound to it.
+    key: for the commands that are bound to the heartbeat.
     """
 
     def __init__(self, bus: Bus, key: str) -> None:
-        """Begin at once.
+        """Start at once.
 
         Args:
-            bus: Outlives this.
-            key: Ends in `/heartbeat`, and nobody else publishes on it.
+            bus: The bus; is closed after this.
+            key: Ends in `/heartbeat`; no other program publishes on it.
         Raises:
-            KeyNotValid: The key does not serve.
+            KeyNotValid: The key is not that of a heartbeat.
         """
         self.key = heartbeat_key(key)
         self._publisher = bus.publisher(key, JSON)
@@ -63,7 +63,7 @@ class Heartbeat(Subscription):
         return self
 
     def close(self) -> None:
-        """Fall silent; motions that are still bound to it stop."""
+        """Stop the heartbeat; motions that are still bound to it stop."""
         self._is_closed.set()
         self._thread.join()
         self._publisher.close()

@@ -1,4 +1,4 @@
-"""Every key on the bus: what flows there, how often, and what it means.
+"""All keys on the bus: message type, rate and meaning of each.
 
 A key is `<robot>/<suffix>`. Publishers, `acromovi topics` and the documentation read this one table.
 """
@@ -16,7 +16,7 @@ LONGEST_ROBOT_NAME = 100
 
 
 class Kind(StrEnum):
-    """Who speaks on a key."""
+    """The direction of a key."""
 
     STREAM = "stream"  # the robot publishes
     COMMAND = "command"  # the robot listens
@@ -30,7 +30,7 @@ class Topic:
 
     suffix: what follows the robot's name; `*` stands for one chunk that varies.
     type_name: the message type, or `application/json`.
-    rate: how often, for people.
+    rate: how often, for the documentation.
     """
 
     suffix: str
@@ -40,10 +40,10 @@ class Topic:
     meaning: str
 
     def key(self, robot: str) -> str:
-        """The topic's key for one robot.
+        """Return the topic's key for one robot.
 
         Raises:
-            KeyNotValid: The name does not serve as a robot's name.
+            KeyNotValid: The name is not valid for a robot.
         """
         return f"{robot_name(robot)}/{self.suffix}"
 
@@ -223,7 +223,7 @@ _BY_SUFFIX = {topic.suffix: topic for topic in TOPICS}
 
 
 def robot_name(name: str) -> str:
-    """Return the name if it serves as a robot's name: one chunk of a key.
+    """Return the name if it is valid for a robot: one chunk of a key.
 
     Raises:
         KeyNotValid: It is empty or too long, begins with `@`, or holds whitespace, what cannot be printed, or one of
@@ -243,28 +243,28 @@ def robot_name(name: str) -> str:
 
 
 def result_key(robot: str, motion_id: str) -> str:
-    """The key on which the end of one long motion is published."""
+    """Return the key on which the end of one long motion is published."""
     return f"{robot_name(robot)}/command/result/{motion_id}"
 
 
 def element_alive_key(robot: str, element: str) -> str:
-    """The token that is there while a robot has an element."""
+    """Return the key of the token that exists while a robot has an element."""
     return f"{robot_name(robot)}/elements/{element}/alive"
 
 
 def frame(robot: str, name: str) -> str:
-    """A coordinate frame of one robot: `happy/base_link`."""
+    """Return a coordinate frame of one robot: `happy/base_link`."""
     return f"{robot}/{name}"
 
 
 def split(key: str) -> tuple[str, str]:
-    """A key's robot and suffix: `("happy", "sonar/points")`; the suffix is empty when the key has one chunk."""
+    """Return a key's robot and suffix: `("happy", "sonar/points")`; the suffix is empty if the key has one chunk."""
     robot, _, suffix = key.partition("/")
     return robot, suffix
 
 
 def topic_of(key: str) -> Topic | None:
-    """The row of the table that a key belongs to, or None for a key of someone else's."""
+    """Return the row of the table to which a key belongs, or None for a foreign key."""
     _, suffix = split(key)
     chunks = suffix.split("/")
     varied = ("/".join([*chunks[:at], "*", *chunks[at + 1 :]]) for at in reversed(range(len(chunks))))

@@ -1,10 +1,10 @@
-"""Links to other programs that Zenoh has lost from sight, and their end.
+"""Cuts links to other programs that Zenoh has lost track of.
 
-When a link dies while somebody waits to send on it, Zenoh (1.10) clears it away twice, some 0.25 s apart, and goes by
-the other's identity. What the two have opened anew in between is forgotten the second time, but its socket lives on:
-the other believes in it, and hears nothing through it for ever. Likewise a link may join a transport that the other
-side has given up. Zenoh has no call to close one link, so its socket is cut; then Zenoh clears away what is left on
-both sides, and they meet again as after every lost link. Nothing happens as long as no link is lost.
+When a link dies while a thread waits to send on it, Zenoh (1.10) removes it twice, some 0.25 s apart, by the identity
+of the peer. A link that the two have opened in between is removed the second time, but its socket stays open: the peer
+keeps using it, and receives nothing through it for ever. Likewise a link may join a transport that the peer has given
+up. Zenoh has no call to close one link, so its socket is shut down; then Zenoh cleans up on both sides, and they
+reconnect as after every lost link. Nothing happens as long as no link is lost.
 """
 
 import contextlib
@@ -25,27 +25,27 @@ OPEN_FILES = Path("/dev/fd")
 
 
 class Ends(NamedTuple):
-    """A link by the ports of its TCP connection, and whose it is."""
+    """A link: the ports of its TCP connection, and the identity of the peer."""
 
     peer: str
     here: int
     there: int
 
 
-def ends_of(link: zenoh.Link) -> Ends | None:
-    """The ends of a link that has ports."""
+def _ends_of(link: zenoh.Link) -> Ends | None:
+    """Return the ends of a link that has ports."""
     here, there = PORT.search(link.src), PORT.search(link.dst)
     return Ends(str(link.zid), int(here[1]), int(there[1])) if here and there else None
 
 
 def cut(ends: Ends) -> bool:
-    """End a TCP connection of this process, whoever reads from it; false if there is none between these ports.
+    """Shut down a TCP connection of this process; return False if there is none between these ports.
 
-    Ports alone decide. Should another connection have the same, it comes back as after every lost link.
+    Only the ports are compared. Another connection with the same ports is re-established as after every lost link.
     """
     was_there = False
     for file in [int(path.name) for path in OPEN_FILES.iterdir()]:
-        with contextlib.suppress(OSError):  # closed meanwhile, or no connection
+        with contextlib.suppress(OSError):  # it has been closed, or is no connection
             if stat.S_ISSOCK(os.fstat(file).st_mode):
                 with socket.socket(fileno=os.dup(file)) as connection:
                     if _ports(connection) == (ends.here, ends.there):
@@ -61,20 +61,20 @@ def _ports(connection: socket.socket) -> tuple[int, int] | None:
 
 
 class LinkWatch:
-    """Compares the links that have been opened with those that Zenoh still knows, a moment after each loss."""
+    """Compares the opened links with those that Zenoh still knows, a moment after each loss."""
 
     def __init__(self, info: zenoh.SessionInfo, cut: Callable[[Ends], object] = cut) -> None:
         """Watch the links of a session.
 
         Args:
-            info: What Zenoh tells of the session.
-            cut: How to end a link.
+            info: Zenoh's information about the session.
+            cut: Ends a link.
         """
         self._info = info
         self._cut = cut
         self._lock = threading.Lock()
         self._opened: set[Ends] = set()
-        self._robbed: set[str] = set()  # peers whose transport has lost a link and goes on
+        self._robbed: set[str] = set()  # peers whose transport has lost a link and continues
         self._timer: threading.Timer | None = None
         self._has_lost_more = False
         self._is_closed = False
@@ -84,17 +84,17 @@ class LinkWatch:
         )
 
     def close(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         with self._lock:
             self._is_closed = True
             if self._timer is not None:
                 self._timer.cancel()
 
     def look(self) -> None:
-        """Cut what Zenoh does not know, and what is left of a transport that has lost a link."""
+        """Cut the links that Zenoh does not know, and the other links of a transport that has lost one."""
         with self._lock:
-            opened, robbed = set(self._opened), set(self._robbed)  # first: Zenoh knows a link before it tells of it
-        known = set(map(ends_of, self._info.links()))
+            opened, robbed = set(self._opened), set(self._robbed)  # first: Zenoh reports a link late
+        known = set(map(_ends_of, self._info.links()))
         unsound = {ends for ends in opened if ends not in known or ends.peer in robbed}
         for ends in unsound:
             self._cut(ends)
@@ -102,7 +102,7 @@ class LinkWatch:
             self._opened -= unsound
 
     def _on_link(self, event: zenoh.LinkEvent) -> None:
-        ends = ends_of(event.link)
+        ends = _ends_of(event.link)
         with self._lock:
             if ends is None or self._is_closed:
                 return
@@ -120,7 +120,7 @@ class LinkWatch:
                 self._look_later()
 
     def _look_later(self) -> None:
-        """Look after a while; what is lost meanwhile is given its own while."""
+        """Look after a while; a later loss is followed by another look."""
         if self._timer is None:
             self._timer = threading.Timer(SETTLED_AFTER, self._settled)
             self._timer.daemon = True

@@ -56,7 +56,7 @@ class LocalBus(NamedTuple):
 
     @property
     def scouting_address(self) -> tuple[str, int]:
-        """Multicast group and port, on the loopback interface, where plain Zenoh programs are looked for."""
+        """Multicast group and port, on the loopback interface, for finding plain Zenoh programs."""
         number = int.from_bytes(self._digest()[3:7], "big")
         return GROUP, 20000 + number % 40000 if self.name else DEFAULT_PORT
 
@@ -64,7 +64,7 @@ class LocalBus(NamedTuple):
     def _registry(self) -> str:
         return f"acromovi/local:{self.name}/"
 
-    def entries(self) -> list["SessionEntry"]:
+    def entries(self) -> list["_SessionEntry"]:
         """Return the sessions that are registered, oldest first.
 
         Raises:
@@ -81,10 +81,10 @@ class LocalBus(NamedTuple):
             if path.startswith(f"@{self._registry}"):
                 serial, _, port = path.removeprefix(f"@{self._registry}").partition("/")
                 if serial.isdecimal() and port.isdecimal():
-                    found.add(SessionEntry(int(serial), int(port)))
+                    found.add(_SessionEntry(int(serial), int(port)))
         return sorted(found)
 
-    def endpoint(self, entry: "SessionEntry") -> str:
+    def endpoint(self, entry: "_SessionEntry") -> str:
         """Return the address of a registered session, as Zenoh writes it."""
         return f"tcp/{self.address}:{entry.port}"
 
@@ -92,7 +92,7 @@ class LocalBus(NamedTuple):
         return hashlib.sha256(f"acromovi local:{self.name}".encode()).digest()
 
 
-class SessionEntry(NamedTuple):
+class _SessionEntry(NamedTuple):
     """A registered session. serial: later sessions have higher ones. port: where it listens."""
 
     serial: int
@@ -103,14 +103,14 @@ class Registration(Closeable):
     """The entry of one session, from before it is opened until it is closed.
 
     endpoint: where the session listens.
-    elders: where those listen that were registered before, to be connected to.
+    elders: where those listen that were registered before, for this session to connect to.
     """
 
     def __init__(self, bus: LocalBus) -> None:
         """Register a session.
 
-        No lock is needed, so that no process which is stopped here holds up the others: whoever finds, after
-        registering, that its entry is not the last one tries again with a later one. So of two sessions at least the
+        There is no lock, so a process that is stopped here does not block the others: a session that finds after
+        registering that its entry is not the last one tries again with a later one. So of two sessions at least the
         later one sees the other.
 
         Raises:
@@ -118,13 +118,13 @@ class Registration(Closeable):
         """
         while True:
             before = bus.entries()
-            own = SessionEntry(max((entry.serial for entry in before), default=0) + 1, _free_port(bus.address))
+            own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, _free_port(bus.address))
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 self._socket.bind(f"\0{bus._registry}{own.serial}/{own.port}")
             except OSError as err:
                 self._socket.close()
-                if err.errno == errno.EADDRINUSE:  # by somebody who registers now, too
+                if err.errno == errno.EADDRINUSE:  # by a session that registers at the same time
                     continue
                 raise BusUnavailable(f"a session cannot be registered on this machine: {err.strerror}") from err
             entries = bus.entries()

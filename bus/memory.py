@@ -1,9 +1,9 @@
 """The bus inside one process: for lockstep runs and for tests.
 
-It carries the same encoded bytes as Zenoh and matches keys by the same rules, drops nothing, and delivers before `put`
-returns: in the order of the puts, to subscribers in the order in which they came. What a handler puts meanwhile is
-delivered after what was put before it. It has no clock: the answer to `query` is there at once or never, and the
-patience of who asks with `ask` ends when `MemoryNetwork.let_pass` says so.
+It carries the same encoded bytes as Zenoh, matches keys by the same rules, drops nothing, and delivers before `put`
+returns: samples in the order of the puts, to subscribers in the order of their declaration. A sample that a handler
+puts is delivered after those put before. It has no clock: `query` is answered at once or never, and the timeouts of
+`ask` pass with `MemoryNetwork.let_pass`.
 """
 
 from collections.abc import Callable, Mapping
@@ -34,7 +34,7 @@ from bus.messages import decode_unchecked_json, encode_json, prepare
 
 
 class MemoryBus(Bus):
-    """One participant; those that share a network meet."""
+    """One participant, connected to all on the same network."""
 
     def __init__(self, network: MemoryNetwork | None = None) -> None:
         self.network = network or MemoryNetwork()
@@ -58,11 +58,11 @@ class MemoryBus(Bus):
         self.put(key, message, attachment)
 
     def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
-        """Hear what is put on matching keys; nothing here is more urgent than anything else."""
+        """Subscribe to matching keys; `urgent` makes no difference."""
         return self._enter(self.network.subscribers, key_expr, guarded(key_expr, on_sample))
 
     def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
-        """Hear every sample on a key: each is delivered before the next is put, so none replaces another."""
+        """Subscribe to every sample on a key: each is delivered before the next is put, so none replaces another."""
         return self.subscribe(plain_key(key), on_sample)
 
     def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
@@ -95,7 +95,7 @@ class MemoryBus(Bus):
         *,
         urgent: bool = False,
     ) -> Subscription:
-        """Ask everyone who serves a matching key, and hear every reply in its turn, or at once if it is urgent."""
+        """Query every program that serves a matching key, and pass on every reply in its turn, or at once if urgent."""
         check_timeout(timeout)
         self._check_open()
         key = key_expression(key_expr)
@@ -116,17 +116,17 @@ class MemoryBus(Bus):
         on_reply: Callable[[RawReply], None],
         on_end: Callable[[], None],
     ) -> None:
-        """Let one of this bus's handlers begin a conversation."""
+        """Begin a conversation with a handler of this bus."""
         talk(payload, MemoryConversation(self._open, self.network, key, on_reply, on_end))
 
     def declare_alive(self, key: str) -> Subscription:
-        """Show a token."""
+        """Declare a token."""
         token = self._enter(self.network.tokens, plain_key(key), lambda: None)
         self.network.announce(key_expression(key), True)
         return token
 
     def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
-        """Hear of tokens that are there, come and go."""
+        """Watch tokens that exist, appear and disappear."""
         with self.network.lock:
             watching = self._enter(self.network.watchers, key_expr, guarded(key_expr, on_change))
             for token in dict.fromkeys(
@@ -136,12 +136,12 @@ class MemoryBus(Bus):
         return watching
 
     def deliver(self, sample: Sample) -> None:
-        """Hand over bytes as they are, as a foreign program may put them."""
+        """Deliver bytes unchanged, as a foreign program may put them."""
         self._check_open()
         self.network.deliver(sample)
 
     def has_listeners(self, key: str) -> bool:
-        """Whether somebody subscribes to this key."""
+        """Return whether a program subscribes to this key."""
         return not self._is_closed and self.network.has_subscribers(key)
 
     def close(self) -> None:
@@ -201,5 +201,5 @@ class _MemoryPublisher(Publisher):
         self._bus.deliver(Sample(self._key, payload, self._encoding, attachment))
 
     def close(self) -> None:
-        """Nothing is held open; only nobody is listened for any more."""
+        """Close it; it has no subscribers any more."""
         self._is_open = False

@@ -1,4 +1,4 @@
-"""Conversations inside one process: both ends, as `Bus.converse` and `Bus.ask` know them."""
+"""Conversations inside one process: the ends of `Bus.converse` and `Bus.ask`."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +12,7 @@ from bus.memory_network import MemoryNetwork
 
 
 class MemoryConversation(Conversation):
-    """The answerer's end; it ends with its bus."""
+    """The responder's end; it ends with its bus."""
 
     def __init__(
         self,
@@ -34,7 +34,7 @@ class MemoryConversation(Conversation):
         self.send(RawReply(False, self._key, reply_of(value)))
 
     def refuse(self, why: str) -> None:
-        """Say no, and end it."""
+        """Send an error reply, and end it."""
         self.send(RawReply(True, self._key, refusal(why)))
         self.close()
 
@@ -46,7 +46,7 @@ class MemoryConversation(Conversation):
             self._on_reply(reply)
 
     def close(self) -> None:
-        """End it; closing twice does no harm."""
+        """End it; closing it twice has no effect."""
         with self._lock:
             if self in self._among:
                 del self._among[self]
@@ -91,7 +91,7 @@ class MemoryQuery(Subscription):
             self._finish()
 
     def close(self) -> None:
-        """Hear no more."""
+        """Pass on no further replies."""
         with self._network.lock:
             if self in self._among:
                 del self._among[self]

@@ -1,4 +1,4 @@
-"""What the buses of one process have in common: who listens where, what is due, and what time it is."""
+"""The network of the buses in one process: declarations, pending deliveries and the virtual time."""
 
 from collections import deque
 from collections.abc import Callable
@@ -14,23 +14,23 @@ from bus.exchange import key_expression
 
 @dataclass(eq=False)
 class MemoryListener:
-    """A subscriber, a queryable, a token or a watcher of tokens: a key (expression) and what to call."""
+    """A subscriber, a queryable, a token or a watcher of tokens: a key (expression) and a handler."""
 
     key: zenoh.KeyExpr
     call: Callable[..., Any]
     is_open: bool = True
 
     def matches(self, key: zenoh.KeyExpr) -> bool:
-        """Whether it concerns this key (expression)."""
+        """Return whether it matches this key (expression)."""
         return self.key.intersects(key)
 
     def hear(self, *args: object) -> None:
-        """Call, unless this was closed while the call waited."""
+        """Call the handler, unless this was closed while the call waited."""
         if self.is_open:
             self.call(*args)
 
 
-class PendingQuery(Protocol):
+class _PendingQuery(Protocol):
     """A query that has not ended."""
 
     deadline: float
@@ -41,7 +41,7 @@ class PendingQuery(Protocol):
 
 
 class MemoryNetwork:
-    """What the buses of one process have in common. Threads may share it; they take turns."""
+    """The network of the buses in one process. Threads may share it; they take turns."""
 
     def __init__(self) -> None:
         self.lock = RLock()
@@ -50,19 +50,19 @@ class MemoryNetwork:
         self.tokens: list[MemoryListener] = []
         self.watchers: list[MemoryListener] = []
         self.now = 0.0  # s since the network was made; moved by `let_pass` alone
-        self.queries: list[PendingQuery] = []
+        self.queries: list[_PendingQuery] = []
         self._routes: dict[str, list[MemoryListener]] = {}
         self._due: deque[Callable[[], None]] = deque()
         self._is_delivering = False
 
     def add(self, listeners: list[MemoryListener], listener: MemoryListener) -> None:
-        """Enter a listener into one of the lists."""
+        """Add a listener to one of the lists."""
         with self.lock:
             listeners.append(listener)
             self._routes.clear()
 
     def remove(self, listeners: list[MemoryListener], listener: MemoryListener) -> None:
-        """Take a listener out; one that has gone already does no harm."""
+        """Remove a listener, if it is there."""
         with self.lock:
             if listener.is_open:
                 listener.is_open = False
@@ -80,27 +80,27 @@ class MemoryNetwork:
                 self.queue(query.time_out)
 
     def queue(self, work: Callable[[], None]) -> None:
-        """Do it when it is its turn: after all that was put before."""
+        """Do it in its turn, after all that was put before."""
         with self.lock:
             self._do(work)
 
     def do_at_once(self, work: Callable[[], None]) -> None:
-        """Do it now, also before what was put before."""
+        """Do it now, even if other work is pending."""
         with self.lock:
             work()
 
     def deliver(self, sample: Sample) -> None:
-        """Hand a sample to whoever subscribes to its key."""
+        """Deliver a sample to the subscribers of its key."""
         with self.lock:
             self._do(lambda: self._hand_out(sample))
 
     def has_subscribers(self, key: str) -> bool:
-        """Whether a sample on this key would be handed to anybody."""
+        """Return whether this key has subscribers."""
         with self.lock:
             return bool(self._route(key))
 
     def announce(self, token: zenoh.KeyExpr, is_alive: bool) -> None:
-        """Tell the watchers that a token came or went, but not while another participant shows the same one."""
+        """Notify the watchers of a token that came or went, unless another participant has the same one."""
         with self.lock:
             if sum(other.key == token for other in self.tokens) != int(is_alive):
                 return
@@ -108,12 +108,12 @@ class MemoryNetwork:
                 self.tell(watcher, token, is_alive)
 
     def tell(self, watcher: MemoryListener, token: zenoh.KeyExpr, is_alive: bool) -> None:
-        """Tell one watcher of one token."""
+        """Notify one watcher of one token."""
         with self.lock:
             self._do(lambda: watcher.hear(str(token), is_alive))
 
     def _do(self, work: Callable[[], None]) -> None:
-        """Work in the order of arrival: what a handler brings about waits until the work at hand is done."""
+        """Work in the order of arrival: what a handler causes waits until the present work is done."""
         self._due.append(work)
         if self._is_delivering:
             return
@@ -129,7 +129,7 @@ class MemoryNetwork:
             subscriber.hear(sample)
 
     def _route(self, plain_key: str) -> list[MemoryListener]:
-        """The subscribers to a key, found once."""
+        """Return the subscribers to a key; they are cached."""
         route = self._routes.get(plain_key)
         if route is None:
             key = key_expression(plain_key)

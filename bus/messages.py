@@ -130,7 +130,7 @@ _JSON_READER = json.JSONDecoder()
 
 
 def type_of(message: object) -> str:
-    """The ROS name of a message's type: `nav_msgs/msg/Odometry`.
+    """Return the ROS name of a message's type: `nav_msgs/msg/Odometry`.
 
     Raises:
         MessageError: The object is no message.
@@ -163,7 +163,7 @@ def prepare(type_name: str) -> None:
 
 
 def compiled_at(thread: int) -> float:
-    """When a thread has last compiled the serialisers of a type.
+    """Return when a thread has last compiled the serialisers of a type.
 
     Args:
         thread: Its identifier.
@@ -224,7 +224,7 @@ def encode_json(value: Mapping[str, Any]) -> bytes:
 
 
 def decode_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]:
-    """Read a JSON object that may come from anyone; no bytes at all are the empty object.
+    """Read a JSON object from any program; no bytes are the empty object.
 
     Args:
         payload: As received.
@@ -238,7 +238,7 @@ def decode_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]
 def decode_unchecked_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]:
     """Read a JSON object whose texts and numbers the caller checks with `bus.validation.check_value`.
 
-    Size and nesting are checked here. For protocols that answer in their own form to what holds a wrong text.
+    Size and nesting are checked here. For protocols that refuse invalid texts in their own form.
 
     Raises:
         MessageError: The payload is no JSON object, too large or too deep.
@@ -266,28 +266,28 @@ def _read_object(payload: bytes, largest: int, check: Callable[[bytes, Any], Non
 
 
 def header(stamp_ns: int, frame_id: str) -> Header:
-    """A header from a stamp in ns since the epoch, of the clock that the sender says."""
+    """Return a header with a stamp in ns since the epoch, of the sender's clock."""
     seconds, nanoseconds = divmod(stamp_ns, NS_PER_S)
     return Header(stamp=Time(sec=seconds, nanosec=nanoseconds), frame_id=frame_id)
 
 
 def stamp_ns(header: Header) -> int:
-    """A header's stamp in ns since the epoch."""
+    """Return a header's stamp in ns since the epoch."""
     return header.stamp.sec * NS_PER_S + header.stamp.nanosec
 
 
 def twist(linear: float, angular: float) -> Twist:
-    """A twist in the plane: m/s forward, rad/s counter-clockwise."""
+    """Return a twist in the plane from m/s forward and rad/s counter-clockwise."""
     return Twist(linear=Vector3(x=linear, y=0.0, z=0.0), angular=Vector3(x=0.0, y=0.0, z=angular))
 
 
 def quaternion(heading: float) -> Quaternion:
-    """A rotation in the plane, from rad counter-clockwise."""
+    """Return a rotation in the plane from rad counter-clockwise."""
     return Quaternion(x=0.0, y=0.0, z=math.sin(heading / 2), w=math.cos(heading / 2))
 
 
 def heading(rotation: Quaternion) -> float:
-    """The rotation about the vertical axis, rad in (-pi, pi]."""
+    """Return the rotation about the vertical axis, rad in (-pi, pi]."""
     return math.atan2(
         2 * (rotation.w * rotation.z + rotation.x * rotation.y),
         1 - 2 * (rotation.y * rotation.y + rotation.z * rotation.z),
@@ -295,7 +295,7 @@ def heading(rotation: Quaternion) -> float:
 
 
 def placed(parent: Header, child: str, x: float, y: float, heading: float) -> TransformStamped:
-    """Where a frame lies in its parent, in the plane: m, m, rad."""
+    """Return the transform of a frame in its parent, in the plane: m, m, rad."""
     return TransformStamped(
         header=parent,
         child_frame_id=child,
@@ -304,7 +304,7 @@ def placed(parent: Header, child: str, x: float, y: float, heading: float) -> Tr
 
 
 def to_json(message: object) -> Any:
-    """A message as JSON knows it: objects, lists, numbers, strings.
+    """Return a message as JSON: objects, lists, numbers, strings.
 
     Numbers that JSON lacks become the strings "inf", "-inf" and "nan"; arrays of bytes become base64, as in rosbridge.
     """

@@ -1,6 +1,6 @@
-"""Names that one program on a bus may have at a time: who has one, and whether it is free.
+"""Unique names of programs on a bus: which program holds one, and whether it is free.
 
-A program shows who it is in what it answers on a description's key: `process`, `host`, `identity` and `since`.
+A program's answer on a description's key identifies it: `process`, `host`, `identity` and `since`.
 """
 
 import os
@@ -22,7 +22,7 @@ MOST_TRIES = 3  # to get an answer; a program that was killed or frozen has left
 class BusProgram:
     """A program on the bus.
 
-    process: its number. host: the name of its machine. identity: no other program has it. since: s since 1970.
+    process: its number. host: the name of its machine. identity: a unique text. since: start time, s since 1970.
     """
 
     process: int
@@ -37,14 +37,14 @@ class BusProgram:
 
     @classmethod
     def of(cls, description: Mapping[str, Any]) -> Self | None:
-        """Read what a program has told; None if it does not tell."""
+        """Read it from a description; None if it is missing there."""
         match description:
             case {"process": int(process), "host": str(host), "identity": str(identity), "since": int() | float()}:
                 return cls(process, host, identity, float(description["since"]))
         return None
 
     def told(self) -> dict[str, Any]:
-        """Return its part of a description."""
+        """Return it as a part of a description."""
         return {"process": self.process, "host": self.host, "identity": self.identity, "since": self.since}
 
     def __str__(self) -> str:
@@ -53,19 +53,19 @@ class BusProgram:
 
 
 def check_name_free(bus: Bus, name: str, key_expr: str, own: BusProgram | None = None) -> None:
-    """See that nobody else has a name.
+    """Check that no other program holds a name.
 
-    A program that was killed leaves the bus at once and answers nothing, so its successor finds the name free. One that
-    is there but does not answer is waited for until it answers or the bus has given it up.
+    A program that was killed leaves the bus at once, so its successor finds the name free. A program that is on the bus
+    but does not answer is waited for until it answers or the bus has given it up.
 
     Args:
-        bus: Where to look.
-        name: For the message.
-        key_expr: Where whoever has the name answers with its description.
-        own: The program that asks, if it has taken the name already. Then it is a later one that has to leave.
+        bus: The bus.
+        name: The name, for the message.
+        key_expr: The key on which the holder of the name answers with its description.
+        own: This program, if it has taken the name already. Then only an earlier holder is an error.
     Raises:
-        NameTaken: Another program has it.
-        BusError: The bus is closed, or does not let this program ask.
+        NameTaken: Another program holds it.
+        BusError: The bus is closed, or does not permit this query.
     """
     for _ in range(MOST_TRIES):  # and not until a moment: this program may be the one that is late
         try:
@@ -85,10 +85,10 @@ def check_name_free(bus: Bus, name: str, key_expr: str, own: BusProgram | None =
 
 
 def _descriptions(bus: Bus, key_expr: str) -> list[dict[str, Any]]:
-    """What those answer who have a name; an empty one for who answers something else.
+    """Return the descriptions of the holders of a name; an empty one for an answer of another form.
 
     Raises:
-        TimedOut: Somebody who has it has not answered.
+        TimedOut: A holder has not answered.
     """
     try:
         return [answer.value for answer in bus.query(key_expr, timeout=ANSWER_TIME)]

@@ -1,9 +1,9 @@
-"""Plain Zenoh programs on this machine: found on the loopback interface, and told where a session of ours listens.
+"""Scouting on the loopback interface: plain Zenoh programs on this machine learn the address of this session.
 
-A program with Zenoh's default configuration looks for others on the outer interfaces, but hears a Scout that comes on
-the loopback interface as well, answers it with a Hello, and takes a Hello at the address from which it answered. So a
+A program with Zenoh's default configuration looks for others on the outer interfaces. But it also receives a Scout on
+the loopback interface, answers it with a Hello, and accepts a Hello at the address from which it answered. So a
 session sends Scouts there, and answers each Hello with its own; the other program then connects. This socket is bound
-to 127.0.0.1: the kernel neither brings it datagrams from elsewhere, nor sends out what it says.
+to 127.0.0.1: the kernel neither delivers datagrams from other machines to it, nor sends its datagrams to them.
 """
 
 import logging
@@ -24,7 +24,7 @@ MOST_BYTES = 2048
 
 
 def scout() -> bytes:
-    """Return the datagram that asks peers who they are."""
+    """Return the datagram that asks peers for their identity."""
     return bytes((SCOUT, VERSION, ANY_PEER))
 
 
@@ -42,15 +42,15 @@ def hello(zid: str, locator: str) -> bytes:
 
 
 def is_hello(datagram: bytes) -> bool:
-    """Whether a peer answers in it."""
+    """Return whether a datagram is a Hello."""
     return len(datagram) >= 3 and datagram[0] & 0x1F == HELLO and datagram[2] & 0b11 == PEER
 
 
 class Scouting(Closeable):
-    """Looks for plain Zenoh programs as long as it is open, on a thread of its own."""
+    """Looks for plain Zenoh programs while it is open, on a thread of its own."""
 
     def __init__(self, group: tuple[str, int], zid: str, locator: str) -> None:
-        """Begin to look.
+        """Start looking.
 
         Args:
             group: Multicast group and port.
@@ -66,8 +66,8 @@ class Scouting(Closeable):
             self._socket.bind((LOOPBACK, 0))
             interface = socket.inet_aton(LOOPBACK)
             self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
-            # The kernel delivers on an interface only what somebody there has asked for. Nothing for the group reaches
-            # this socket itself, which is bound to another address.
+            # The kernel delivers multicast on an interface only to sockets that have joined the group. This socket gets
+            # no such datagrams, since it is bound to another address.
             membership = socket.inet_aton(group[0]) + interface
             self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
         except OSError:
@@ -77,7 +77,7 @@ class Scouting(Closeable):
         self._thread.start()
 
     def hurry(self) -> None:
-        """Send a Scout at once: somebody has been lost."""
+        """Send a Scout at once, since a peer has been lost."""
         self._is_hurried = True
         self._wake()
 
@@ -105,7 +105,7 @@ class Scouting(Closeable):
             self._socket.settimeout(max(next_scout - time.monotonic(), 0.001))
             try:
                 datagram, sender = self._socket.recvfrom(MOST_BYTES)
-            except TimeoutError:  # nothing was heard, and it is time to scout again
+            except TimeoutError:  # nothing was received, and it is time to scout again
                 continue
             except OSError:  # a program that we answered has ended
                 continue

@@ -1,7 +1,7 @@
 """Profiles: those of this machine alone, and those with certificates.
 
-The table `acromovi` of a profile is ours. With `loopback`, sessions meet on this machine by `bus.loopback`. With
-`keys` it speaks of certificates: where they are, what they allow, and why a router would not let one in. `{keys}` is
+The table `acromovi` of a profile is this product's. With `loopback`, sessions meet on this machine by `bus.loopback`.
+With `keys` it configures certificates: their folder, and the rules for what they allow. `{keys}` is
 a folder with `ca.pem`, `cert.pem` and `key.pem`, as `acromovi keys` makes them; a router's has a list `admitted`
 besides. A certificate's common name is ROLE.NAME.
 """
@@ -27,12 +27,12 @@ from configs.loader import ConfigError, find, read
 
 WARNING = "bus profile "
 """How the line begins that warns of a profile; a program that starts others prints it once for all of them."""
-OURS = "acromovi"  # the table of a profile that is not Zenoh's
+OURS = "acromovi"  # the table of a profile that is this product's
 ADMITTED = "admitted"
 CA, CERTIFICATE, PRIVATE_KEY = "ca.pem", "cert.pem", "key.pem"
-PROBE_TIMEOUT = 2.0  # s for a router to say no
+PROBE_TIMEOUT = 2.0  # s for a router to refuse
 
-# What a router's alert means, by the names that OpenSSL gives them.
+# Meanings of a router's alerts, by their OpenSSL names.
 ALERTS = {
     "TLSV1_ALERT_UNKNOWN_CA": "it has another authority than this certificate; ask for a key of its authority",
     "TLSV1_ALERT_DECRYPT_ERROR": "it has another authority than this certificate; ask for a key of its authority",
@@ -44,13 +44,13 @@ ALERTS = {
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """A profile, and what is given behind its name: the folder of its keys, or the name of a bus on this machine.
+    """A profile, and the text behind its name: the folder of its keys, or the name of a bus on this machine.
 
     path: the file.
-    table: what the file says.
-    folder: where the keys are; None for a profile without.
-    local: which bus of this machine; None for a profile that is not of this machine alone.
-    warning: what a program prints that joins this bus; empty for none.
+    table: the contents of the file.
+    folder: the folder of the keys; None for a profile without.
+    local: the bus of this machine; None for a profile of the network.
+    warning: printed by a program that joins this bus; empty for none.
     """
 
     path: Path
@@ -64,9 +64,9 @@ class Profile:
         """Find a profile by a name or a file.
 
         Args:
-            name: With `:FOLDER` behind it where the keys are elsewhere, or `:NAME` for another bus on this machine.
+            name: With `:FOLDER` behind it for another folder of keys, or `:NAME` for another bus on this machine.
         Raises:
-            ConfigError: There is no such profile, or what is given behind its name does not belong to it.
+            ConfigError: There is no such profile, or it takes no such text behind its name.
         """
         if not isinstance(name, str):
             raise ConfigError(f"a bus profile is a text, such as 'local', not {name!r}")
@@ -88,7 +88,7 @@ class Profile:
         return cls(path, table, keys, warning=warning)
 
     def for_zenoh(self) -> dict[str, Any]:
-        """The table as Zenoh takes it: with paths in place of `{keys}`, and a subject for each name that is admitted.
+        """Return Zenoh's configuration: with paths in place of `{keys}`, and a subject for each admitted name.
 
         Raises:
             ConfigError: Keys are missing, or a router's list of names.
@@ -104,9 +104,9 @@ class Profile:
 
 
 def admitting(access: Mapping[str, Any], common_names: Iterable[str]) -> dict[str, Any]:
-    """Access control for these common names: each is a subject of its own, under the policies that its role has.
+    """Return access control for these common names: each is a subject with the policies of its role.
 
-    Zenoh compares common names whole, so `viewer.*` has to be written out; and `{name}` in a rule is a member's own.
+    Zenoh compares whole common names, so `viewer.*` is written out; `{name}` in a rule is the member's own name.
     """
     patterns = {subject["id"]: subject["cert_common_names"] for subject in access["subjects"]}
     rules: dict[str, Any] = {}
@@ -125,10 +125,10 @@ def admitting(access: Mapping[str, Any], common_names: Iterable[str]) -> dict[st
 
 
 class Permit:
-    """What one certificate allows, by the router's own rules.
+    """The permissions of one certificate, by the router's own rules.
 
     common_name: ROLE.NAME.
-    own_name: the only name under which its owner may speak; None where it may take any.
+    own_name: the only name that its owner may use; None if it may use any.
     """
 
     def __init__(self, common_name: str, rules: Sequence[Mapping[str, Any]], sentence: str) -> None:
@@ -143,7 +143,7 @@ class Permit:
 
     @classmethod
     def of(cls, profile: Profile) -> "Permit | None":
-        """What the certificate of a profile allows; None where nobody is asked for one, or no rules are named.
+        """Return what the certificate of a profile allows; None for a profile without certificate or rules.
 
         Raises:
             ConfigError: Keys or rules are missing or cannot be read.
@@ -160,26 +160,26 @@ class Permit:
         return cls(common_name, rules, sentence.replace("{name}", name))
 
     def require(self, message: str, key: str) -> None:
-        """Refuse what the router would drop without a word.
+        """Raise for what the router would drop silently.
 
         Raises:
-            NotAllowed: The rules do not allow this message, in Zenoh's words (`put`, `query`), on this key.
+            NotAllowed: The rules do not allow this message, in Zenoh's terms (`put`, `query`), on this key.
         """
         if not self.allows(message, key):
             raise NotAllowed(f"{self._sentence} ({message.replace('_', ' ')} on {key})")
 
     def allows(self, message: str, key: str) -> bool:
-        """Whether the rules allow this message, in Zenoh's words, on this key."""
+        """Return whether the rules allow this message, in Zenoh's terms, on this key."""
         wanted = zenoh.KeyExpr(key)
         return any(message in messages and any(k.includes(wanted) for k in keys) for messages, keys in self._rules)
 
 
 def valid_name(certificate: Path) -> str:
-    """The common name of a certificate that is valid now.
+    """Return the common name of a certificate that is valid now.
 
     Raises:
         ConfigError: It cannot be read.
-        BusUnavailable: It is not valid yet, or not any more.
+        BusUnavailable: It is not valid yet, or no longer.
     """
     require("a secure bus", "security")
     from cryptography import x509
@@ -202,7 +202,7 @@ def valid_name(certificate: Path) -> str:
 
 
 def why_not_let_in(profile: Profile, endpoints: Iterable[str]) -> str:
-    """Knock where Zenoh failed, since Zenoh does not say why; one sentence for each endpoint with TLS.
+    """Connect again to the endpoints at which Zenoh failed, and return the reasons, a sentence for each with TLS.
 
     Args:
         profile: One with keys.
@@ -213,7 +213,7 @@ def why_not_let_in(profile: Profile, endpoints: Iterable[str]) -> str:
 
 
 def _knock(folder: Path, endpoint: str) -> str:
-    """Shake hands as Zenoh would, and put what goes wrong in words."""
+    """Do the TLS handshake as Zenoh would, and return the reason of a failure."""
     address = urlsplit(f"//{endpoint.removeprefix('tls/')}")
     host, port = address.hostname or "", address.port or 0
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -227,7 +227,7 @@ def _knock(folder: Path, endpoint: str) -> str:
             socket.create_connection((host, port), PROBE_TIMEOUT) as plain,
             context.wrap_socket(plain, server_hostname=host) as link,
         ):
-            link.recv(1)  # a router that is content waits for Zenoh's first word
+            link.recv(1)  # a router that accepts waits for the first message of Zenoh's
     except ssl.SSLCertVerificationError as err:
         return f"the router's certificate does not pass: {err.verify_message}; is {folder / CA} of its authority?"
     except ssl.SSLError as err:
@@ -241,7 +241,7 @@ def _knock(folder: Path, endpoint: str) -> str:
 
 
 def _setting(table: Mapping[str, Any], name: str) -> str:
-    """One of our own settings, a text."""
+    """Return one of the product's own settings, a text."""
     value = table[OURS].get(name)
     if not isinstance(value, str):
         raise ConfigError(f"{OURS}.{name} of a bus profile must be a text, not {json.dumps(value)}")
@@ -249,7 +249,7 @@ def _setting(table: Mapping[str, Any], name: str) -> str:
 
 
 def _present(path: Path) -> Path:
-    """The path of a file that is there."""
+    """Return the path of a file after checking that it exists."""
     if not path.is_file():
         how = "make keys with `acromovi keys make`, and give their folder: --bus secure:FOLDER"
         if all_keys := sorted(each.parent for each in path.parent.glob(f"*.*/{CERTIFICATE}")):
@@ -260,19 +260,19 @@ def _present(path: Path) -> Path:
 
 
 def _admitted(path: Path) -> list[str]:
-    """The names in a router's list: one a line, and what follows a # is a remark."""
+    """Return the names in a router's list: one in each line, and comments after a #."""
     lines = [line.partition("#")[0].strip() for line in _present(path).read_text(encoding="utf-8").splitlines()]
     return [line for line in lines if line]
 
 
 def _own(rule: Mapping[str, Any], common_name: str) -> dict[str, Any]:
-    """A rule as it holds for one member: one that speaks of `{name}` is the member's alone."""
+    """Return a rule for one member: `{name}` is replaced, and the rule is the member's alone."""
     filled = _filled(rule, name=common_name.partition(".")[2])
     return dict(filled) if filled == rule else {**filled, "id": f"{rule['id']} {common_name}"}
 
 
 def _filled(value: Any, **places: str) -> Any:
-    """A table with texts in place of `{keys}` or `{name}`."""
+    """Return a table with texts in place of `{keys}` or `{name}`."""
     if isinstance(value, str):
         for place, text in places.items():
             value = value.replace(f"{{{place}}}", text)

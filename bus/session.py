@@ -1,7 +1,7 @@
 """The bus between processes and machines: a Zenoh session.
 
-What a profile says is Zenoh's own configuration, in TOML with Zenoh's own names; the profiles are in `configs/bus`, and
-a file of Zenoh's (`.json5`) serves as well.
+A profile is Zenoh's own configuration, in TOML with Zenoh's own names; the profiles are in `configs/bus`. A file in
+Zenoh's format (`.json5`) can be used as well.
 """
 
 import atexit
@@ -46,33 +46,33 @@ from configs.loader import ConfigError
 
 log = logging.getLogger("bus")
 
-# What others serve becomes known within some ms of opening. A query that finds nobody in a session younger than this is
-# asked again; longer where not everybody could be connected to yet, as on a busy machine.
+# Queryables of other sessions become known some ms after opening. In a session younger than this, a query without a
+# reply is sent again; the time is longer where not all connections could be opened yet, as on a busy machine.
 MEETING_TIME = 0.5  # s
 LATE_MEETING_TIME = 2.5  # s
 MOST_TRIES = 5  # to listen on a port that was free a moment before
 
 
 def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zenoh.Config:
-    """Zenoh's configuration from a profile.
+    """Return Zenoh's configuration from a profile.
 
     Args:
         profile: A name in `configs/bus`, or a file: TOML, or Zenoh's own JSON5 when it ends in `.json5` or `.json`.
-            Where it speaks of keys, `:FOLDER` behind it says where they are.
-        changes: What the command line sets beyond it: `{"listen/endpoints": ["tcp/127.0.0.1:7447"]}`.
+            `:FOLDER` behind it is the folder of the keys, for a profile with keys.
+        changes: Further settings of the command line: `{"listen/endpoints": ["tcp/127.0.0.1:7447"]}`.
     Raises:
-        ConfigError: There is no such profile, its keys are missing, or Zenoh does not take it.
+        ConfigError: There is no such profile, its keys are missing, or Zenoh does not accept it.
     """
     return _configured(Profile.find(profile), changes or {})
 
 
 def registered(registration: Registration) -> dict[str, list[str]]:
-    """What a session's configuration says of where it listens and whom it connects to."""
+    """Return the configuration of a session's own address and of the sessions to which it connects."""
     return {"listen/endpoints": [registration.endpoint], "connect/endpoints": list(registration.elders)}
 
 
 def _configured(profile: Profile, changes: Mapping[str, Any]) -> zenoh.Config:
-    """Zenoh's configuration from a profile that has been found."""
+    """Return Zenoh's configuration from a profile that has been found."""
     path = profile.path
     try:
         if path.suffix in (".json5", ".json"):
@@ -97,7 +97,7 @@ class ZenohBus(Bus):
     Samples, tokens and replies are handled in the order of arrival; queries in the order of arrival of each client,
     and the clients take turns.
 
-    Since a handler holds up the others it must be quick, and must not query what the same bus serves.
+    A handler must be quick, since it blocks the others, and must not query what the same bus serves.
     """
 
     def __init__(
@@ -107,8 +107,8 @@ class ZenohBus(Bus):
 
         Args:
             config: Zenoh's configuration.
-            permit: What the router allows this program; what it does not is refused here, since the router is silent.
-            registration: This session's on this machine; it is closed with it.
+            permit: What the router allows this program; the rest is refused here, since the router denies silently.
+            registration: The registration of this session on this machine; it is closed with the session.
         Raises:
             BusUnavailable: Zenoh cannot open one, for example because an address to listen on is taken.
         """
@@ -122,22 +122,22 @@ class ZenohBus(Bus):
         self._permit = permit
         self._registration = registration
         self._scouting: Scouting | None = None
-        self._declared: set[Declared] = set()  # Zenoh withdraws what nobody refers to
+        self._declared: set[Declared] = set()  # Zenoh withdraws a declaration without a reference
         self._met_at = time.monotonic() + (MEETING_TIME if self._has_met_elders() else LATE_MEETING_TIME)
         self._handlers = HandlerThread()
         self._links = LinkWatch(self._session.info)
-        atexit.register(self.close)  # a session left open keeps the interpreter from ending
+        atexit.register(self.close)  # an open session keeps the interpreter from ending
 
     @classmethod
     def open(cls, profile: str | None = None) -> Self:
         """Open a session with a profile.
 
         Args:
-            profile: A name in `configs/bus`, or a file; `:FOLDER` behind it where it speaks of keys, `:NAME` for
-                another bus on this machine. None for the default, as of `--bus`.
+            profile: A name in `configs/bus`, or a file; `:FOLDER` behind it for a profile with keys, `:NAME` for
+                another bus on this machine. None for the default of `--bus`.
         Raises:
-            ConfigError: There is no such profile, its keys are missing, or Zenoh does not take it.
-            BusUnavailable: Zenoh cannot open a session, or the router does not let this certificate in.
+            ConfigError: There is no such profile, its keys are missing, or Zenoh does not accept it.
+            BusUnavailable: Zenoh cannot open a session, or the router does not admit this certificate.
         """
         found = Profile.find(profile or default_bus())
         if found.local is not None:
@@ -159,7 +159,7 @@ class ZenohBus(Bus):
         if permit is not None and not bus._is_admitted():
             bus.close()
             raise BusUnavailable(
-                f"the router does not know {permit.common_name}, and so would give it nothing; add this name to the "
+                f"the router does not know {permit.common_name}, and denies it everything; add this name to the "
                 f"file {ADMITTED} in the router's folder of keys, and start the router again"
             )
         return bus
@@ -186,11 +186,11 @@ class ZenohBus(Bus):
 
     @property
     def own_name(self) -> str | None:
-        """The only name under which this program may speak."""
+        """The only name that this program may use."""
         return None if self._permit is None else self._permit.own_name
 
     def check_may_query(self, key_expr: str) -> None:
-        """See whether a query would be let through."""
+        """Check whether this program may send a query."""
         self._require("query", key_expr)
 
     def publisher(self, key: str, type_name: str) -> Publisher:
@@ -214,14 +214,14 @@ class ZenohBus(Bus):
         self._put(key, message, attachment, zenoh.CongestionControl.BLOCK)
 
     def subscribe(self, key_expr: str, on_sample: Callable[[Sample], None], *, urgent: bool = False) -> Subscription:
-        """Hear what is put on matching keys."""
+        """Subscribe to matching keys."""
 
         declare = partial(self._session.declare_subscriber, key_expression(key_expr))
         self._require("declare_subscriber", key_expr)
         return self._listen(key_expr, partial(_hear, on_sample), declare, urgent, self._handlers.post_sample)
 
     def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
-        """Hear the latest sample on a key."""
+        """Subscribe to the latest sample on a key."""
         check_handler(on_sample)
         self._require("declare_subscriber", plain_key(key))
         with self._usable():
@@ -263,7 +263,7 @@ class ZenohBus(Bus):
         *,
         urgent: bool = False,
     ) -> Subscription:
-        """Ask everyone who serves a matching key, and hear every reply as it comes."""
+        """Query every program that serves a matching key, and pass on every reply as it comes."""
         check_timeout(timeout)
         get = partial(
             self._session.get,
@@ -282,14 +282,14 @@ class ZenohBus(Bus):
         return query
 
     def declare_alive(self, key: str) -> Subscription:
-        """Show a token while this session lives."""
+        """Declare a token until this session ends."""
         plain_key(key)
         self._require("liveliness_token", key)
         with self._usable():
             return Declared(self._declared, self._session.liveliness().declare_token(key))
 
     def watch_alive(self, key_expr: str, on_change: Callable[[str, bool], None]) -> Subscription:
-        """Hear of tokens that are there, come and go."""
+        """Watch tokens that exist, appear and disappear."""
 
         def hear(sample: zenoh.Sample) -> None:
             on_change(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
@@ -306,7 +306,7 @@ class ZenohBus(Bus):
             self._is_closed = True
             atexit.unregister(self.close)
             if self._registration is not None:
-                self._registration.close()  # first: whoever opens now need not connect to what is about to close
+                self._registration.close()  # first, so that a new session does not connect to this one
             if self._scouting is not None:
                 self._scouting.close()
             self._links.close()
@@ -347,7 +347,7 @@ class ZenohBus(Bus):
         urgent: bool,
         post: Callable[[Listening, Any], None],
     ) -> Subscription:
-        """Declare on the session what listens."""
+        """Declare a subscriber or queryable on the session."""
 
         def hand_on(item: object) -> None:
             threads.keep()
@@ -359,11 +359,11 @@ class ZenohBus(Bus):
         return listening
 
     def _has_met_elders(self) -> bool:
-        """Whether all are connected that were registered on this machine before."""
+        """Return whether this session is connected to all that were registered on this machine before."""
         return self._registration is None or len(self._session.info.peers_zid()) >= len(self._registration.elders)
 
     def _look_for_plain_programs(self, local: LocalBus) -> None:
-        """Have other Zenoh programs of this machine find this session."""
+        """Let other Zenoh programs of this machine find this session."""
         if self._registration is None:
             return
         try:
@@ -381,19 +381,19 @@ class ZenohBus(Bus):
         self._transports = self._session.info.declare_transport_events_listener(handler)
 
     def _is_admitted(self) -> bool:
-        """Whether a router answers, as it does to those whom it knows."""
+        """Return whether a router answers, which it does to admitted programs only."""
         routers = self._session.info.routers_zid()
         asked = [self._session.get(f"@/{router}/router", timeout=QUERY_TIMEOUT) for router in routers]
         return any(reply.ok for replies in asked for reply in replies)
 
     def _require(self, message: str, key: str) -> None:
-        """Refuse what the router would drop without a word."""
+        """Raise NotAllowed for what the router would drop silently."""
         if self._permit is not None:
             self._permit.require(message, key)
 
     @contextlib.contextmanager
     def _usable(self) -> Iterator[None]:
-        """Refuse on a closed bus, and put Zenoh's errors in the bus's own words."""
+        """Raise on a closed bus, and translate Zenoh's errors."""
         if self._is_closed:
             raise BusUnavailable("this bus is closed")
         try:
@@ -403,7 +403,7 @@ class ZenohBus(Bus):
 
 
 def _hear(on_sample: Callable[[Sample], None], sample: zenoh.Sample) -> None:
-    """Pass a sample on, unless it is a deletion."""
+    """Pass on a sample, unless it is a deletion."""
     if sample.kind == zenoh.SampleKind.PUT:
         attachment = sample.attachment
         on_sample(
@@ -429,7 +429,7 @@ class _ZenohPublisher(Declared, Publisher):
         if self.handle is None:
             return False
         try:
-            status = self._publisher.matching_status  # an object that holds the answer, and is true whatever it holds
+            status = self._publisher.matching_status  # an object that is true in every case, and holds the answer
             return bool(status.matching)  # type: ignore[attr-defined]  # Zenoh's stub says that the status is a bool
         except zenoh.ZError:  # the bus has been closed
             return False

@@ -1,7 +1,7 @@
 """Limits of what is accepted from the bus: size, nesting, numbers, and the characters of text.
 
-Everything here may come from anyone. JSON is checked where it is decoded and encoded (`bus.messages`), so that a
-program never sends what another one refuses; names are checked where they are used. All failures are `MessageError`.
+Input may come from any program. JSON is checked where it is decoded and encoded (`bus.messages`), so that a program
+never sends what another one refuses; names are checked where they are used. All failures are `MessageError`.
 """
 
 import math
@@ -137,7 +137,7 @@ def check_line(text: str, what: str, longest: int = LONGEST_NAME) -> None:
     """Refuse text that does not serve as a name or a short value in one line.
 
     Args:
-        text: Received from anyone.
+        text: Received from any program.
         what: For the error: "holder of lease take".
         longest: Characters that it may have.
     Raises:

@@ -1,4 +1,4 @@
-"""Conversations on a Zenoh session: one query, and several replies until the answerer ends it or is gone."""
+"""Conversations on a Zenoh session: one query, and several replies until the responder ends it or has gone."""
 
 import contextlib
 import threading
@@ -17,14 +17,14 @@ from bus.handler_thread import HandlerThread
 from bus.messages import decode_unchecked_json
 
 ASK_AGAIN_AFTER = 0.02  # s
-ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
+ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when a program has not answered
 
 
 def _read_reply(reply: zenoh.Reply) -> RawReply | None:
-    """Return a reply as it travels, or None for Zenoh's own report that a program has not answered in time."""
+    """Return an encoded reply, or None for Zenoh's own report that a program has not answered in time."""
     if reply.ok is not None:
         return RawReply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes())
-    if reply.err is None:  # neither: Zenoh makes no such reply, and a strange one is no answer
+    if reply.err is None:  # neither: Zenoh makes no such reply
         return RawReply(True, "", b"an empty reply")
     payload = reply.err.payload.to_bytes()
     if payload == ZENOH_TIMEOUT and str(reply.err.encoding) != JSON:
@@ -32,8 +32,8 @@ def _read_reply(reply: zenoh.Reply) -> RawReply | None:
     return RawReply(True, "", payload)
 
 
-class ZenohConversation(Conversation):
-    """The answerer's end. Zenoh ends the query when this is closed, forgotten, or its process dies."""
+class _ZenohConversation(Conversation):
+    """The responder's end. Zenoh ends the query when this is closed or deleted, or its process dies."""
 
     def __init__(self, key: str, query: zenoh.Query) -> None:
         self._key = key
@@ -45,12 +45,12 @@ class ZenohConversation(Conversation):
         self._send(lambda query, payload: query.reply(self._key, payload, encoding=JSON), reply_of(value))
 
     def refuse(self, why: str) -> None:
-        """Say no, and end it."""
+        """Send an error reply, and end it."""
         self._send(lambda query, payload: query.reply_err(payload, encoding=JSON), refusal(why))
         self.close()
 
     def close(self) -> None:
-        """End it; closing twice does no harm."""
+        """End it; closing it twice has no effect."""
         with self._lock:
             query, self._query = self._query, None
             if query is not None:
@@ -77,7 +77,7 @@ class ConversationListening(Listening):
     def hear(self, item: zenoh.Query) -> None:
         """Begin a conversation, unless this was closed while the query waited."""
         if self._prepare():
-            conversation = ZenohConversation(self._key, item)
+            conversation = _ZenohConversation(self._key, item)
             with refusing_errors(self._key, conversation):
                 self._talker(decode_unchecked_json(item.payload.to_bytes() if item.payload else b""), conversation)
 
@@ -110,7 +110,7 @@ class ZenohQuery(Listening):
         self._cancellation = zenoh.CancellationToken()
 
     def options(self) -> dict[str, Any]:
-        """Return what `get` needs: Zenoh's own thread brings the replies and then, in every case, the end."""
+        """Return arguments for `get`: Zenoh's own thread passes the replies and then, in every case, the end."""
         handler: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
             lambda reply: self._hand_on(_read_reply(reply) or self._timed_out()),
             lambda: self._hand_on(None),
@@ -120,7 +120,7 @@ class ZenohQuery(Listening):
         return {"handler": handler, "timeout": remaining, "cancellation_token": self._cancellation}
 
     def close(self) -> None:
-        """Hear no more."""
+        """Pass on no further replies."""
         was_open = self._is_open
         super().close()
         if was_open:  # cancelling waits for a callback that runs, so it must not happen inside one

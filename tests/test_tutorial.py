@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from agents.client.element import ElementClient
-from agents.client.picture import Picture
 from agents.client.robot import ELEMENTS
+from agents.client.sensors import Picture
 from tests.live_team import LIMIT, ROOT, own_bus
 from tests.reader import Reader, links
 

@@ -1,4 +1,4 @@
-"""The client for scripts that do one thing after the other: no event loop, no bus, no messages.
+"""The client for sequential scripts: no event loop, no bus, no messages.
 
     from agents import Team
 
@@ -6,5 +6,5 @@
         for robot in team.robots(having="laser"):
             print(robot.name, robot.laser.nearest())
 
-`Team` (team.py) is all robots, `Robot` one of them, `ElementClient` a part of it; `LoopThread` makes their calls.
+`Team` (team.py) is the set of robots, `Robot` one of them, `ElementClient` an element; `LoopThread` runs their calls.
 """

@@ -1,4 +1,4 @@
-"""An application as an agent of the upper layer: in the directory, asked, suspended and stopped like any other."""
+"""An application as an agent: it is in the directory, and is asked, suspended and stopped like any other."""
 
 import asyncio
 import inspect
@@ -18,13 +18,13 @@ from agents.platform.hooks import marks
 from bus.aio import hand_over
 
 SERVICE = "application"
-LEAVE = 1.0  # s in which a program that is told to end is expected to
+LEAVE = 1.0  # s for a program to end
 
 
 def application_agent(
     path_or_module: str | Path, name: AgentName | str | None = None, arguments: Mapping[str, Any] | None = None
 ) -> "Application":
-    """Make an agent of an application; a container starts it.
+    """Return an agent for an application; a container starts it.
 
     Args:
         path_or_module: A file, or a module of the package `apps`.
@@ -41,9 +41,9 @@ def application_agent(
 class Application(Agent):
     """Runs a program's `main` in a thread, and answers with the functions that `@request` marks.
 
-    While it is suspended, the program waits at its next call of the team; what it drives stands, and a motion that is
-    under way goes to its end. When it is stopped, that call raises `Stopped`. When `main` returns, the agent lives on
-    if there is something to ask it for, else it ends.
+    While it is suspended, the program waits at its next call of the team; continuous driving stops, and a motion under
+    way is completed. When it is stopped, that call raises `Stopped`. When `main` returns, the agent continues if it has
+    functions for requests, else it ends.
 
     ended: set when it has. has_failed: whether `main` raised when it last ran.
     """
@@ -56,11 +56,11 @@ class Application(Agent):
         self._arguments = dict(arguments)
 
     def describe(self) -> dict[str, Any]:
-        """What the directory says of it."""
+        """Return its description for the directory."""
         return {**super().describe(), "services": [SERVICE, *self._program.services]}
 
     async def setup(self) -> None:
-        """Begin."""
+        """Start the program."""
         self._thread = LoopThread(self, asyncio.get_running_loop())
         self._discovery = await look(self._thread)
         self._program = await self.load()
@@ -71,16 +71,16 @@ class Application(Agent):
         self.add(OneShot(self._main, "main"), Restart() if self._program.begins_again else FAIL_AGENT)
 
     async def load(self) -> RunningApplication:
-        """The program; for kinds of applications that have not loaded it when they are made."""
+        """Return the program; for kinds of applications that load it later."""
         return self._program
 
     def suspend(self) -> None:
-        """Rest; the program waits at its next call."""
+        """Suspend the agent; the program waits at its next call."""
         super().suspend()
         self._thread.suspend()
 
     def resume(self) -> None:
-        """Go on."""
+        """Resume the agent and the program."""
         super().resume()
         self._thread.resume()
 
@@ -95,12 +95,12 @@ class Application(Agent):
         try:
             await self._thread.halt()
         finally:
-            self.ended.set()  # last: who waits for this may close the container, and who has stopped it is to hear so
+            self.ended.set()  # last: the waiting task may close the container
 
     async def _main(self) -> None:
         self.has_failed = False
         try:
-            await in_thread(lambda: self._program.run(self._team, self._arguments), str(self.name))
+            await _in_thread(lambda: self._program.run(self._team, self._arguments), str(self.name))
         except Exception:
             self.has_failed = True
             raise
@@ -108,7 +108,7 @@ class Application(Agent):
             self.delete()
 
     def _threaded(self, function: Callable[..., Any]) -> Callable[..., Awaitable[Any]]:
-        """The same function for the event loop; it gets the team if it asks for one as its first argument."""
+        """Return a coroutine function for a function; it gets the team if its first parameter is `team`."""
         signature = inspect.signature(function)
         wants_team = next(iter(signature.parameters), "") == "team"
         own = (self._team,) if wants_team else ()
@@ -126,8 +126,8 @@ class Application(Agent):
         return run
 
 
-async def in_thread(work: Callable[[], None], name: str) -> None:
-    """Do what may take long, or for ever, in a thread of its own; who is cancelled waits a little for its end."""
+async def _in_thread(work: Callable[[], None], name: str) -> None:
+    """Run a function in a thread of its own, and wait for its end; a cancelled wait lasts a little longer."""
     loop = asyncio.get_running_loop()
     ended: asyncio.Future[None] = loop.create_future()
 

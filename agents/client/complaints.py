@@ -1,4 +1,4 @@
-"""What people read when a program of theirs goes wrong: one sentence, and the line of the program."""
+"""Error messages for scripts: one sentence, and the line of the script."""
 
 import sys
 import threading
@@ -11,7 +11,7 @@ from agents.platform.errors import in_words
 
 
 def complaint(error: BaseException, file: Path) -> str:
-    """An exception of a program in one sentence: file, line, and what was raised."""
+    """Return an exception of a program as one sentence: file, line, and error."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
         return f"{file.name}, line {error.lineno}: {error.msg}"
     frames = traceback.extract_tb(error.__traceback__)
@@ -47,7 +47,7 @@ def _complain_of_thread(failed: threading.ExceptHookArgs) -> None:
 
 
 def _line_of_script(trace: TracebackType | None) -> str:
-    """The last line of the script itself that led there, as `drive.py, line 5: `."""
+    """Return the last line of the script in the traceback, as `drive.py, line 5: `."""
     where = ""
     for frame, line in traceback.walk_tb(trace):
         if frame.f_globals.get("__name__") == "__main__":

@@ -1,4 +1,4 @@
-"""Which agents and robots are on the bus, and waiting for those that start late or are being restarted."""
+"""Discovery of agents and robots on the bus; it waits for those that start late or are being restarted."""
 
 import asyncio
 from collections.abc import Iterable
@@ -9,19 +9,19 @@ from bus import Bus
 from bus.aio import hand_over
 from configs.suggestion import meant
 
-MEETING_TIME = 3.0  # s in which whoever is there has been seen, on a loaded machine too
-QUIET = 0.4  # s without anything new, after which all are taken to have been seen
+MEETING_TIME = 3.0  # s in which all present agents have been seen, on a loaded machine too
+QUIET = 0.4  # s without a new agent, after which all are taken to have been seen
 RETURN_TIME = 20.0  # s in which a robot or an element that disappeared is back after a restart, on a loaded machine too
 FORGET_TIME = 60.0  # s for which a disappearance is kept for messages
 NO_ROBOTS = "start a team with `acromovi up acromovi`, and see whether both use the same bus"
-COMPONENT = "component"  # what the agents of robots' elements offer
+COMPONENT = "component"  # the service of the agents of elements
 
 
 class Discovery:
-    """The agents in sight, kept up to date; all of it belongs to one event loop."""
+    """The agents on the bus, kept up to date in one event loop."""
 
     def __init__(self, bus: Bus) -> None:
-        """Begin to look, in a running event loop."""
+        """Start watching, in a running event loop."""
         self._loop = asyncio.get_running_loop()
         self._moved = asyncio.Event()
         self._last_change = self._opened = self._loop.time()
@@ -29,21 +29,21 @@ class Discovery:
         self._directory = Directory(bus, lambda name, is_there: hand_over(self._loop, self._note, name, is_there))
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop watching."""
         self._directory.close()
 
     def sees(self, agent: AgentName) -> bool:
-        """Whether it lives."""
+        """Return whether an agent is present."""
         return self._directory.knows(agent)
 
     async def element(self, agent: AgentName, within: float | None = None) -> None:
-        """Wait until an element's agent is there.
+        """Wait until an element's agent is present.
 
         Args:
             agent: The agent of the element.
-            within: s to wait; by default longer for an agent that was there a moment ago than for one never seen.
+            within: s to wait; by default longer for an agent that has just disappeared than for one never seen.
         Raises:
-            NotThere: It has not come; the message names the elements that the robot has.
+            NotThere: It has not appeared; the message names the elements of the robot.
         """
         begun, moved = self._loop.time(), self._moved
         while not self.sees(agent):
@@ -52,22 +52,22 @@ class Discovery:
             moved = self._moved
 
     async def elements(self, robot: str) -> list[str]:
-        """The names of a robot's elements, in the order of the alphabet; none when there is no such robot."""
+        """Return the names of a robot's elements, in alphabetical order; none when there is no such robot."""
         return [found.name.local for found in await self._directory.search(COMPONENT, robot)]
 
     async def robots(self, having: Iterable[str]) -> list[str]:
-        """The robots that have all these elements, in the order of the alphabet, once all have had time to be seen."""
+        """Return the robots with all these elements, in alphabetical order, once all have had time to appear."""
         await self._settled()
         return await self._robots(having)
 
     async def any_robot(self, having: Iterable[str], within: float | None = None) -> str:
-        """The first robot that has all these elements.
+        """Return the first robot with all these elements.
 
         Args:
             having: Names of elements.
-            within: s to wait for one; by default only until all robots have had time to be seen.
+            within: s to wait for one; by default only until all robots have had time to appear.
         Raises:
-            NotThere: No robot has.
+            NotThere: There is none.
         """
         end, moved = self._loop.time() + (within or 0.0), self._moved
         found = await self.robots(having)
@@ -79,14 +79,14 @@ class Discovery:
         return found[0]
 
     async def robot(self, name: str, having: Iterable[str], within: float | None = None) -> None:
-        """Wait until a robot is there, and these of its elements.
+        """Wait until a robot and these of its elements are present.
 
         Args:
             name: The robot.
             having: Names of elements.
-            within: s to wait; by default longer for a robot that was there a moment ago than for one never seen.
+            within: s to wait; by default longer for a robot that has just disappeared than for one never seen.
         Raises:
-            NotThere: It has not come; the message names the robots that are there.
+            NotThere: It has not appeared; the message names the robots that are present.
         """
         begun, moved = self._loop.time(), self._moved
         while not (self._has_agents(name) and await self.elements(name)):
@@ -134,14 +134,14 @@ class Discovery:
         return any(name.platform == platform for name in self._directory.names)
 
     async def _settled(self) -> None:
-        """Wait until robots have been seen and nothing new comes, or until they ought to have been seen."""
+        """Wait until robots have appeared and no new ones come, or until they should have appeared."""
         while (now := self._loop.time()) < self._opened + MEETING_TIME:
             if now - self._last_change >= QUIET and len({name.platform for name in self._directory.names}) > 1:
                 return
             await asyncio.sleep(QUIET / 4)
 
     def _left_at(self, platform: str) -> float | None:
-        """When the last of a platform's agents disappeared; None if none has lately, or one is still there."""
+        """Return when the last of a platform's agents disappeared; None if none has lately, or one is present."""
         if self._has_agents(platform):
             return None
         return max((left for name, left in self._left.items() if name.platform == platform), default=None)
@@ -150,22 +150,22 @@ class Discovery:
         return f"{self._loop.time() - left:.0f} s ago"
 
     def _end_of_wait(self, begun: float, within: float | None, left: float | None) -> float:
-        """Until when to wait for something, in the loop's time.
+        """Return the end of a wait, in the loop's time.
 
         Args:
             begun: When the wait began.
-            within: s that the caller wants to wait, if it says so.
-            left: When it disappeared, if it was there a moment ago.
+            within: s to wait, if the caller gives it.
+            left: When it disappeared, if it was present lately.
         """
         if within is not None:
             return begun + within
         return max(begun + MEETING_TIME, 0.0 if left is None else left + RETURN_TIME)
 
     async def _is_set(self, moved: asyncio.Event, end: float) -> bool:
-        """Wait until an agent appears or disappears; False if none has before `end`.
+        """Wait until an agent appears or disappears; return False if none has before `end`.
 
         Args:
-            moved: `_moved` as it was before the caller looked, so that no change meanwhile is missed.
+            moved: `_moved` before the caller looked, so that no change is missed.
             end: In the loop's time.
         """
         try:
@@ -176,7 +176,7 @@ class Discovery:
         return True
 
     def _note(self, name: AgentName, is_there: bool) -> None:
-        """An agent has appeared or disappeared."""
+        """Note that an agent has appeared or disappeared."""
         now = self._last_change = self._loop.time()
         self._left = {agent: left for agent, left in self._left.items() if now - left < FORGET_TIME and agent != name}
         if not is_there:
@@ -186,7 +186,7 @@ class Discovery:
 
 
 def _listed(names: list[str]) -> str:
-    """`a`, `a and b`, `a, b and c`."""
+    """Return `a`, `a and b`, or `a, b and c`."""
     *most, last = names
     return f"{', '.join(most)} and {last}" if most else last
 

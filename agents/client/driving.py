@@ -1,4 +1,4 @@
-"""Driving on and on at one velocity: a stream of it, while the program is at work."""
+"""Continuous driving: a stream of one velocity while the program is at work."""
 
 import asyncio
 import contextlib
@@ -20,13 +20,13 @@ APART = 2.0
 
 
 class Stall:
-    """Of one robot, while it is driven in one direction. No clock: `now` is any steady time, s."""
+    """Detects a stall of a robot that is driven in one direction; `now` is any steady time, s."""
 
     def __init__(self) -> None:
         self._first = self._last = -inf
 
     def hear(self, is_stalled: bool, now: float) -> bool:
-        """Take the flags of both wheels, as one; return whether the robot is stalled for good."""
+        """Take the combined stall flag of both wheels; return whether the robot is stalled permanently."""
         if not is_stalled:
             return False
         if now - self._last > APART:
@@ -41,7 +41,7 @@ SILENCE = 0.6  # s after a stop until the gateway obeys a stream again
 
 
 class ContinuousDrive:
-    """One robot that is driven so. All of it belongs to the event loop of the `LoopThread`."""
+    """The continuous driving of one robot, in the event loop of the `LoopThread`."""
 
     def __init__(self, thread: LoopThread, robot: str) -> None:
         self._thread = thread
@@ -52,16 +52,17 @@ class ContinuousDrive:
         self._task: asyncio.Task[None] | None = None
         self._obeyed_from = 0.0
         self._stall = Stall()
-        self._stalled: tuple[float, float] | None = None  # the velocity at which it did, until that has been told
+        self._stalled: tuple[float, float] | None = None  # the velocity at the stall, until it has been reported
 
     async def go(self, linear: float, angular: float, lease: ProgramLease | None) -> None:
-        """Drive so from now on, or until the lease is lost: m/s, rad/s.
+        """Drive at this velocity, m/s and rad/s, until further notice or the loss of the lease.
 
         Raises:
-            Failed: The robot has stalled since the last call, has been stopped, and is to go on in the same direction.
-            LeaseLost: It is lost already, or about to be.
-            Refused: The robot may not, or cannot; says why. It comes to rest, if it was driven by this.
-            NotThere: Nobody drives it.
+            Failed: The robot has stalled since the last call and was stopped, and this call drives in the same
+                direction.
+            LeaseLost: The lease is lost, or about to be.
+            Refused: The gateway refuses; the message says why. A robot driven by this comes to rest.
+            NotThere: The robot has no gateway.
         """
         stalled, self._stalled = self._stalled, None
         if stalled is not None and _pushes_on(stalled, (linear, angular)):
@@ -84,19 +85,19 @@ class ContinuousDrive:
             self._task = asyncio.ensure_future(self._stream())
 
     async def end(self) -> None:
-        """Drive no more; the robot comes to rest."""
+        """Stop driving; the robot comes to rest."""
         self._stalled = None
         task, self._task = self._task, None
         if task is None or task.done():
             return
         task.cancel()
-        with contextlib.suppress(asyncio.CancelledError):  # it was cancelled just now, as it is meant to be
+        with contextlib.suppress(asyncio.CancelledError):  # it has just been cancelled
             await task
         halt = messages.twist(0.0, 0.0)  # the stream may not have begun, and the robot drives as it was asked to
         self._thread.agent.bus.send(keys.CMD_VEL.key(self._robot), halt, self._token.encode())
 
     def has_stopped(self) -> None:
-        """The robot has been told to stop, and will obey no stream until that has been silent for a while."""
+        """Note a stop of the robot, after which the gateway ignores streams until they have been silent for a while."""
         self._obeyed_from = self._thread.loop.time() + SILENCE
 
     @property
@@ -104,7 +105,7 @@ class ContinuousDrive:
         return self._task is not None and not self._task.done()
 
     async def _ask(self, linear: float, angular: float, token: str) -> None:
-        """The first velocity is asked for, since a stream is not answered."""
+        """Send the first velocity as a query, since a stream has no replies."""
         given = {"linear": linear, "angular": angular, **({"token": token} if token else {})}
         try:
             await self._thread.agent.query(keys.DRIVE.key(self._robot), given, ANSWER_TIME)
@@ -127,12 +128,12 @@ class ContinuousDrive:
         return self._thread.is_attended and is_ours and self._stalled is None
 
     def _listen(self) -> Subscription:
-        """Hear the stall flags of the wheels."""
+        """Subscribe to the stall flags of the wheels."""
         key = keys.BUMPERS.key(self._robot)
         return self._thread.agent.bus.subscribe(key, self._take_flags, urgent=True)
 
     def _take_flags(self, sample: Sample) -> None:
-        with contextlib.suppress(MessageError):  # the next one will be better
+        with contextlib.suppress(MessageError):  # the next one is decoded again
             flags = messages.decode(keys.BUMPERS.type_name, sample.payload)
             hand_over(self._thread.loop, self._hear_flags, bool(flags.stall_left or flags.stall_right))
 
@@ -146,7 +147,7 @@ class ContinuousDrive:
 
 
 def _pushes_on(before: tuple[float, float], now: tuple[float, float]) -> bool:
-    """Whether a velocity, m/s and rad/s, goes the same way as one before: along, or round where it only turns."""
+    """Return whether a velocity, m/s and rad/s, has the direction of one before: linear, or angular for a turn."""
     if before[0] or now[0]:
         return before[0] * now[0] > 0.0
     return before[1] * now[1] > 0.0

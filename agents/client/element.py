@@ -1,4 +1,4 @@
-"""One element of a robot, as a program sees it: something to ask, to read and to watch."""
+"""The client of one element of a robot: requests, readings and streams of readings."""
 
 import asyncio
 from collections.abc import Coroutine, Iterator, Mapping
@@ -22,7 +22,7 @@ R = TypeVar("R", bound=Reading)
 class ElementClient(Generic[R]):
     """Any element of a robot.
 
-    agent: the name of the agent that stands for it, `laser@happy`.
+    agent: the name of its agent, `laser@happy`.
     """
 
     reading: ClassVar[type[Reading]] = OtherReading
@@ -32,16 +32,16 @@ class ElementClient(Generic[R]):
         self._thread = thread
 
     def ask(self, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:
-        """Ask for anything that its agent does, and wait for the end; `acromovi directory` shows what it does.
+        """Request anything from its agent, and wait for the end; `acromovi directory` lists the requests.
 
         Args:
             request: Its name, `read` for example.
             within: s to wait.
             arguments: JSON values by name.
         Returns:
-            What the agent answers, made of JSON; objects whose keys are all whole numbers have these as `int`.
+            The agent's result, made of JSON; objects whose keys are all whole numbers have these as `int`.
         Raises:
-            RobotError: It was not done; which one says how that came.
+            RobotError: It was not done; the class tells why.
         """
         return self._result_of(request, self._thread.call(self._requested(request, within, arguments)))
 
@@ -58,7 +58,7 @@ class ElementClient(Generic[R]):
         return numbered(outcome.result)
 
     def read(self) -> R:
-        """The latest reading; waits a little for the first.
+        """Return the latest reading; wait a little for the first.
 
         Raises:
             RobotError: There is none, or none that is fresh.
@@ -68,13 +68,13 @@ class ElementClient(Generic[R]):
         return self._read(self.ask("read"))
 
     def watch(self, within: float = PATIENCE) -> Iterator[R]:
-        """Every reading as it comes, for a `for` loop; older ones are left out while the loop is busy.
+        """Yield every reading as it comes; older ones are dropped while the loop is busy.
 
         Args:
             within: s to wait for the next.
         Raises:
             NotThere: The element has gone.
-            TimedOut: It has fallen silent.
+            TimedOut: It has sent nothing for too long.
         """
         check_seconds("within", within)
         latest: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
@@ -90,7 +90,7 @@ class ElementClient(Generic[R]):
         return bus.subscribe(self.agent.results_key, lambda sample: self._take(sample, latest), urgent=True)
 
     def _take(self, sample: Sample, latest: "asyncio.Queue[dict[str, Any]]") -> None:
-        with suppress(MessageError):  # the next one will be better
+        with suppress(MessageError):  # the next one is decoded again
             hand_over(self._thread.loop, _replace, latest, decode_json(sample.payload))
 
     async def _next(self, latest: "asyncio.Queue[dict[str, Any]]", within: float) -> dict[str, Any]:

@@ -1,16 +1,16 @@
-"""What can go wrong between a program and its robots.
+"""Errors of programs that drive robots.
 
 RobotError
- +-- NotThere                 no such robot, element or agent, or not any more
- +-- Refused                  the other said no, and has done nothing
+ +-- NotThere                 no such robot, element or agent, or no longer
+ +-- Refused                  the peer has refused, and has done nothing
  |    +-- LeaseLost           the lease that allowed it is lost, or about to be
- +-- Failed                   it tried, in vain
+ +-- Failed                   it was tried without success
  +-- TimedOut (TimeoutError)  it has not come to an end in time
 
-Every message says in one sentence what happened and, where there is a way out, which.
+Every message says in one sentence what happened and, if possible, what to do.
 
-`Stopped` stands apart, as KeyboardInterrupt does: it is no error but the wish that the program ends, and `except
-RobotError` or `except Exception` must not hold it up.
+`Stopped` is a BaseException like KeyboardInterrupt: it is no error but ends the program, and `except RobotError` or
+`except Exception` must not catch it.
 """
 
 from numbers import Real
@@ -58,7 +58,7 @@ _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
 
 
 def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
-    """The error that a request's end is to whoever asked, in the words of this API."""
+    """Return the error for the outcome of a request, in the terms of this API."""
     kind, sentence = _BY_ENDING[outcome.ending]
     why = in_api_words(outcome.why, str(peer).partition("@")[0])
     return kind(sentence.format(peer=peer, request=request, why=why))

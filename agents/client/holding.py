@@ -1,4 +1,4 @@
-"""The sole right to move an element, for the time of a block."""
+"""Leases for programs: the sole right to move an element during a block."""
 
 from contextlib import AsyncExitStack, suppress
 from typing import TYPE_CHECKING
@@ -8,16 +8,16 @@ from agents.client.errors import LeaseLost, RequestRefused
 from agents.client.loop_thread import LoopThread
 from agents.platform import AgentName, RequestNotDone
 
-if TYPE_CHECKING:  # who holds no lease need not load the services
+if TYPE_CHECKING:  # a program without leases does not load the services
     from agents.services.lease_client import HeldLease
 
 
 class ProgramLease:
-    """A lease in a program's hands: on an element, which nobody else moves meanwhile, though anyone may stop it, or
-    on a name, `name:doorway`, which no other program holds meanwhile.
+    """A lease of a program: on an element, which no other program moves meanwhile, though any may stop it, or on a
+    name, `name:doorway`, which no other program holds meanwhile.
 
-    It is renewed in the background. Somebody of a higher priority may take it, and it is lost while the program is
-    suspended; motions then raise `LeaseLost`, as they do from the moment on that somebody is about to take it.
+    It is renewed in the background. A program of a higher priority may take it, and it is lost while this program is
+    suspended. Motions raise `LeaseLost` when it is lost or about to be taken.
     """
 
     def __init__(self, thread: LoopThread, element: AgentName | str) -> None:
@@ -33,12 +33,12 @@ class ProgramLease:
 
     @property
     def wanted_by(self) -> str:
-        """Who is about to take it, `rescue@apps` for example; empty while nobody is."""
+        """The agent that is about to take it, such as `rescue@apps`; empty for none."""
         return self._held.wanted_by if self._held is not None else ""
 
     @property
     def loss(self) -> LeaseLost | None:
-        """Why no motion is to begin any more; None while all is well."""
+        """The error for further motions; None while the lease is held."""
         if self._held is None or not self._held.is_held:
             why = self._held.news if self._held is not None else "it has been given back"
             return LeaseLost(f"the lease on {self._element} is lost: {why or 'it has not been renewed'}")
@@ -48,10 +48,10 @@ class ProgramLease:
 
     @property
     def token(self) -> str:
-        """What motions carry.
+        """The token for motions.
 
         Raises:
-            LeaseLost: It is lost, or about to be; says to whom, if that is known.
+            LeaseLost: It is lost, or about to be; the message names the new holder, if it is known.
         """
         if loss := self.loss:
             raise loss
@@ -59,14 +59,14 @@ class ProgramLease:
 
     @property
     def last_token(self) -> str:
-        """What stopping carries, as long as the lease is held; empty text when it is not."""
+        """The token for stopping; empty when the lease is not held."""
         return self._held.token if self._held is not None and self._held.is_held else ""
 
     def take(self, priority: int, seconds: float, notice: float) -> None:
-        """Become the holder.
+        """Take the lease.
 
         Raises:
-            Refused: Somebody else is; says who.
+            Refused: Another program holds it; the message says which.
         """
         from agents.services.lease_client import leased
 
@@ -86,8 +86,8 @@ class ProgramLease:
             raise
 
     def release(self) -> None:
-        """Give it back, also when the program is to end."""
+        """Release the lease, also when the program is to end."""
         if self._thread.moving.pop(self, None):
-            with suppress(TimeoutError):  # nobody takes it: it expires
+            with suppress(TimeoutError):  # without an answer it expires
                 self._thread.last(self._letting_go.aclose())
         self._held = None

@@ -1,4 +1,4 @@
-"""Where the calls of a program are done: by an agent, in its event loop, while the program's own thread waits."""
+"""Runs the calls of a program in the event loop of its agent, while the program's own thread waits."""
 
 import asyncio
 import concurrent.futures
@@ -14,18 +14,18 @@ from agents.platform.errors import in_words
 from bus import BusError
 
 ATTENTION = 1.0  # s after its last call for which a program counts as being at work
-LAST_WORDS = 2.0  # s for what is done while a program ends
+LAST_WORDS = 2.0  # s for calls while a program ends
 
 Result = TypeVar("Result")
 Halt = Callable[[], Awaitable[object]]
 
 
 class LoopThread:
-    """One agent that speaks for a program.
+    """The agent of a program, and its event loop.
 
-    agent: who asks. loop: where it lives; calls come from any other thread.
-    moving: how to stop what the program has set going and has not seen the end of.
-    only_looks: whether the bus lets it read, and ask for nothing.
+    agent: the initiator of the program's requests. loop: its event loop; calls come from any other thread.
+    moving: functions that stop the motions that the program has begun and that have not ended.
+    only_looks: whether the bus permits reading only.
     """
 
     def __init__(self, agent: Agent, loop: asyncio.AbstractEventLoop) -> None:
@@ -46,9 +46,9 @@ class LoopThread:
 
     @property
     def is_attended(self) -> bool:
-        """Whether the program is at work: within a call, or not long after one.
+        """Whether the program is at work: within a call, or shortly after one.
 
-        What goes on by itself, as driving does, ends with that: nobody would notice a wall.
+        Continuous driving ends when it is not, since the program would not notice a wall.
         """
         if self._is_suspended or self.is_stopped:
             return False
@@ -87,12 +87,12 @@ class LoopThread:
             self.call(_in_time(work), at_end=True)
 
     def suspend(self) -> None:
-        """Let calls wait until `resume`; those under way are finished."""
+        """Make calls wait until `resume`; those under way are completed."""
         with self._changed:
             self._is_suspended = True
 
     def resume(self) -> None:
-        """Let calls go on."""
+        """Let calls continue."""
         with self._changed:
             self._is_suspended = False
             self._changed.notify_all()
@@ -107,7 +107,7 @@ class LoopThread:
             future.cancel()
 
     async def halt(self) -> None:
-        """Stop all that moves, at once and together."""
+        """Stop all motions at the same time."""
         halts = list(self.moving.values())
         self.moving.clear()
         await asyncio.gather(*(_in_time(halt()) for halt in halts), return_exceptions=True)

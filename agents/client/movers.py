@@ -1,4 +1,4 @@
-"""The elements that move. What a program has set going stops when the program does."""
+"""The clients of elements that move. The motions of a program stop when the program ends."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,11 +14,11 @@ from agents.platform import AgentName
 from bus import keys
 from geometry import Pose2D
 
-MOTION = 300.0  # s for the longest motion; what is stuck or dead says so earlier
+MOTION = 300.0  # s for the longest motion; errors are reported earlier
 
 
 class Mover(ElementClient[R], Generic[R]):
-    """An element that moves, and so can be leased, and stopped."""
+    """An element that moves, and can be leased and stopped."""
 
     def __init__(self, thread: LoopThread, agent: AgentName) -> None:
         super().__init__(thread, agent)
@@ -26,16 +26,16 @@ class Mover(ElementClient[R], Generic[R]):
 
     @contextmanager
     def lease(self, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[ProgramLease]:
-        """The sole right to move this element, during a block; what it is doing at the end of the block is stopped.
+        """Hold the sole right to move this element during a block; its motion is stopped at the end of the block.
 
         Args:
-            priority: Whoever has a lower one must let go.
-            seconds: How long it outlives this program at most, should that die or freeze.
-            notice: s that the present holder is given.
+            priority: A holder of a lower one loses the lease.
+            seconds: How long the lease lasts at most after this program has died or frozen.
+            notice: s until the present holder loses it.
         Raises:
-            Refused: Somebody else has it; says who.
-            LeaseLost: In the block, by whatever moves the element: somebody of a higher priority has taken it, or is
-                about to; `wanted_by` tells who, before.
+            Refused: Another program holds it; the message says which.
+            LeaseLost: In the block, by calls that move the element: a program of a higher priority has taken it, or is
+                about to; `wanted_by` names it before.
         """
         before, lease = self._lease, ProgramLease(self._thread, self.agent)
         lease.take(priority, seconds, notice)
@@ -54,12 +54,12 @@ class Mover(ElementClient[R], Generic[R]):
 
     @property
     def _is_anothers(self) -> bool:
-        """Whether the lease has been lost: that has stopped the element, and what moves it now is not ours to stop."""
+        """Whether the lease has been lost, which has stopped the element; its new holder may move it now."""
         return self._lease is not None and not self._lease.is_held
 
     @property
     def _right(self) -> dict[str, Any]:
-        """What a wish to stop carries."""
+        """The arguments of a request to stop."""
         token = self._lease.last_token if self._lease is not None else ""
         return {"token": token} if token else {}
 
@@ -111,34 +111,34 @@ class BaseClient(Mover[BaseReading]):
         self._driving = ContinuousDrive(thread, agent.platform)
 
     def pose(self) -> Pose2D:
-        """Where the robot believes it is: m, m, rad."""
+        """Return the pose by odometry: m, m, rad."""
         return self.read().pose
 
     def move(self, distance: float, speed: float | None = None) -> Pose2D:
-        """Drive so many m straight on, backward if negative; returns where it ended."""
+        """Drive straight by a distance in m, backward if negative; return the pose at the end."""
         self._end_driving()
         return self._move("move", distance=distance, **_given(speed=speed)).pose
 
     def turn(self, angle: float) -> Pose2D:
-        """Turn on the spot by so many rad, counter-clockwise; returns where it ended."""
+        """Turn on the spot by an angle in rad, counter-clockwise; return the pose at the end."""
         self._end_driving()
         return self._move("turn", angle=angle).pose
 
     def heading(self, heading: float) -> Pose2D:
-        """Turn to a heading, rad; returns where it ended."""
+        """Turn to a heading, rad; return the pose at the end."""
         self._end_driving()
         return self._move("heading", heading=heading).pose
 
     def go_to(self, x: float, y: float, heading: float | None = None, speed: float | None = None) -> Pose2D:
-        """Drive to a place, m and m, and there to a heading if one is given; returns where it ended."""
+        """Drive to a position, m and m, and turn to a heading there if one is given; return the pose at the end."""
         self._end_driving()
         return self._move("go_to", x=x, y=y, **_given(heading=heading, speed=speed)).pose
 
     def drive(self, linear: float, angular: float = 0.0, seconds: float | None = None) -> None:
         """Drive at m/s forward and rad/s counter-clockwise.
 
-        Without `seconds` it returns at once and the robot goes on so until the next call that moves it, until `stop`,
-        or until the program ends or makes no call for a second.
+        Without `seconds` it returns at once, and the robot drives until the next call that moves it, until `stop`, or
+        until the program ends or makes no call for a second.
 
         Raises:
             Failed: The robot is stalled. Without `seconds` it was stopped, and the next call to drive the same way
@@ -149,7 +149,7 @@ class BaseClient(Mover[BaseReading]):
             try:
                 self._thread.call(self._driving.go(plain(linear), plain(angular), self._lease))
             except RobotError:
-                self._thread.moving.pop(self, None)  # it is at rest, or moved by somebody else
+                self._thread.moving.pop(self, None)  # it is at rest, or moved by another program
                 raise
         else:
             self._end_driving()
@@ -167,7 +167,7 @@ class BaseClient(Mover[BaseReading]):
         self._move("enable", on=on)
 
     def estop(self, on: bool = True) -> None:
-        """Stop at once, and let nothing move until `estop(False)` and `enable()`."""
+        """Stop at once, and block all motions until `estop(False)` and `enable()`."""
         self.ask("estop", on=on)
 
     def _end_driving(self) -> None:
@@ -179,13 +179,13 @@ class BaseClient(Mover[BaseReading]):
         if self._is_anothers:
             return
         outcome = await self._thread.agent.request(self.agent, "stop", reply_within=1.0)
-        if not outcome.is_done:  # its agent is gone; the robot's driver may not be
+        if not outcome.is_done:  # its agent has gone; the gateway may be there
             await self._thread.agent.query(keys.STOP.key(self.agent.platform), timeout=0.5)
         self._driving.has_stopped()
 
 
 class GripperClient(Mover[GripperReading]):
-    """Two paddles on a lift. Each motion returns how things stand when it has ended."""
+    """A gripper: two paddles on a lift. Each motion returns the reading at its end."""
 
     reading = GripperReading
 
@@ -215,7 +215,7 @@ class GripperClient(Mover[GripperReading]):
 
 
 class ArmClient(Mover[ArmReading]):
-    """An arm. Each motion returns where it is when it has ended."""
+    """An arm. Each motion returns the reading at its end."""
 
     reading = ArmReading
 
@@ -237,12 +237,12 @@ class ArmClient(Mover[ArmReading]):
 
 
 class PtzClient(Mover[PtzReading]):
-    """A head that points the camera. Each motion returns where it looks when it has ended."""
+    """A pan-tilt-zoom head. Each motion returns the reading at its end."""
 
     reading = PtzReading
 
     def look(self, pan: float | None = None, tilt: float | None = None, zoom: float | None = None) -> PtzReading:
-        """Point it, rad to the left and rad up, and zoom; what is left out stays as it is."""
+        """Turn the head, rad to the left and rad up, and zoom; an argument that is left out stays as it is."""
         return self._move("look", **_given(pan=pan, tilt=tilt, zoom=zoom))
 
     def centre(self) -> PtzReading:
@@ -251,5 +251,5 @@ class PtzClient(Mover[PtzReading]):
 
 
 def _given(**arguments: float | None) -> dict[str, Any]:
-    """The arguments that were given."""
+    """Return the arguments that are not None."""
     return {name: value for name, value in arguments.items() if value is not None}

@@ -18,13 +18,14 @@ OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 
 
 class PrivateContainer:
-    """What a plain script stands on; its thread ends with the program, whatever the program does.
+    """The container of a plain script, on an event loop in a daemon thread, which ends with the program.
 
-    thread: that of its agent, `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the owner of the key.
+    loop_thread: runs the calls of the script by its agent `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the
+        owner of the key.
     """
 
     def __init__(self, bus: Bus | str) -> None:
-        """Begin.
+        """Start the thread and the agent.
 
         Args:
             bus: A profile to open, or a bus that stays open afterwards.
@@ -41,7 +42,7 @@ class PrivateContainer:
         self._thread.start()
         self._container = Container(home, name)
         agent = Agent(AgentName(name, home.own_name or PLATFORM))
-        self.thread = LoopThread(agent, self._loop)
+        self.loop_thread = LoopThread(agent, self._loop)
         try:
             self._join(agent)
         except (BusError, AgentError, TimeoutError) as err:
@@ -75,7 +76,7 @@ class PrivateContainer:
             self._run(self._container.start(agent), OPENING_TIME)
         except NotAllowed:  # who may only look needs no agent that others see
             self._run(agent.look_on(self._container), OPENING_TIME)
-            self.thread.only_looks = True
+            self.loop_thread.only_looks = True
 
     def _run(self, work: Coroutine[Any, Any, Any], within: float) -> None:
         asyncio.run_coroutine_threadsafe(work, self._loop).result(within)

@@ -9,8 +9,7 @@
     def laps():
         return 3
 
-As an agent it offers the services that it lists (`SERVICES = ("patrol",)`), and begins again after a failure if it says
-so (`RESTART = True`).
+As an agent it offers the services in `SERVICES = ("patrol",)`, and is restarted after a failure with `RESTART = True`.
 """
 
 import importlib
@@ -34,18 +33,18 @@ PACKAGE = "apps"
 
 
 class ProgramNotValid(RobotError):
-    """There is no such application, it cannot be loaded, or it does not take what it is given."""
+    """There is no such application, it cannot be loaded, or it does not take these arguments."""
 
 
 class ProgramFailed(RobotError):
-    """An application raised something of its own; says what and in which line."""
+    """An application raised an error of its own; the message names it and the line."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunningApplication:
     """An application that has been loaded.
 
-    name: for people and for its agent.
+    name: for messages and for its agent.
     """
 
     name: str
@@ -53,25 +52,25 @@ class RunningApplication:
 
     @property
     def services(self) -> tuple[str, ...]:
-        """What it offers as an agent."""
+        """Its services as an agent."""
         return tuple(getattr(self.module, "SERVICES", ()))
 
     @property
     def begins_again(self) -> bool:
-        """Whether it does so after a failure."""
+        """Whether it is restarted after a failure."""
         return bool(getattr(self.module, "RESTART", False))
 
     @property
     def functions(self) -> list[Callable[..., Any]]:
-        """All that the file itself defines."""
+        """The functions that the file itself defines."""
         found = [value for _, value in inspect.getmembers(self.module, inspect.isfunction)]
         return [value for value in found if value.__module__ == self.module.__name__]
 
     def check(self, arguments: Mapping[str, Any]) -> None:
-        """See whether `main` takes these arguments beside the team.
+        """Check that `main` takes these arguments beside the team.
 
         Raises:
-            ProgramNotValid: It does not; says what it takes.
+            ProgramNotValid: It does not; the message says what it takes.
         """
         signature = inspect.signature(self.module.main)
         team, *others = signature.parameters
@@ -87,7 +86,7 @@ class RunningApplication:
         """Run it to its end.
 
         Raises:
-            RobotError: Something went wrong, with a robot or in the program.
+            RobotError: An error of a robot or of the program.
         """
         try:
             self.module.main(team, **arguments)
@@ -127,7 +126,7 @@ def _load_file(file: Path) -> ModuleType:
     sys.modules[name] = module  # dataclasses and pickles look there
     beside = str(file.parent)
     if beside not in sys.path:
-        sys.path.append(beside)  # it may import what lies beside it
+        sys.path.append(beside)  # it may import modules of its folder
     try:
         spec.loader.exec_module(module)
     except RobotError:
@@ -150,7 +149,7 @@ def _names_in_package() -> list[str]:
 
 
 def _advice(name: str, folders: Sequence[Path]) -> str:
-    """What may have been meant."""
+    """Return a suggestion for a name."""
     if name.endswith(".py"):
         known = [str(path) for path in Path(name).parent.glob("*.py")] if Path(name).parent.is_dir() else []
     else:

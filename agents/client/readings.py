@@ -1,7 +1,7 @@
-"""What elements say, as a program sees it: metres, seconds and radians; x forward, y left, angles counter-clockwise.
+"""Readings of elements in metres, seconds and radians; x forward, y left, angles counter-clockwise.
 
-A distance where nothing answered is infinite, so that `nearest < 0.5` needs no special case; any other number that
-nobody knows is NaN. Every reading has `stamp`, s since 1970 on the clock of the robot's gateway.
+A distance without an echo is infinite, so `nearest < 0.5` needs no special case; any other unknown number is NaN. Every
+reading has `stamp`, s since 1970 on the clock of the robot's gateway.
 """
 
 import math
@@ -47,13 +47,13 @@ NUMBER, NUMBERS, BY_NUMBER = ({"reader": each} for each in (_number, _numbers, _
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """What an element said last. stamp: when, s since 1970."""
+    """The latest reading of an element. stamp: its time, s since 1970."""
 
     stamp: float
 
     @classmethod
     def of(cls, result: Mapping[str, Any], said_by: object) -> Self:
-        """Read a result; what it says beyond the fields here is left out.
+        """Read a result; other fields are left out.
 
         Raises:
             RobotError: It cannot be read.
@@ -73,7 +73,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BaseReading(Reading):
-    """Where the robot believes it is, in its frame `odom`, and how fast it is."""
+    """The pose by odometry in the robot's frame `odom`, and the speed."""
 
     x: float = field(metadata=NUMBER)
     y: float = field(metadata=NUMBER)
@@ -83,7 +83,7 @@ class BaseReading(Reading):
 
     @property
     def pose(self) -> Pose2D:
-        """Place and heading."""
+        """Position and heading."""
         return Pose2D(self.x, self.y, self.heading)
 
 
@@ -167,7 +167,7 @@ class LaserReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BumpersReading(Reading):
-    """What touches the robot. front, rear: one for each segment. pressed: any of them."""
+    """The bumpers. front, rear: one value for each segment. pressed: any of them."""
 
     front: tuple[bool, ...] = field(metadata=TUPLE)
     rear: tuple[bool, ...] = field(metadata=TUPLE)
@@ -178,7 +178,7 @@ class BumpersReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatteryReading(Reading):
-    """voltage: V. fraction: how full, 0 to 1; None where the robot does not say."""
+    """voltage: V. fraction: how full, 0 to 1; None if the robot does not report it."""
 
     voltage: float = field(metadata=NUMBER)
     fraction: float | None
@@ -196,11 +196,11 @@ class IoReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GripperReading(Reading):
-    """What the gripper does and feels.
+    """The state of the gripper and its switches.
 
     paddles: `open`, `closed`, `moving` or `between`. lift: `up`, `down`, `moving` or `between`.
-    outer_beam, inner_beam: something stands between the paddles. left_contact, right_contact: something presses on one.
-    holds: there is something in its grip.
+    outer_beam, inner_beam: an object is between the paddles. left_contact, right_contact: an object presses on one.
+    holds: it holds an object.
     """
 
     paddles: str
@@ -214,7 +214,7 @@ class GripperReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PtzReading(Reading):
-    """Where the camera looks. pan: to the left. tilt: up. zoom: magnification, 1 at the widest."""
+    """The direction of the camera. pan: to the left. tilt: up. zoom: magnification, 1 at the widest."""
 
     pan: float = field(metadata=NUMBER)
     tilt: float = field(metadata=NUMBER)
@@ -224,7 +224,7 @@ class PtzReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmReading(Reading):
-    """Where the arm is. joints: by number, from 1 at the base, rad; a gripper's is the last, m."""
+    """The positions of the arm. joints: by number, from 1 at the base, rad; a gripper's is the last, m."""
 
     joints: dict[int, float] = field(metadata=BY_NUMBER)
     powered: bool
@@ -234,7 +234,7 @@ class ArmReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraReading(Reading):
-    """What the camera delivers. width, height: pixels; None where they cannot be told. rate: pictures a second."""
+    """The pictures of the camera. width, height: pixels; None if they are not known. rate: pictures a second."""
 
     width: int | None
     height: int | None
@@ -253,13 +253,13 @@ class JoystickReading(Reading):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OtherReading(Reading):
-    """What an element says for which there is no class of its own: `reading["voltage"]`."""
+    """The reading of an element without a class of its own: `reading["voltage"]`."""
 
     result: dict[str, Any]
 
     @classmethod
     def of(cls, result: Mapping[str, Any], said_by: object) -> Self:
-        """Keep a result as it is."""
+        """Return a result as it is."""
         return cls(stamp=float(result.get("stamp", math.nan)), result=dict(result))
 
     def __getitem__(self, name: str) -> Any:

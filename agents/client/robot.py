@@ -1,4 +1,4 @@
-"""A robot, as a program sees it: its name and its elements."""
+"""The client of one robot: its name and its elements."""
 
 from typing import TypeVar, cast
 
@@ -46,7 +46,7 @@ E = TypeVar("E", bound=ElementClient)  # type: ignore[type-arg]  # whatever it r
 
 
 class Robot:
-    """One robot. Asking for an element that it has not raises `NotThere`, which says what it has.
+    """One robot. An element that it does not have raises `NotThere`, whose message lists its elements.
 
     name: on the bus.
     """
@@ -59,18 +59,18 @@ class Robot:
 
     @property
     def elements(self) -> list[str]:
-        """The names of the elements that it has now."""
+        """The names of its present elements."""
         return self._thread.call(self._discovery.elements(self.name))
 
     def has(self, element: str) -> bool:
-        """Whether it has an element now."""
+        """Return whether it has an element now."""
         return element in self.elements
 
     def element(self, name: str) -> ElementClient[Reading]:
-        """An element by its name, also one without a class of its own: `robot.element("gyro").read()`.
+        """Return an element by its name, also one without a class of its own: `robot.element("gyro").read()`.
 
         Raises:
-            NotThere: It has none; says what it has.
+            NotThere: It has none; the message lists its elements.
         """
         if name not in self._elements:
             try:
@@ -82,7 +82,7 @@ class Robot:
         return self._elements[name]
 
     def stop(self) -> None:
-        """Stop it."""
+        """Stop the robot."""
         self.base.stop()
 
     @property
@@ -102,7 +102,7 @@ class Robot:
 
     @property
     def bumpers(self) -> BumpersClient:
-        """What feels contact."""
+        """The bumpers."""
         return self._element("bumpers", BumpersClient)
 
     @property
@@ -122,7 +122,7 @@ class Robot:
 
     @property
     def gripper(self) -> GripperClient:
-        """Two paddles on a lift."""
+        """The gripper: two paddles on a lift."""
         return self._element("gripper", GripperClient)
 
     @property
@@ -132,7 +132,7 @@ class Robot:
 
     @property
     def ptz(self) -> PtzClient:
-        """The head that points the camera."""
+        """The pan-tilt-zoom head."""
         return self._element("ptz", PtzClient)
 
     @property
@@ -142,7 +142,7 @@ class Robot:
 
     @property
     def sound(self) -> SoundClient:
-        """Buzzer or loudspeaker."""
+        """The buzzer or loudspeaker."""
         return self._element("sound", SoundClient)
 
     @property

@@ -1,15 +1,18 @@
-"""The elements that tell what a robot senses."""
+"""The clients of sensors, user ports and sound."""
 
 import base64
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from agents.client.element import ElementClient
 from agents.client.errors import RobotError
 from agents.client.loop_thread import LoopThread
-from agents.client.picture import Picture
 from agents.client.readings import (
     BatteryReading,
     BumpersReading,
@@ -25,6 +28,54 @@ from agents.client.readings import (
 from agents.platform import AgentName
 from agents.platform.errors import in_words
 from bus.keys import frame
+from configs.extras import missing, needs
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """One picture.
+
+    format: `jpeg` or `png`. data: such a file. width, height: pixels, None where they are not known.
+    stamp: when it was taken, s since 1970 on the clock of the robot's gateway; NaN where that is not known.
+    """
+
+    format: str
+    width: int | None
+    height: int | None
+    data: bytes
+    stamp: float = math.nan
+
+    def __repr__(self) -> str:
+        """Return its size and stamp: `<Picture jpeg, 320 x 240 pixels, 10.4 kB, stamp 1793404800.512>`."""
+        size = "unknown size" if self.width is None or self.height is None else f"{self.width} x {self.height} pixels"
+        stamp = "" if math.isnan(self.stamp) else f", stamp {self.stamp:.3f}"
+        return f"<Picture {self.format}, {size}, {len(self.data) / 1000:.1f} kB{stamp}>"
+
+    def save(self, file: str | Path) -> None:
+        """Write it into a file.
+
+        Raises:
+            RobotError: It cannot be written there.
+        """
+        try:
+            Path(file).write_bytes(self.data)
+        except OSError as err:
+            raise RobotError(f"the picture cannot be written to {file}: {err.strerror}") from err
+
+    def pixels(self) -> npt.NDArray[np.uint8]:
+        """Return its pixels: rows from the top, columns from the left, and blue, green and red, 0 to 255.
+
+        Raises:
+            RobotError: It is no picture, or OpenCV is missing.
+        """
+        if missing("vision"):
+            raise RobotError(needs("Picture.pixels", "vision"))
+        import cv2  # late: only this needs the large module
+
+        found = cv2.imdecode(np.frombuffer(self.data, np.uint8), cv2.IMREAD_COLOR)
+        if found is None:
+            raise RobotError(f"what the camera gave is no {self.format} that can be read")
+        return np.asarray(found, np.uint8)
 
 
 class SonarClient(ElementClient[SonarReading]):
@@ -38,7 +89,7 @@ class SonarClient(ElementClient[SonarReading]):
 
     @property
     def discs(self) -> dict[int, SonarDiscPose]:
-        """The discs by number: where each is, where it points, and its frame; empty where the robot gives none.
+        """Return the discs by number with pose and frame; empty if the robot's description has none.
 
         Raises:
             RobotError: The agent does not answer.
@@ -54,11 +105,11 @@ class SonarClient(ElementClient[SonarReading]):
         return self.read().within(angle, width)
 
     def nearest(self) -> float:
-        """The nearest echo, m; infinite when there is none."""
+        """Return the nearest echo, m; infinite if there is none."""
         return self.read().nearest
 
     def power(self, on: bool = True) -> None:
-        """Switch the discs."""
+        """Switch the discs on or off."""
         self.ask("power", on=on)
 
     def _read(self, result: Any) -> SonarReading:
@@ -66,7 +117,7 @@ class SonarClient(ElementClient[SonarReading]):
 
 
 def _disc(row: Mapping[str, Any], said_by: AgentName) -> SonarDiscPose:
-    """A disc of the agent's description.
+    """Return a disc of the agent's description.
 
     Raises:
         RobotError: It cannot be read.
@@ -91,17 +142,17 @@ class LaserClient(ElementClient[LaserReading]):
     reading = LaserReading
 
     def nearest(self) -> float:
-        """The nearest obstacle, m; infinite when there is none."""
+        """Return the nearest obstacle, m; infinite if there is none."""
         return self.read().nearest
 
 
 class BumpersClient(ElementClient[BumpersReading]):
-    """What feels contact."""
+    """The bumpers."""
 
     reading = BumpersReading
 
     def pressed(self) -> bool:
-        """Whether anything touches the robot."""
+        """Return whether anything touches the robot."""
         return self.read().pressed
 
 
@@ -111,7 +162,7 @@ class InfraredClient(ElementClient[RangesReading]):
     reading = RangesReading
 
     def nearest(self) -> float:
-        """The nearest thing, m; infinite when there is none."""
+        """Return the nearest obstacle, m; infinite if there is none."""
         return self.read().nearest
 
 
@@ -141,7 +192,7 @@ class CameraClient(ElementClient[CameraReading]):
     reading = CameraReading
 
     def picture(self) -> Picture:
-        """The newest picture: `robot.camera.picture().save("here.jpg")`."""
+        """Return the newest picture: `robot.camera.picture().save("here.jpg")`."""
         taken = self.ask("picture")
         return Picture(
             format=taken["format"],
@@ -153,17 +204,17 @@ class CameraClient(ElementClient[CameraReading]):
 
 
 class SoundClient(ElementClient[OtherReading]):
-    """Buzzer or loudspeaker."""
+    """The buzzer or loudspeaker."""
 
     def play(self, notes: Sequence[tuple[int, float]] | int) -> None:
-        """Play notes, each a MIDI number and its length in s, or a tune that the robot knows by its number."""
+        """Play notes, each a MIDI number and its length in s, or a tune of the robot by its number."""
         if isinstance(notes, int):
             self.ask("play", number=notes)
         else:
             self.ask("play", notes=[list(note) for note in notes])
 
     def mute(self, on: bool = True) -> None:
-        """Be silent, or no longer."""
+        """Switch the sound off or on."""
         self.ask("mute", on=on)
 
 
@@ -173,7 +224,7 @@ class JoystickClient(ElementClient[JoystickReading]):
     reading = JoystickReading
 
     def drive(self, on: bool = True) -> None:
-        """Let it drive the robot, or no longer."""
+        """Permit or forbid that it drives the robot."""
         self.ask("drive", on=on)
 
 
@@ -181,6 +232,6 @@ class CompassClient(ElementClient[OtherReading]):
     """The compass."""
 
     def heading(self) -> float:
-        """From magnetic north, counter-clockwise, rad; NaN where it cannot be told."""
+        """Return the heading from magnetic north, counter-clockwise, rad; NaN if it is not known."""
         heading = self.read()["heading"]
         return math.nan if heading is None else float(heading)

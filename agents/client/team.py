@@ -1,4 +1,4 @@
-"""All robots on a bus, for a program that does one thing after the other."""
+"""The team: all robots on a bus, for sequential programs."""
 
 import asyncio
 import atexit
@@ -28,45 +28,45 @@ class Team:
             robot = team.robot("happy")
             robot.base.move(1.0)
 
-    At the end of the block, and at the end of the program in any case, what it moves is stopped and what it holds is
-    released. Everything that goes wrong is a `RobotError`.
+    At the end of the block, and in any case at the end of the program, its motions are stopped and its leases are
+    released. All errors are `RobotError`.
     """
 
     def __init__(self, bus: Bus | str | None = None) -> None:
         """Join a bus.
 
         Args:
-            bus: How to reach it: a profile as of `acromovi --bus`, or a bus that is open. None for the default.
+            bus: A profile as for `acromovi --bus`, or an open bus. None for the default.
         Raises:
             RobotError: It cannot be reached.
         """
         complain_in_a_sentence()
         own_container = PrivateContainer(bus or default_bus())
         self._own_container: PrivateContainer | None = own_container
-        self._begin(own_container.thread, own_container.thread.call(look(own_container.thread)))
+        self._begin(own_container.loop_thread, own_container.loop_thread.call(look(own_container.loop_thread)))
         atexit.register(self.close)
 
     @classmethod
     def of(cls, thread: LoopThread, discovery: Discovery) -> Self:
-        """A team for a program whose agent lives in somebody else's container."""
+        """Return a team for a program whose agent is in another container."""
         team = cls.__new__(cls)
         team._own_container = None
         team._begin(thread, discovery)
         return team
 
     def robots(self, having: str | tuple[str, ...] = ()) -> list[Robot]:
-        """All robots, or those that have an element, or several, in the order of the alphabet."""
+        """Return all robots, or those that have an element, or several, in alphabetical order."""
         return [self._robot(name) for name in self._thread.call(self._discovery.robots(_tuple(having)))]
 
     def robot(self, name: str = "", having: str | tuple[str, ...] = (), within: float | None = None) -> Robot:
-        """One robot; waits for a robot that is starting or restarting.
+        """Return one robot; wait for a robot that is starting or restarting.
 
         Args:
-            name: Its name; without one, the first that has what is wanted.
+            name: Its name; without one, the first with these elements.
             having: An element that it must have, or several.
             within: s to wait for it. By default 3 s, and 20 s from its disappearance for a robot that was there.
         Raises:
-            NotThere: It is not there; says which robots are.
+            NotThere: It is not present; the message names the robots that are.
         """
         if not isinstance(name, str):
             raise RobotError(f"a robot's name is a text, not {name!r}")
@@ -82,17 +82,17 @@ class Team:
         return self._robot(name)
 
     def ask(self, agent: str, request: str, /, *, within: float = PATIENCE, **arguments: Any) -> Any:
-        """Ask any agent on the bus to do something, and wait for the end: `team.ask("wander@apps", "state")`.
+        """Request something from any agent on the bus, and wait for the end: `team.ask("wander@apps", "state")`.
 
         Args:
             agent: Its name.
-            request: What to do; `acromovi directory` shows what it does.
+            request: What to do; `acromovi directory` lists the requests.
             within: s to wait.
             arguments: JSON values by name.
         Returns:
-            What the agent answers, made of JSON; objects whose keys are all whole numbers have these as `int`.
+            The agent's result, made of JSON; objects whose keys are all whole numbers have these as `int`.
         Raises:
-            RobotError: It was not done; which one says how that came.
+            RobotError: It was not done; the class tells why.
         """
         try:
             peer = AgentName.parse(agent)
@@ -109,19 +109,19 @@ class Team:
     def lease(self, name: str, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[ProgramLease]:
         """Hold a name during a block, which no other program holds meanwhile: `with team.lease("doorway"):`.
 
-        For whatever programs must not do at the same time and no part of a robot stands for: a doorway, a task. The
-        team's arbiter gives it; nothing hinders a program that does not ask. For a part of a robot there is
-        `robot.base.lease()`.
+        For things that are no part of a robot and that programs must not use at the same time: a doorway, a task. The
+        team's arbiter grants it; a program that does not take the lease is not hindered. For a part of a robot there
+        is `robot.base.lease()`.
 
         Args:
-            name: What the programs call it.
-            priority: Whoever has a lower one must let go.
-            seconds: How long it outlives this program at most, should that die or freeze.
-            notice: s that the present holder is given.
+            name: A name that the programs agree upon.
+            priority: A holder of a lower one loses the lease.
+            seconds: How long the lease lasts at most after this program has died or frozen.
+            notice: s until the present holder loses it.
         Raises:
-            Refused: Somebody else holds it, says who; no arbiter is there; or it cannot be a name.
+            Refused: Another program holds it, there is no arbiter, or the name is not valid; the message says which.
         """
-        from agents.services.leases import NAMED  # here and not at the top: few programs hold names
+        from agents.services.leases import NAMED  # late: few programs lease names
 
         lease = ProgramLease(self._thread, f"{NAMED}{name}")
         lease.take(priority, seconds, notice)
@@ -141,12 +141,12 @@ class Team:
         self._thread.call(asyncio.sleep(seconds))
 
     def every(self, period: float) -> Iterator[float]:
-        """Beats for a `for` loop, every `period` seconds, each with the s since the first; beats missed are left out.
+        """Yield every `period` seconds the s since the first time; missed times are skipped.
 
         The loop ends when the program is to end, and waits while it is suspended.
 
         Raises:
-            RobotError: The period is none.
+            RobotError: The period is not valid.
         """
         if not period > 0.0:
             raise RobotError(f"every takes a period of more than 0 s, not {period!r}")
@@ -161,7 +161,7 @@ class Team:
             beat = max(beat + 1, int((clock() - start) / period))
 
     def close(self) -> None:
-        """Stop what it moves, release what it holds, and leave the bus. Closing twice does no harm."""
+        """Stop its motions, release its leases, and leave the bus. Closing it twice has no effect."""
         own_container, self._own_container = self._own_container, None
         if own_container is None:
             return
@@ -194,5 +194,5 @@ def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
 
 
 async def look(thread: LoopThread) -> Discovery:
-    """Begin to look round from a thread with an event loop."""
+    """Start discovery in the event loop of a program's agent."""
     return Discovery(thread.agent.bus)

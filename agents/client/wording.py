@@ -1,4 +1,4 @@
-"""Reasons in the words of this API: what a gateway advises, in its own JSON, as the call that does the same."""
+"""Translates a gateway's advice, a command in JSON, into the call of this API that does the same."""
 
 import json
 import re
@@ -11,13 +11,13 @@ TOKEN = "a command needs its token"
 
 
 def in_api_words(why: str, element: str) -> str:
-    """A reason as a program should read it.
+    """Return a reason in the terms of this API.
 
     `the arm has no power; send arm {"do": "power", "on": true}` becomes `the arm has no power; call arm.power(True)`.
 
     Args:
-        why: As the gateway, or an agent, gives it.
-        element: Of which it speaks, where it does not say.
+        why: The reason by the gateway, or an agent.
+        element: The element, where the reason does not name one.
     """
     translated = ADVICE.sub(lambda found: _advice(found, element), why)
     return translated.replace(TOKEN, f"wait, or take it over with {element}.lease(priority=...)")
@@ -27,7 +27,7 @@ def _advice(found: re.Match[str], element: str) -> str:
     verb, command, written = found.groups()
     try:
         given = json.loads(written)
-    except ValueError:  # it is no command but something else in braces
+    except ValueError:  # it is no command but other text in braces
         return found.group()
     if command is None and "do" not in given:
         return found.group()
@@ -35,7 +35,7 @@ def _advice(found: re.Match[str], element: str) -> str:
 
 
 def _call(command: str, given: Mapping[str, Any]) -> str:
-    """The call that does what a command and its arguments do."""
+    """Return the call that does the same as a command with its arguments."""
     values = {name: value for name, value in given.items() if name != "do"}
     if "do" in given:
         method = f"{command}.{given['do']}"

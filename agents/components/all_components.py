@@ -1,4 +1,4 @@
-"""Which class serves which element."""
+"""The agent classes by element."""
 
 from collections.abc import Mapping
 
@@ -8,18 +8,18 @@ from agents.components.camera import CameraAgent
 from agents.components.component import ElementAgent
 from agents.components.generic import Generic
 from agents.components.gripper import GripperAgent
-from agents.components.io import InputOutput
 from agents.components.ptz import PtzAgent
 from agents.components.sensors import (
     BatteryAgent,
     BumpersAgent,
     EncodersAgent,
     InfraredAgent,
+    InputOutput,
     JoystickAgent,
     LaserAgent,
     SonarAgent,
+    SoundAgent,
 )
-from agents.components.sound import SoundAgent
 
 COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "base": BaseAgent,
@@ -41,5 +41,5 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
 
 
 def component_for(element: str) -> type[ElementAgent]:
-    """The class for an element; one that nobody has thought of is served all the same."""
+    """Return the class for an element; an unknown one gets the generic class."""
     return COMPONENTS.get(element, Generic)

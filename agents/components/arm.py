@@ -1,4 +1,4 @@
-"""The agent of an arm, whichever cable it hangs on: joints go where they are sent, home, or to rest."""
+"""The agent of an arm, on any cable: it moves joints, homes and parks them."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
@@ -72,7 +72,7 @@ class ArmAgent(MovingElementAgent):
         )
 
     def reasons(self) -> str:
-        """What is known; that it has no power says most."""
+        """Return the known reasons for a failure; first of all a lack of power."""
         reasons = super().reasons()
         return reasons if self._is_powered else "; ".join(filter(None, ("the arm has no power", reasons)))
 
@@ -81,7 +81,7 @@ class ArmAgent(MovingElementAgent):
         self, joints: dict[str, Any], speed: float | None = None, wait: bool = True, token: str = ""
     ) -> dict[str, Any]:
         """Send joints to places, {"1": 0.5}: rad, m of a gripper; at a speed in rad/s, or their usual one."""
-        parts = tuple(map(str, joints)) if isinstance(joints, dict) else ()  # what makes no sense, the gateway refuses
+        parts = tuple(map(str, joints)) if isinstance(joints, dict) else ()  # the gateway refuses invalid values
         goal = MotionGoal(
             f"{self.element} move", parts, self._arriving(joints), self._time_at(speed), time_to_start=SETTLING
         )
@@ -101,7 +101,7 @@ class ArmAgent(MovingElementAgent):
 
     @request("park", agrees_itself=True)
     async def park(self, wait: bool = True, token: str = "") -> dict[str, Any]:
-        """Send every joint home, and let it rest there without power."""
+        """Send every joint home, and switch its power off there."""
         return await self._switch(False, f"{self.element} park", wait, token, do="park")
 
     @request("power", agrees_itself=True)
@@ -127,7 +127,7 @@ class ArmAgent(MovingElementAgent):
 
     @property
     def _rows(self) -> dict[str, Mapping[str, Any]]:
-        """What the description says of each joint."""
+        """Return the joints of the description."""
         return {row["name"].rpartition("_")[2]: row for row in self.properties.get("joints", [])}
 
     @property
@@ -135,7 +135,7 @@ class ArmAgent(MovingElementAgent):
         return ("every", *self._rows)
 
     def _time_at(self, speed: float | None) -> float:
-        """s that any way may take, at rad/s or at the joints' usual speed."""
+        """Return the longest time for any motion, s, at a speed in rad/s or the joints' usual one."""
         ways = [row["upper"] - row["lower"] for row in self._rows.values() if row["unit"] == "rad"]
         is_slow = isinstance(speed, float | int) and speed > 0 and bool(ways)
         return max(LONGEST, SPARE + max(ways) / speed) if is_slow else LONGEST

@@ -1,8 +1,8 @@
-"""The agent of the wheels: where the robot is, and whatever moves it.
+"""The agent of the base: the pose of the robot, and all requests that move it.
 
-Every request that moves the robot ends in one of three ways: it is done, and answers with the pose at the end; it
-fails, and says why; or it is cancelled, or its asker dies, and the robot stops. Of two, the newer one that the gateway
-obeys ends the older one, as the gateway's commands do; who wants the wheels for himself takes the lease.
+Every request that moves the robot ends in one of three ways: it is done, and its result is the pose at the end; it
+fails, with the reason; or it is cancelled, or its initiator dies, and the robot stops. A newer request that the gateway
+accepts ends the older one, as with the gateway's commands; a lease gives the sole right to move the base.
 """
 
 from collections.abc import Mapping
@@ -15,26 +15,26 @@ from agents.platform import asker, request
 from bus import Refused, keys
 from geometry import Pose2D
 
-SPEED = PoseControlLimits(0.4, 0.8)  # m/s and rad/s, where the one who asks says nothing
-SLOWEST = PoseControlLimits(0.05, 0.05)  # m/s and rad/s that the gateway reckons with before it loses its patience
-PATIENCE = 15.0  # s longer than that
-FARTHEST = 1000.0  # m; a place beyond is a slip of the pen
-HOLD = 0.55  # s; so long after a stop the gateway obeys no stream of velocities
+SPEED = PoseControlLimits(0.4, 0.8)  # m/s and rad/s, where the request has no speed
+SLOWEST = PoseControlLimits(0.05, 0.05)  # m/s and rad/s from which the gateway computes its timeout
+PATIENCE = 15.0  # s added to that timeout
+FARTHEST = 1000.0  # m; a position farther away is taken for a typing error
+HOLD = 0.55  # s after a stop in which the gateway ignores streams of velocities
 
 
 class BaseAgent(Wheels):
-    """The wheels. Poses are in `<robot>/odom`."""
+    """The base. Poses are in `<robot>/odom`."""
 
     @classmethod
     def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
-        """Size and limits of the robot besides."""
+        """Return the properties, with size and limits of the robot."""
         about = super().properties_of(robot, element)
         size = {name: value for name, value in dict(robot["geometry"]).items() if name != "sonar"}
         return {**about, "limits": robot["limits"], "geometry": size}
 
     @request("drive", agrees_itself=True)
     async def drive(self, linear: float, angular: float = 0.0, seconds: float = 1.0, token: str = "") -> dict[str, Any]:
-        """Drive at m/s and rad/s, or as fast as the robot may, for so many seconds."""
+        """Drive at a velocity in m/s and rad/s, within the robot's limits, for a time in s."""
         _check(linear=linear, angular=angular)
         _check_above_zero(seconds=seconds)
         return await self.steer("drive", lambda pose: Velocity(linear, angular), seconds, token, late="")
@@ -58,7 +58,7 @@ class BaseAgent(Wheels):
 
     @request("heading", agrees_itself=True)
     async def turn_to(self, heading: float, token: str = "") -> dict[str, Any]:
-        """Turn the shorter way to a heading in odom, rad."""
+        """Turn in the shorter direction to a heading in odom, rad."""
         _check(heading=heading)
         return await self.travel(keys.HEADING, PATIENCE + pi / SLOWEST.angular, token, heading=heading)
 
@@ -66,7 +66,7 @@ class BaseAgent(Wheels):
     async def go_to(
         self, x: float, y: float, heading: float | None = None, speed: float | None = None, token: str = ""
     ) -> dict[str, Any]:
-        """Drive to a place in odom, m, and turn to a heading there, rad, if one is given. It sees no obstacles."""
+        """Drive to a position in odom, m, and turn there to a heading, rad, if given. It avoids no obstacles."""
         _check(x=x, y=y, heading=heading or 0.0)
         goal, limits, is_there = PoseGoal(x, y, heading), _limits(speed), False
         distance = goal.distance(self.pose)
@@ -83,7 +83,7 @@ class BaseAgent(Wheels):
 
     @request("stop", agrees_itself=True)
     async def stop(self) -> dict[str, Any]:
-        """Stop the whole robot, arm and gripper too, and answer when it stands. Anyone may."""
+        """Stop the whole robot, also arm and gripper, and answer when it stands. No lease is needed."""
         await self.command(keys.STOP)
         self.hold(HOLD)
         self.moving.end(f"stopped by {asker()}")
@@ -99,7 +99,7 @@ class BaseAgent(Wheels):
 
     @request("estop", agrees_itself=True)
     async def estop(self, on: bool) -> dict[str, Any]:
-        """Stop as fast as the robot can, until `on` is false and the motors are enabled. Anyone may."""
+        """Stop as fast as possible, until `on` is false and the motors are enabled. No lease is needed."""
         await self.command(keys.ESTOP, on=on)
         if on:
             self.moving.end(f"the e-stop was pressed by {asker()}")
@@ -120,7 +120,7 @@ def _check_above_zero(**numbers: float) -> None:
 
 
 def _limits(speed: float | None) -> PoseControlLimits:
-    """What is not to be exceeded when this speed is asked for, m/s."""
+    """Return the limits for a requested speed, m/s."""
     if speed is None:
         return SPEED
     _check_above_zero(speed=speed)

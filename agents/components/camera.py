@@ -1,8 +1,8 @@
-"""The agent of a camera: tells of its pictures, and gives one when it is asked.
+"""The agent of a camera: it publishes size and rate of the pictures, and returns a picture on request.
 
-Pictures travel as a stream, and whoever wants them all subscribes to `<robot>/camera/image/compressed`. A camera that
-belongs to no gateway is opened by its agent, which puts its pictures there. A camera makes pictures only while somebody
-subscribes to them, so the agent does that only while somebody listens to its results, or has just asked for one.
+The stream of all pictures is `<robot>/camera/image/compressed`. A camera without a gateway is opened by its agent,
+which publishes there. A camera makes pictures only while a program subscribes to them, so the agent subscribes only
+while a program subscribes to its results, or has just requested a picture.
 """
 
 import asyncio
@@ -40,7 +40,7 @@ class CameraAgent(ElementAgent):
     """
 
     source = keys.CAMERA
-    first_within = 8.0  # it is opened only when somebody asks
+    first_within = 8.0  # it is opened only on request
     results: ClassVar[Mapping[str, str]] = {
         "width, height": "pixels",
         "format": "jpeg or png",
@@ -60,10 +60,10 @@ class CameraAgent(ElementAgent):
         self._complaint = ""  # why there are no pictures
 
     async def setup(self) -> None:
-        """Begin to listen; open the camera if that is ours to do.
+        """Subscribe; open the camera if it has no gateway.
 
         Raises:
-            CameraNotUsable: It is written wrong, or a part of the installation is missing.
+            CameraNotUsable: The source is not valid, or a part of the installation is missing.
         """
         where = self.properties.get("source")
         if where is not None:
@@ -78,7 +78,7 @@ class CameraAgent(ElementAgent):
             self._reader.start()
 
     async def _follow_interest(self) -> None:
-        """Hear pictures while somebody wants to know of them, and no longer."""
+        """Subscribe to the pictures while a program needs them."""
         if self.is_heard:
             self._hear_pictures()
         elif self._hearing is not None and asyncio.get_running_loop().time() >= self._wanted_until:
@@ -86,7 +86,7 @@ class CameraAgent(ElementAgent):
             self._hearing = None
 
     async def take_down(self) -> None:
-        """Let go of the camera."""
+        """Close the camera."""
         if self._hearing is not None:
             self._hearing.close()
         if self._reader is not None:
@@ -95,7 +95,7 @@ class CameraAgent(ElementAgent):
             self._publisher.close()
 
     def result(self, message: Any) -> Mapping[str, Any]:
-        """How large its pictures are, and how often they come."""
+        """Return size and rate of the pictures."""
         size = picture_size(message.data.tobytes()) or (None, None)
         return {
             "width": size[0],
@@ -107,7 +107,7 @@ class CameraAgent(ElementAgent):
 
     @request("read")
     async def read(self) -> dict[str, Any]:
-        """The latest result; fails where no picture has come for a while, and says why if that is known."""
+        """Return the latest result; fail with the known reason where no picture has come for a while."""
         loop = asyncio.get_running_loop()
         self._wanted_until = loop.time() + self.first_within + LINGER
         self._hear_pictures()
@@ -120,7 +120,7 @@ class CameraAgent(ElementAgent):
 
     @request("picture")
     async def picture(self) -> dict[str, Any]:
-        """The newest picture, in base64; one that is too large for a message comes smaller than it was taken."""
+        """Return the newest picture in base64, reduced in size if it is too large for a message."""
         await self.read()
         assert self._newest is not None  # it has been read
         try:
@@ -139,10 +139,10 @@ class CameraAgent(ElementAgent):
         }
 
     def _begin_to_hear(self, key: str) -> None:
-        """Subscribe to nothing yet: `_follow_interest` does."""
+        """Do not subscribe yet: `_follow_interest` does."""
 
     def _hear_pictures(self) -> None:
-        """Subscribe to the pictures; those of before say nothing any more."""
+        """Subscribe to the pictures, and forget earlier ones."""
         if self._hearing is None:
             self._unread = self._latest = None
             self._has_heard.clear()
@@ -177,7 +177,7 @@ class CameraAgent(ElementAgent):
     # On the thread of a camera that is opened here.
 
     def _publish_picture(self, picture: CameraFrame) -> None:
-        """Put it where a gateway would; this agent hears it there like everyone."""
+        """Publish a picture as a gateway would; this agent receives it like other programs."""
         self._complaint = ""
         assert self._publisher is not None  # declared before the camera was opened
         image = CompressedImage(
@@ -185,7 +185,7 @@ class CameraAgent(ElementAgent):
             format="jpeg",
             data=np.frombuffer(picture.jpeg, np.uint8),
         )
-        with suppress(BusError):  # the bus is being closed, and there is nobody to show it to
+        with suppress(BusError):  # the bus is being closed
             self._publisher.put(image)
 
     def _lose(self, why: str) -> None:

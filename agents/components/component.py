@@ -1,4 +1,4 @@
-"""What the agents of all elements have in common: they serve requests about the element, and send its readings.
+"""The base class of the agents of elements: they serve requests about the element, and publish its readings.
 
     class Battery(Component):
         source = keys.BATTERY
@@ -7,7 +7,7 @@
         def result(self, message):
             return {"voltage": message.voltage, ...}
 
-A reading that nobody listens to and nobody asks for is never decoded.
+A reading is decoded only if a program subscribes to the results or requests it.
 """
 
 import asyncio
@@ -29,11 +29,11 @@ COMMAND_TIME = 2.0  # s for the gateway to answer
 class ElementAgent(Agent):
     """The agent of one element: its local name is the element's, its platform is the robot.
 
-    source: the stream of which results are made. None where there is none, or where `renew` is given them.
-    eager: every message of it makes a result, not only those that somebody wants to know.
-    fresh: s after which a reading says nothing any more.
+    source: the stream from which results are made. None if there is none, or if the class calls `renew` itself.
+    eager: whether every message becomes a result, not only those that are requested or subscribed to.
+    fresh: s for which a reading is valid.
     first_within: s that `read` waits for the first reading.
-    results: what its results hold beside `stamp`, with units, for the documentation.
+    results: fields of its results beside `stamp`, with units, for the documentation.
     """
 
     source: ClassVar[Topic | None] = None
@@ -45,14 +45,14 @@ class ElementAgent(Agent):
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
         self._latest: Mapping[str, Any] | None = None
-        self._unread: tuple[Sample, float] | None = None  # newer than the latest result, and of no interest so far
+        self._unread: tuple[Sample, float] | None = None  # newer than the latest result, and not decoded yet
         self._heard_at = 0.0  # s of the loop's time, when the latest result came
         self._has_heard = asyncio.Event()
         self._stream: Stream | None = None
 
     @classmethod
     def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
-        """What the agent has to know, and the directory says, of its element: all that the description says of it.
+        """Return the properties of the agent: the description of its element.
 
         Args:
             robot: The description of the robot.
@@ -76,11 +76,11 @@ class ElementAgent(Agent):
         return self.name.local
 
     def describe(self) -> dict[str, Any]:
-        """What the directory says of it: it is found as a component, and by its element's name."""
+        """Return its description for the directory, with the services `component` and the element's name."""
         return {**super().describe(), "services": [self.element, "component", *self.services]}
 
     async def setup(self) -> None:
-        """Begin to listen."""
+        """Subscribe to the source."""
         topic = self.topic
         if topic is not None:
             key = topic.key(self.robot)
@@ -96,20 +96,20 @@ class ElementAgent(Agent):
 
     @property
     def has_readings(self) -> bool:
-        """Whether there is anything to read of it."""
+        """Whether it has readings."""
         return self.topic is not None or bool(self.results)
 
     @property
     def topic(self) -> Topic | None:
-        """The stream of which results are made."""
+        """The stream from which results are made."""
         return self.source
 
     def result(self, message: Any) -> Mapping[str, Any]:
-        """What a message of the source says; SI and radians, None where nothing was measured."""
+        """Return the result of a message of the source; SI units and radians, None where nothing was measured."""
         raise NotImplementedError
 
     def renew(self, result: Mapping[str, Any]) -> None:
-        """There is a new result: keep it for `read`, and send it."""
+        """Keep a new result for `read`, and publish it."""
         self._unread = None
         self._latest = result
         self._heard_at = asyncio.get_running_loop().time()
@@ -131,10 +131,10 @@ class ElementAgent(Agent):
         return self.latest()
 
     def latest(self) -> dict[str, Any]:
-        """The latest result.
+        """Return the latest result.
 
         Raises:
-            Refused: There is none, or nothing has been heard for too long.
+            Refused: There is none, or it is too old.
         """
         unread, self._unread = self._unread, None
         if unread is not None:
@@ -154,7 +154,7 @@ class ElementAgent(Agent):
     def commanding_motion(self) -> Iterator[str | None]:
         """Bind a motion to its initiator during a block that begins it and waits for its end.
 
-        The handler is cancelled when the initiator's heartbeat falls silent, and this agent's own heartbeat beats.
+        The handler is cancelled when the initiator's heartbeat stops, and this agent publishes its own heartbeat.
 
         Yields:
             The heartbeat to which the gateway's command is to be bound; None where the initiator has none, so that the
@@ -164,10 +164,10 @@ class ElementAgent(Agent):
             yield self.name.heartbeat_key if has_heartbeat else None
 
     async def command(self, topic: Topic, /, **arguments: Any) -> dict[str, Any]:
-        """Give the robot's gateway a command; an argument that is None is left out, and so is an empty token.
+        """Send a command to the robot's gateway; an argument that is None is left out, and so is an empty token.
 
         Raises:
-            Refused: The gateway says no, or there is none.
+            Refused: The gateway refuses, or there is none.
         """
         given = {
             name: value for name, value in arguments.items() if value is not None and (name, value) != ("token", "")
@@ -175,8 +175,8 @@ class ElementAgent(Agent):
         try:
             replies = ReplyQueue(COMMAND_TIME)
             with self.bus.ask(topic.key(self.robot), given, replies.put, replies.put, COMMAND_TIME, urgent=True):
-                (answer,) = [reply.value async for reply in replies]
-            return answer
+                answers = [reply.value async for reply in replies]
+            return answers[0]
         except TimeoutError as err:
             if isinstance(err, NoAnswer) and not isinstance(err, TimedOut):
                 raise Refused(f"nobody drives {self.robot}; see whether its p2os-gateway runs") from err
@@ -192,7 +192,7 @@ class ElementAgent(Agent):
             self.add(OneShot(lambda: self._show_reading(conversation), "show its latest result"))
 
     async def _show_reading(self, conversation: Conversation) -> None:
-        with conversation, suppress(BusUnavailable):  # who looks may have gone
+        with conversation, suppress(BusUnavailable):  # the client may have gone
             try:
                 conversation.reply(await self.read())
             except Refused as err:
@@ -204,15 +204,15 @@ class ElementAgent(Agent):
     def _malformed(self, error: Exception) -> None:
         self.home.report(self.name, "a message is left out", error)
 
-    # On the bus's thread, so that a message of no interest costs next to nothing.
+    # On the bus's thread, so that a message that is not used costs almost nothing.
 
     def _take_look(self, arguments: dict[str, Any], conversation: Conversation) -> None:
-        """Someone who may look, and not ask, wants what `read` gives."""
+        """Answer a query for the latest reading, from a program that may only read."""
         assert self._loop is not None
         hand_over(self._loop, self._begin_look, conversation)
 
     def _take_sample(self, sample: Sample) -> None:
-        """Something has come where the source's messages belong."""
+        """Take a sample of the source."""
         assert self._loop is not None
         assert self.topic is not None
         if sample.type_name == self.topic.type_name:
@@ -222,7 +222,7 @@ class ElementAgent(Agent):
             hand_over(self._loop, self._malformed, wrong)
 
     def _take_reading(self, sample: Sample) -> None:
-        """A message of the source has come."""
+        """Take a message of the source."""
         assert self._loop is not None
         assert self._stream is not None  # it has been made before this was subscribed
         if self.eager or self.is_heard:
@@ -234,17 +234,17 @@ class ElementAgent(Agent):
 
 
 def failure(why: str) -> Refused:
-    """What a request's handler raises to say that it has tried in vain, even if it has not waited for anything yet."""
-    with suppress(LookupError):  # it may be no request that asks
+    """Return the error that makes a request fail; it agrees first, so that the error is not a refusal."""
+    with suppress(LookupError):  # there may be no current request
         agree()
     return Refused(why)
 
 
 def known(value: float, digits: int = 4) -> float | None:
-    """A measured number for a result, rounded since nothing measures finer; None where it is infinite or NaN."""
+    """Return a measured number for a result, rounded to its accuracy; None if it is infinite or NaN."""
     return round(float(value), digits) if isfinite(value) else None
 
 
 def every_known(values: Sequence[float], digits: int = 4) -> list[float | None]:
-    """The same for many."""
+    """Return measured numbers for a result, as `known` does."""
     return [known(value, digits) for value in values]

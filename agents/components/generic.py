@@ -1,4 +1,4 @@
-"""The agent of an element that has no class of its own: its messages as they are, its commands by their names."""
+"""The agent of an element without a class of its own: its messages as JSON, its commands by their names."""
 
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
@@ -12,7 +12,7 @@ from bus.messages import to_json
 class Generic(ElementAgent):
     """Results are the messages of the element's first stream as JSON; each command of the robot is a request.
 
-    A command's request takes what the gateway's takes, which checks it.
+    A request takes the arguments of the command, which the gateway checks.
     """
 
     @property
@@ -22,7 +22,7 @@ class Generic(ElementAgent):
         return next((topic for topic in known if topic is not None and topic.type_name != JSON), None)
 
     async def setup(self) -> None:
-        """Begin to listen, and to pass on commands."""
+        """Subscribe, and register the commands."""
         await super().setup()
         for key in self.properties.get("commands", []):
             topic = keys.topic_of(key)
@@ -30,7 +30,7 @@ class Generic(ElementAgent):
                 self.answer(topic.suffix.rpartition("/")[2], self._passing_on(topic), agrees_itself=True)
 
     def result(self, message: Any) -> Mapping[str, Any]:
-        """The message's fields but for the header; where a number is missing there is None."""
+        """Return the message's fields without the header; None for missing numbers."""
         return {name: _plain(value) for name, value in to_json(message).items() if name != "header"}
 
     def _passing_on(self, topic: Topic) -> Callable[..., Awaitable[dict[str, Any]]]:
@@ -42,7 +42,7 @@ class Generic(ElementAgent):
 
 
 def _plain(value: Any) -> Any:
-    """The same with None in place of the texts that stand for numbers which JSON lacks."""
+    """Return a value with None in place of the texts for numbers that JSON lacks."""
     match value:
         case "inf" | "-inf" | "nan":
             return None

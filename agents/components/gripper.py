@@ -1,4 +1,4 @@
-"""The agent of a gripper: two paddles on a lift, that open, close, rise and sink until they are there or hold."""
+"""The agent of a gripper: two paddles on a lift. A motion ends at its goal, or when the paddles hold an object."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
@@ -15,7 +15,7 @@ STOPPING_TIME = 5.0
 
 
 class GripperAgent(MovingElementAgent):
-    """`gripper@happy`. Paddles and lift may be sent at the same time by two requests; stopping stops both."""
+    """`gripper@happy`. Two requests may move paddles and lift at the same time; `stop` stops both."""
 
     source = keys.GRIPPER
     orders = keys.GRIP
@@ -28,9 +28,9 @@ class GripperAgent(MovingElementAgent):
     }
 
     def result(self, message: Any) -> Mapping[str, Any]:
-        """Where paddles and lift are, in a word each, and what their switches feel."""
+        """Return the positions of paddles and lift, in a word each, and their switches."""
         paddles = _place(message.paddles_moving, open=message.paddles_open, closed=message.paddles_closed)
-        presses = message.left_contact and message.right_contact  # empty paddles press on each other, too
+        presses = message.left_contact and message.right_contact  # empty paddles also press on each other
         is_between = message.outer_beam or message.inner_beam
         return {
             "paddles": paddles,
@@ -74,7 +74,7 @@ class GripperAgent(MovingElementAgent):
 
     @request("stop", agrees_itself=True)
     async def stop(self, token: str = "") -> dict[str, Any]:
-        """Stop paddles and lift; what is held stays held."""
+        """Stop paddles and lift; an object that is held stays held."""
         goal = MotionGoal(f"{self.element} stop", (PADDLES, LIFT), _is_still, STOPPING_TIME)
         return await self.carry_out(goal, token, do="stop")
 
@@ -84,7 +84,7 @@ class GripperAgent(MovingElementAgent):
 
 
 def _judge_of(places: Mapping[str, str]) -> Callable[[Result], Phase]:
-    """Whether the parts are at their places. Paddles that hold something are closed, whatever their switches say."""
+    """Return a judge for these parts. Paddles that hold an object are closed, independent of their switches."""
 
     def judge(result: Result) -> Phase:
         if any(result[part] == "moving" for part in places):
@@ -102,5 +102,5 @@ def _is_still(result: Result) -> Phase:
 
 
 def _place(is_moving: bool, **ends: bool) -> str:
-    """Where a motor is, in a word."""
+    """Return the position of a motor, in a word."""
     return "moving" if is_moving else next((end for end, is_there in ends.items() if is_there), "between")

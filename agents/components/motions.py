@@ -1,7 +1,7 @@
-"""Waiting for the end of a motion, as the element's own reports show it.
+"""Detects the end of a motion from the reports of the element.
 
-A report may have been on its way while the order was given, so one alone proves nothing: the goal must be reported for
-a moment, and an element that rests elsewhere is given time to begin.
+A report may be older than the order, so a single one proves nothing: the goal must be reported for a moment, and an
+element that rests elsewhere has some time to begin.
 """
 
 import asyncio
@@ -25,11 +25,11 @@ Report = TypeVar("Report")
 
 
 class Replaced(Refused):
-    """A newer motion has taken the place of one."""
+    """A motion was replaced by a newer one."""
 
 
 class Phase(Enum):
-    """What one report says of a motion."""
+    """The phase of a motion by one report."""
 
     ARRIVED = "arrived"  # the element rests at the goal
     MOVING = "moving"
@@ -38,11 +38,11 @@ class Phase(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MotionGoal(Generic[Report]):
-    """What a motion is to reach.
+    """The goal of a motion.
 
-    what: in words, as `gripper open`. parts: of the element that it moves; one that moves a part takes the place of an
-    older one. judge: what a report says of it. within: s that it may take at the most. time_to_start, pause, hold: s,
-    as the constants say.
+    what: its name, as `gripper open`. parts: parts of the element that it moves; a newer motion of a part replaces an
+    older one. judge: returns the phase by a report. within: s that it may take at most. time_to_start, pause, hold: s,
+    as the constants.
     """
 
     what: str
@@ -56,7 +56,7 @@ class MotionGoal(Generic[Report]):
 
 @dataclass(eq=False)
 class _ActiveMotion(Generic[Report]):
-    """One that is under way. All times are the event loop's."""
+    """A motion under way. All times are those of the event loop."""
 
     goal: MotionGoal[Report]
     end: asyncio.Future[Report]
@@ -68,7 +68,7 @@ class _ActiveMotion(Generic[Report]):
     since: float = 0.0  # when the phase began
 
     def hear(self, report: Report, now: float) -> None:
-        """Judge by one more report."""
+        """Take one more report."""
         self.heard_at = now
         phase = self.goal.judge(report)
         if phase is not self.phase:
@@ -82,7 +82,7 @@ class _ActiveMotion(Generic[Report]):
             self.give_up(f"{self.goal.what} {did}")
 
     def watch(self, now: float) -> None:
-        """See whether it has been long enough."""
+        """End it if it has taken too long."""
         if now >= self.began_at + self.goal.within:
             self.give_up(f"{self.goal.what} has not ended within {self.goal.within:.3g} s")
         elif now >= self.heard_at + SILENCE:
@@ -90,27 +90,27 @@ class _ActiveMotion(Generic[Report]):
 
     @property
     def deadline(self) -> float:
-        """When to see again."""
+        """Return when to check again."""
         return min(self.began_at + self.goal.within, self.heard_at + SILENCE)
 
     def finish(self, report: Report) -> None:
-        """It has reached its goal."""
+        """End it at its goal."""
         if not self.end.done():
             self.end.set_result(report)
 
     def give_up(self, why: str) -> None:
-        """It has not; say why, as far as is known."""
+        """End it as a failure, with the known reasons."""
         reasons = self.reasons()
         self.fail(Refused(f"{why}: {reasons}" if reasons else why))
 
     def fail(self, error: Refused) -> None:
-        """It has not, for this reason."""
+        """End it as a failure for this reason."""
         if not self.end.done():
             self.end.set_exception(error)
 
 
 class Motions(Generic[Report]):
-    """The motions of one element that are under way; of each of its parts there is one at the most."""
+    """The motions of one element under way; each of its parts has one at most."""
 
     def __init__(self, reasons: Callable[[], str] = lambda: "") -> None:
         """reasons: why a motion may have failed, as far as is known; empty text where nothing is."""
@@ -119,20 +119,20 @@ class Motions(Generic[Report]):
 
     @property
     def are_under_way(self) -> bool:
-        """Whether there are any."""
+        """Whether a motion is under way."""
         return bool(self._open)
 
     def hear(self, report: Report) -> None:
-        """A report of the element has come."""
+        """Take a report of the element."""
         now = asyncio.get_running_loop().time()
         for motion in self._open:
             motion.hear(report, now)
 
     async def follow(self, goal: MotionGoal[Report]) -> Report:
-        """Wait for the end of a motion that has just been ordered; return the report that shows it.
+        """Wait for the end of a motion that has just been ordered, and return the report at the end.
 
         Raises:
-            Refused: It did not reach its goal; says why.
+            Refused: It did not reach its goal; the message says why.
         """
         loop = asyncio.get_running_loop()
         for other in self._open:

@@ -1,6 +1,6 @@
-"""What components of elements that move have in common: a request ends when the motion has ended, and says how.
+"""The base class of elements that move: a request ends with its motion.
 
-The gateway decides what is allowed, and its sentence is the refusal. What follows is seen in the element's results.
+The gateway decides what is allowed, and its sentence is the refusal. The end of a motion is seen in the results.
 """
 
 import asyncio
@@ -22,7 +22,7 @@ Result = Mapping[str, Any]
 class MovingElementAgent(ElementAgent):
     """An element that moves.
 
-    orders: where the gateway takes its orders; `{"do": "stop"}` there stops it. motions: those under way.
+    orders: the topic of its commands; `{"do": "stop"}` stops it. motions: those under way.
     """
 
     orders: ClassVar[Topic]
@@ -33,33 +33,34 @@ class MovingElementAgent(ElementAgent):
         self._troubles = Troubles(self.element)
 
     async def setup(self) -> None:
-        """Begin to listen; learn who holds the lease, since later only changes are told."""
+        """Subscribe; query the holder of the lease, since later only changes are published."""
         await super().setup()
-        with suppress(BusError, TimeoutError):  # whoever drives the robot says so as soon as it changes
+        with suppress(BusError, TimeoutError):  # changes are published
             lease = await self.query(keys.LEASE.key(self.robot), {}, COMMAND_TIME)
             self._troubles.hear_lease(lease, asyncio.get_running_loop().time())
 
     def renew(self, result: Result) -> None:
-        """There is a new result, by which motions are judged."""
+        """Take a new result, which may end motions."""
         super().renew(result)
         self.motions.hear(result)
 
     def reasons(self) -> str:
-        """Why a motion may have failed, as far as is known; empty text where nothing is."""
+        """Return the known reasons for a failure; an empty text if there are none."""
         return self._troubles.reasons(asyncio.get_running_loop().time())
 
     async def carry_out(self, goal: MotionGoal[Result], token: str, wait: bool = True, **order: Any) -> dict[str, Any]:
-        """Give an order and wait until its goal is reached; who gives up, or is cancelled, stops the element.
+        """Send an order and wait until its goal is reached; a failure or a cancel stops the element.
 
         Args:
-            goal: Of the order.
-            token: Of a lease; empty for none.
-            wait: For the end; otherwise for no more than that the order is taken, and this agent sees to the rest.
-            order: For the gateway.
+            goal: The goal of the order.
+            token: The token of a lease; empty for none.
+            wait: Whether to wait for the end; otherwise only for the gateway's answer, and a behaviour follows the
+                motion.
+            order: The arguments for the gateway.
         Returns:
-            The result that shows the end.
+            The result at the end.
         Raises:
-            Refused: The gateway does not take the order; or the goal was not reached, and why.
+            Refused: The gateway refuses the order, or the goal was not reached.
         """
         with self.commanding_motion() as heartbeat:
             try:
@@ -83,13 +84,13 @@ class MovingElementAgent(ElementAgent):
             raise
 
     async def _see_to(self, goal: MotionGoal[Result]) -> None:
-        """Keep a motion going for whose end nobody waits: the gateway stops it if this agent dies."""
-        with self.home.beating(self.name), suppress(Refused):  # how it ends is told by the results
+        """Follow a motion for whose end no request waits; the gateway stops it if this agent dies."""
+        with self.home.beating(self.name), suppress(Refused):  # the results show how it ends
             await self.motions.follow(goal)
 
     async def _stop(self, token: str) -> None:
-        """See to it that it does not go on."""
-        with suppress(BusError):  # what matters is told already; and who has lost the lease may stop nothing
+        """Stop the element."""
+        with suppress(BusError):  # the reason is reported already; and without the lease nothing may be stopped
             await self.command(self.orders, do="stop", token=token)
 
     @on("state")

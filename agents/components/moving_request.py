@@ -1,4 +1,4 @@
-"""One request at a time moves a thing: a newer one that is obeyed takes the place of the one before."""
+"""Motions that replace each other: only one request at a time moves an element."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -12,8 +12,8 @@ from bus.aio import hand_over
 T = TypeVar("T")
 
 
-class MovingRequest:
-    """A request that has been obeyed and has not ended. name: in words, as `move, asked by app@lab`."""
+class _MovingRequest:
+    """A request whose motion has begun. name: as text, such as `move, asked by app@lab`."""
 
     def __init__(self, name: str, task: "asyncio.Task[None]") -> None:
         self.name = name
@@ -22,54 +22,54 @@ class MovingRequest:
         self.task = task
 
     def end(self, why: str) -> None:
-        """Let it fail, since this has happened."""
+        """Make it fail for this reason."""
         if not self.why:
             self.why = why
             self.task.cancel()
 
     def orphan(self, asked_by: AgentName) -> None:
-        """Whoever asked has died: nobody waits for the end, and nobody minds where the robot goes."""
+        """Make it fail since its initiator has died."""
         self.is_orphaned = True
         self.end(f"{asked_by}, who asked for it, has gone")
 
 
 class OneAtATime:
-    """The moving requests of one agent; to be used in the handlers of its requests."""
+    """The motions of one agent; to be used in the handlers of its requests."""
 
     def __init__(self, bus: Bus, halt: Callable[[str], None]) -> None:
-        """Nothing moves.
+        """Start without a motion.
 
         Args:
-            bus: On which those who ask are seen to live.
-            halt: Makes everything stand still, with the token of a lease or an empty one; must not wait.
+            bus: The bus, for watching the initiators.
+            halt: Stops the element, with the token of a lease or an empty one; must not wait.
         """
         self._bus = bus
         self._halt = halt
         self._beginning = asyncio.Lock()
-        self._present: MovingRequest | None = None
+        self._present: _MovingRequest | None = None
 
     @property
     def is_changing(self) -> bool:
-        """A newer request is just asking whether it may begin: until then the present one is to say nothing."""
+        """Whether a newer request waits for the gateway's answer; meanwhile the present one must not send commands."""
         return self._beginning.locked()
 
     def end(self, why: str) -> None:
-        """Let the present one fail, if there is one."""
+        """Make the present motion fail, if there is one."""
         if self._present is not None:
             self._present.end(why)
 
     async def run(
         self, what: str, token: str, begin: Callable[[], Awaitable[T]], follow: Callable[[T], Awaitable[None]]
     ) -> None:
-        """Begin, agree, and wait for the end.
+        """Begin a motion, agree, and wait for the end.
 
         Args:
-            what: In a word.
-            token: Of a lease, or empty.
-            begin: Sets it going, or raises `Refused`; then the one before goes on.
-            follow: Waits for the end, given what `begin` returned; raises `Refused` where it fails.
+            what: Its name, a word.
+            token: The token of a lease, or empty.
+            begin: Starts it, or raises `Refused`; then the one before continues.
+            follow: Waits for the end, given the result of `begin`; raises `Refused` if it fails.
         Raises:
-            Refused: It was not begun, or has failed.
+            Refused: It has not begun, or has failed.
         """
         async with self._beginning:
             beginning = asyncio.ensure_future(begin())
@@ -80,7 +80,7 @@ class OneAtATime:
                     await beginning
                     self._halt(token)
                 raise
-            request = MovingRequest(f"{what}, asked by {asker()}", asyncio.ensure_future(_wait(follow, begun)))
+            request = _MovingRequest(f"{what}, asked by {asker()}", asyncio.ensure_future(_wait(follow, begun)))
             self.end(f"replaced by {request.name}")
             self._present = request
             agree()
@@ -90,7 +90,7 @@ class OneAtATime:
             if self._present is request:
                 self._present = None
 
-    async def _to_its_end(self, request: MovingRequest, token: str) -> None:
+    async def _to_its_end(self, request: _MovingRequest, token: str) -> None:
         who, loop = asker(), asyncio.get_running_loop()
 
         def see(key: str, is_alive: bool) -> None:

@@ -1,6 +1,6 @@
-"""How a robot with two driven wheels gets where it is to be: from where it is to the velocity that brings it nearer.
+"""Control of the pose of a differential drive on its odometry: the velocity towards a goal, and the check of progress.
 
-Pure functions, to be asked with every odometry; poses and goals in one frame, m and rad, m/s and rad/s.
+No clock and no bus. Poses and goals are in one frame, m and rad; velocities are m/s and rad/s.
 """
 
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from geometry import Pose2D, wrap_angle
 THERE = 0.02
 """m from the goal at which the robot has arrived."""
 STILL_THERE = 0.1
-"""m; so far it may slip while it turns to its final heading, without driving again."""
+"""m that the robot may slip while it turns to its final heading, without driving again."""
 ALIGNED = 0.02
 """rad."""
 FACING = pi / 3
-"""rad beyond which it turns on the spot before it drives."""
+"""rad beyond which the robot turns on the spot before it drives."""
 GAIN = 1.5
 """1/s, linear as angular; robot and line answer after 0.2 s or so."""
 BRAKING = 0.2
@@ -23,14 +23,14 @@ BRAKING = 0.2
 ANGULAR_BRAKING = 0.8
 """rad/s²."""
 AT_THE_END = 0.01
-"""m short of the end of a straight way."""
+"""m before the end of a straight path."""
 SLOWEST = 0.03
-"""m/s; below, wheels stick."""
+"""m/s; below this speed wheels stick."""
 
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """What to drive, m/s forward and rad/s counter-clockwise. is_done: nothing is left to do."""
+    """A velocity, m/s forward and rad/s counter-clockwise. is_done: the goal is reached."""
 
     linear: float
     angular: float
@@ -39,7 +39,7 @@ class Velocity:
 
 @dataclass(frozen=True, slots=True)
 class PoseControlLimits:
-    """What the robot is not to exceed, m/s and rad/s."""
+    """The largest speeds, m/s and rad/s."""
 
     linear: float
     angular: float
@@ -47,14 +47,14 @@ class PoseControlLimits:
 
 @dataclass(frozen=True, slots=True)
 class PoseGoal:
-    """A place, and a heading if one is wanted."""
+    """A position, and optionally a heading."""
 
     x: float
     y: float
     heading: float | None = None
 
     def distance(self, pose: Pose2D) -> float:
-        """How far it is, m."""
+        """Return the distance, m."""
         return hypot(self.x - pose.x, self.y - pose.y)
 
 
@@ -97,5 +97,52 @@ def _turning(error: float, limits: PoseControlLimits) -> float:
 
 
 def _slowing(left: float, limit: float, braking: float) -> float:
-    """A speed from which one comes to rest in the way that is left, signed as that is."""
+    """Return a speed from which the robot can stop in the remaining distance, with its sign."""
     return copysign(min(limit, GAIN * abs(left), sqrt(2.0 * braking * abs(left))), left)
+
+
+STALL_TIME = 1.5
+"""Seconds for which a robot may stand although it is commanded to move."""
+WINDOW = 3.0
+"""Seconds in which a robot covers a part of its path; along the edge of an obstacle it may creep and slip for ever."""
+JUDGED_DISTANCE = 0.3
+"""m; a shorter commanded distance in that time is not checked."""
+LEAST_PROGRESS = 0.1
+"""m that a robot covers at least when it is commanded to drive that far."""
+
+
+class Headway:
+    """Checks whether a robot makes progress during one motion; `now` is any steady time, s."""
+
+    def __init__(self, pose: Pose2D, now: float) -> None:
+        self._pose, self._now = pose, now
+        self._rolled_at = now
+        self._begin_window(now)
+
+    def is_blocked(self, pose: Pose2D, rolls: bool, told: Velocity, now: float) -> bool:
+        """Return whether an obstacle blocks the robot.
+
+        Args:
+            pose: The present pose.
+            rolls: Whether the robot moves.
+            told: The velocity commanded from now on.
+            now: s, not before that of the last call.
+        """
+        self._gone += hypot(pose.x - self._pose.x, pose.y - self._pose.y)
+        self._told += abs(told.linear) * (now - self._now)
+        self._pose, self._now = pose, now
+        if rolls or told == Velocity(0.0, 0.0):
+            self._rolled_at = now
+        creeps = False
+        if now - self._since >= WINDOW:
+            creeps = self._told >= JUDGED_DISTANCE and self._gone < LEAST_PROGRESS
+            self._begin_window(now)
+        return creeps or now - self._rolled_at >= STALL_TIME
+
+    def stands_for(self, now: float) -> float:
+        """Return for how many seconds the robot has not moved although it was commanded to."""
+        return now - self._rolled_at
+
+    def _begin_window(self, now: float) -> None:
+        self._since = now
+        self._told = self._gone = 0.0

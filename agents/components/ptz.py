@@ -1,4 +1,4 @@
-"""The agent of a camera head: it looks somewhere, and says so when it does."""
+"""The agent of a pan-tilt-zoom head."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -33,7 +33,7 @@ class PtzAgent(MovingElementAgent):
     }
 
     def result(self, message: Any) -> Mapping[str, Any]:
-        """Where it looks."""
+        """Return direction and magnification."""
         place = {axis: known(getattr(message, axis)) for axis in ("pan", "tilt", "zoom")}
         return {**place, "moving": bool(message.moving)}
 
@@ -46,7 +46,7 @@ class PtzAgent(MovingElementAgent):
         wait: bool = True,
         token: str = "",
     ) -> dict[str, Any]:
-        """Look somewhere: rad to the left, rad up, magnification; what is not given stays as it is."""
+        """Turn the head: rad to the left, rad up, magnification; an argument that is left out stays as it is."""
         axes = {"pan": pan, "tilt": tilt, "zoom": zoom}
         return await self._look("look", {axis: place for axis, place in axes.items() if place is not None}, wait, token)
 
@@ -57,7 +57,7 @@ class PtzAgent(MovingElementAgent):
 
     @request("stop", agrees_itself=True)
     async def stop(self, token: str = "") -> dict[str, Any]:
-        """Stop where it looks."""
+        """Stop the head."""
         goal = MotionGoal(f"{self.element} stop", ("pan", "tilt", "zoom"), _is_still, STOPPING_TIME, hold=AT_ONCE)
         return await self.carry_out(goal, token, do="stop")
 

@@ -1,7 +1,7 @@
-"""Keeps a container's agents the same as the elements of its robot.
+"""Keeps the agents of a container consistent with the elements of its robot.
 
-Tokens say which elements there are, the robot's description says what they are. What somebody else has stopped, or
-moved into another container, is left alone until its element comes back.
+Tokens show which elements exist, the robot's description shows their properties. An agent that was stopped by another
+program, or moved into another container, is not started until its element comes back.
 """
 
 import asyncio
@@ -18,7 +18,7 @@ from bus.aio import hand_over, query
 from bus.keys import DESCRIPTION, ELEMENT_ALIVE, robot_name
 
 DESCRIPTION_TIME = 2.0  # s
-LOOK_AGAIN = 10.0  # s between two looks at the description, in which an element may say more than before
+LOOK_AGAIN = 10.0  # s between two checks of the description, which may have changed
 RETRY = Restart(first=0.25, longest=15.0)
 
 log = logging.getLogger("agents")
@@ -27,28 +27,28 @@ Descriptions = dict[str, dict[str, Any]]
 
 
 class RobotAgents:
-    """Starts an agent for each element that a robot has, and stops it when the element goes."""
+    """Starts an agent for each element of a robot, and stops it when the element disappears."""
 
     def __init__(self, container: Container, robot: str) -> None:
-        """Begin with `run`.
+        """Prepare it; `run` starts it.
 
         Args:
-            container: Where the agents live.
+            container: The container of the agents.
             robot: The robot's name on the bus.
         Raises:
-            KeyNotValid: The name does not serve as a robot's name.
+            KeyNotValid: The name is not valid for a robot.
         """
         self._container = container
         self._robot = robot_name(robot)
-        self._present: set[str] = set()  # elements whose tokens stand
-        self._elsewhere: set[str] = set()  # elements whose agents live, here or in another container
-        self._served: dict[str, Mapping[str, Any]] = {}  # what the description said when the agent was started
+        self._present: set[str] = set()  # elements with a token
+        self._elsewhere: set[str] = set()  # elements with an agent, here or in another container
+        self._served: dict[str, Mapping[str, Any]] = {}  # the description when the agent was started
         self._failures: dict[str, int] = {}  # to start an agent, in a row
         self._silences = 0  # in place of a description, in a row
         self._changed = asyncio.Event()
 
     async def run(self) -> None:
-        """Do so until cancelled; the agents stay then, for the container to stop."""
+        """Run until cancelled; then the agents continue until the container stops them."""
         loop, bus = asyncio.get_running_loop(), self._container.bus
 
         def note(among: set[str], key: str, is_alive: bool) -> None:
@@ -64,12 +64,12 @@ class RobotAgents:
             while True:
                 self._changed.clear()
                 pause = await self._follow()
-                with suppress(TimeoutError):  # nothing has changed: look again
+                with suppress(TimeoutError):  # nothing has changed: check again
                     async with asyncio.timeout(pause):
                         await self._changed.wait()
 
     async def _follow(self) -> float:
-        """Start and stop what is to be; return after how many seconds to look again, even if no token changes."""
+        """Start and stop agents; return after how many seconds to check again, even if no token changes."""
         gone = self._served.keys() - self._present
         await asyncio.gather(*(self._stop(element) for element in gone))
         for element in self._failures.keys() - self._present:
@@ -85,9 +85,9 @@ class RobotAgents:
         return min((RETRY.pause(failures) for failures in self._failures.values()), default=LOOK_AGAIN)
 
     async def _serve(self, element: str, described: Descriptions) -> None:
-        """See that the agent of an element that is there serves it as it is described now."""
+        """Start the agent of an element, or adapt it to the present description."""
         if element not in described:
-            self._fail(element)  # a token comes before the description tells of it
+            self._fail(element)  # a token can come before the description
         elif element not in self._served:
             await self._start(element, described[element])
         elif described[element] != self._served[element]:
@@ -95,12 +95,12 @@ class RobotAgents:
 
     async def _start(self, element: str, properties: dict[str, Any]) -> None:
         if element in self._elsewhere:
-            return  # its agent was moved, and lives; the token tells when it has gone
+            return  # its agent was moved; its token shows when it has gone
         try:
             agent = component_for(element)(AgentName(element, self._robot), properties)
             is_active = await self._container.start(agent)
         except AlreadyThere:
-            return  # somebody was faster; the token tells when that one has gone
+            return  # another container was faster; its token shows when that agent has gone
         except NameNotValid as err:
             log.warning("no agent can serve %s of %s: %s", element, self._robot, err)
             is_active = False
@@ -111,12 +111,12 @@ class RobotAgents:
             self._fail(element)
 
     async def _renew(self, element: str, properties: dict[str, Any]) -> None:
-        """An element is described otherwise than when its agent was started: the agent learns it, or begins anew."""
+        """Adapt the agent of an element whose description has changed, or restart it."""
         before, self._served[element] = self._served[element], properties
         try:
             agent = self._container.agent(AgentName(element, self._robot))
         except UnknownAgent:
-            return  # somebody has stopped or moved it
+            return  # another program has stopped or moved it
         if all(before.get(name) == properties.get(name) for name in ("streams", "commands")):
             agent.properties = properties
         else:
@@ -125,11 +125,11 @@ class RobotAgents:
 
     async def _stop(self, element: str) -> None:
         self._served.pop(element, None)
-        with suppress(UnknownAgent):  # somebody else has stopped or moved it
+        with suppress(UnknownAgent):  # another program has stopped or moved it
             await self._container.stop(AgentName(element, self._robot))
 
     async def _described(self) -> Descriptions | None:
-        """What each element's agent has to know, by the element's name; None while the robot gives no sense."""
+        """Return the properties of each element's agent, by the element's name; None without a valid description."""
         try:
             (answer, *_) = await query(self._container.bus, DESCRIPTION.key(self._robot), None, DESCRIPTION_TIME)
         except BusUnavailable:
@@ -143,7 +143,7 @@ class RobotAgents:
 
 
 def described_elements(description: Mapping[str, Any]) -> Descriptions:
-    """What each element's agent has to know, by the element's name; what makes no sense is left out.
+    """Return the properties of each element's agent, by the element's name; invalid rows are left out.
 
     An element that is described twice has the streams and commands of both.
     """

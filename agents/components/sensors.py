@@ -1,4 +1,4 @@
-"""Agents of the elements that only measure: sonar, laser, bumpers, infrared, encoders, battery, joystick."""
+"""Agents of the elements that only measure, and of user ports and sound, whose commands end at once."""
 
 from collections.abc import Mapping
 from math import atan2, cos, inf, sin
@@ -9,16 +9,16 @@ import numpy as np
 from agents.components.component import ElementAgent, every_known, known
 from agents.components.generic import Generic
 from agents.platform import AgentName, request
-from bus import keys
+from bus import Refused, keys
 from bus.keys import frame
-from bus.messages import NS_PER_S, BatteryState, Bumpers, Joy, LaserScan, RangeArray, stamp_ns
+from bus.messages import NS_PER_S, BatteryState, Bumpers, InputsOutputs, Joy, LaserScan, RangeArray, stamp_ns
 
 MEMORY = 1.0
 """Seconds for which a disc's range stands; each packet brings those of a few discs only."""
 
 
 class SonarAgent(ElementAgent):
-    """All discs together, though they take turns. `bearing` is where the nearest echo is, seen from the robot."""
+    """The sonar: the latest ranges of all discs. `bearing` is the direction of the nearest echo from the robot."""
 
     source = keys.SONAR
     eager = True
@@ -34,7 +34,7 @@ class SonarAgent(ElementAgent):
 
     @classmethod
     def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
-        """Where the discs are besides."""
+        """Return the properties, with the poses of the discs."""
         return {**super().properties_of(robot, element), "discs": robot["geometry"]["sonar"]}
 
     @request("power", agrees_itself=True)
@@ -43,7 +43,7 @@ class SonarAgent(ElementAgent):
         return await self.command(keys.SONAR_POWER, on=on)
 
     def result(self, message: RangeArray) -> dict[str, Any]:
-        """The ranges of the last second."""
+        """Return the ranges of the last second."""
         now = stamp_ns(message.header) / NS_PER_S
         self._ranges |= {_number(each.header.frame_id): (now, known(each.range)) for each in message.ranges}
         self._ranges = {disc: seen for disc, seen in self._ranges.items() if abs(now - seen[0]) <= MEMORY}
@@ -56,7 +56,7 @@ class SonarAgent(ElementAgent):
         }
 
     def _bearing(self, number: int, distance: float) -> float | None:
-        """Of an echo on the axis of a disc."""
+        """Return the bearing of an echo on the axis of a disc."""
         for disc in self.properties.get("discs", []):
             if disc["number"] == number:
                 x, y, heading = disc["x"], disc["y"], disc["heading"]
@@ -65,12 +65,12 @@ class SonarAgent(ElementAgent):
 
 
 def _number(frame_id: str) -> int:
-    """Of the disc with this frame, `happy/sonar_3`."""
+    """Return the number of the disc with this frame, `happy/sonar_3`."""
     return int(frame_id.rpartition("_")[2])
 
 
 class LaserAgent(ElementAgent):
-    """Scans, from right to left. `bearing` is where the nearest echo is, seen from the robot."""
+    """The laser: scans from right to left. `bearing` is the direction of the nearest echo from the robot."""
 
     source = keys.SCAN
     results: ClassVar[Mapping[str, str]] = {
@@ -82,7 +82,7 @@ class LaserAgent(ElementAgent):
     }
 
     def result(self, message: LaserScan) -> dict[str, Any]:
-        """The scan."""
+        """Return the scan."""
         ranges = np.asarray(message.ranges, np.float64)
         missing = np.flatnonzero(~np.isfinite(ranges))
         listed = np.round(ranges, 3).tolist()
@@ -109,7 +109,7 @@ class LaserAgent(ElementAgent):
 
 
 class BumpersAgent(ElementAgent):
-    """Contacts, and wheels that something blocks."""
+    """The bumpers, and the stall flags of the wheels."""
 
     source = keys.BUMPERS
     results: ClassVar[Mapping[str, str]] = {
@@ -121,7 +121,7 @@ class BumpersAgent(ElementAgent):
     }
 
     def result(self, message: Bumpers) -> dict[str, Any]:
-        """What touches the robot."""
+        """Return contacts and stall flags."""
         front, rear = [[bool(segment) for segment in side] for side in (message.front, message.rear)]
         return {
             "front": front,
@@ -133,7 +133,7 @@ class BumpersAgent(ElementAgent):
 
 
 class InfraredAgent(ElementAgent):
-    """Switches rather than rulers: each frame lies where its sensor sees something."""
+    """Infrared sensors, which are switches: each frame lies where its sensor detects an object."""
 
     source = keys.IR
     results: ClassVar[Mapping[str, str]] = {
@@ -142,7 +142,7 @@ class InfraredAgent(ElementAgent):
     }
 
     def result(self, message: RangeArray) -> dict[str, Any]:
-        """What is near."""
+        """Return the ranges of the sensors."""
         ranges = {
             each.header.frame_id.rpartition("_")[2]: known(each.min_range if each.range == -inf else each.range)
             for each in message.ranges
@@ -161,7 +161,7 @@ class EncodersAgent(Generic):
 
 
 class BatteryAgent(ElementAgent):
-    """How full the battery is."""
+    """The battery."""
 
     source = keys.BATTERY
     results: ClassVar[Mapping[str, str]] = {
@@ -171,7 +171,7 @@ class BatteryAgent(ElementAgent):
     }
 
     def result(self, message: BatteryState) -> dict[str, Any]:
-        """Voltage and charge."""
+        """Return voltage and charge."""
         return {
             "voltage": known(message.voltage, 2),
             "fraction": known(message.percentage),
@@ -180,7 +180,7 @@ class BatteryAgent(ElementAgent):
 
 
 class JoystickAgent(ElementAgent):
-    """How it is held."""
+    """The joystick."""
 
     source = keys.JOYSTICK
     results: ClassVar[Mapping[str, str]] = {
@@ -190,12 +190,52 @@ class JoystickAgent(ElementAgent):
 
     @request("drive", agrees_itself=True)
     async def drive(self, on: bool, token: str = "") -> dict[str, Any]:
-        """Let the joystick drive the robot, or no longer."""
+        """Permit or forbid that the joystick drives the robot."""
         return await self.command(keys.JOYDRIVE, on=on, token=token)
 
     def result(self, message: Joy) -> dict[str, Any]:
-        """Axes and buttons."""
+        """Return axes and buttons."""
         return {
             "axes": every_known([float(axis) for axis in message.axes]),
             "buttons": [int(button) for button in message.buttons],
+        }
+
+
+class SoundAgent(ElementAgent):
+    """The buzzer or loudspeaker."""
+
+    @request("play", agrees_itself=True)
+    async def play(self, notes: list[Any] | None = None, number: int | None = None) -> dict[str, Any]:
+        """Play notes, each a MIDI number and s as in [[60, 0.2]]; or a sound of the robot by its number."""
+        if (notes is None) == (number is None):
+            raise Refused("say either notes or a number")
+        return await self.command(keys.SOUND, notes=notes, number=number)
+
+    @request("mute", agrees_itself=True)
+    async def mute(self, on: bool = True) -> dict[str, Any]:
+        """Switch the sound off or on."""
+        return await self.command(keys.SOUND, on=not on)
+
+
+class InputOutput(ElementAgent):
+    """The digital and analogue user ports."""
+
+    source = keys.IO
+    results: ClassVar[Mapping[str, str]] = {
+        "digital_in": "true or false of each pin, the lowest bit first",
+        "digital_out": "likewise",
+        "analog_in": "V of each",
+    }
+
+    @request("output", agrees_itself=True)
+    async def output(self, mask: int, value: int) -> dict[str, Any]:
+        """Set the digital outputs whose bits are in the mask, to the bits of the value."""
+        return await self.command(keys.OUTPUT, mask=mask, value=value)
+
+    def result(self, message: InputsOutputs) -> dict[str, Any]:
+        """Return the state of all ports."""
+        return {
+            "digital_in": [bool(pin) for pin in message.digital_in],
+            "digital_out": [bool(pin) for pin in message.digital_out],
+            "analog_in": every_known([float(pin) for pin in message.analog_in], 3),
         }

@@ -1,4 +1,4 @@
-"""What may have stopped an element: what its robot has begun to complain of, or a lease that has changed hands."""
+"""Possible reasons for a stop of an element: recent faults of its robot, or a change of a lease."""
 
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ MOST = 8
 
 
 class Troubles:
-    """Of one element. No clock: `now` is any steady time, s."""
+    """Collects the reasons for one element; `now` is any steady time, s."""
 
     def __init__(self, element: str) -> None:
         self._element = element
@@ -20,12 +20,12 @@ class Troubles:
         self._holders: tuple[str | None, ...] | None = None  # until somebody has said
 
     def hear_faults(self, faults: Sequence[str], now: float) -> None:
-        """The robot says what is wrong with it, a sentence each."""
+        """Take the faults of the robot, a sentence each."""
         self._news.extend((now, fault) for fault in faults if fault not in self._faults)
         self._faults = tuple(faults)
 
     def hear_lease(self, lease: Mapping[str, Any], now: float) -> None:
-        """The robot says who holds its lease, and those on its elements."""
+        """Take the holders of the leases on the robot and its elements."""
         elements = lease.get("elements")
         mine = elements.get(self._element) if isinstance(elements, dict) else None
         holders = tuple(_holder(each) for each in (lease, mine))
@@ -36,7 +36,7 @@ class Troubles:
         self._holders = holders
 
     def reasons(self, now: float) -> str:
-        """Why the element may have stopped; empty text where nothing is known."""
+        """Return why the element may have stopped; an empty text if nothing is known."""
         recent = [what for at, what in self._news if now - at <= RECENT]
         standing = [fault for fault in self._faults if self._element in fault]
         return "; ".join(dict.fromkeys(recent or standing))

@@ -1,7 +1,7 @@
-"""How the wheels are moved, and how that ends: by motions that the gateway sees to, and by steering on the odometry.
+"""Motions of the base: motions of the gateway, and steering on the odometry.
 
-Steering happens at the rate of the odometry, on streams; every half second a velocity is asked for instead, because a
-stream has nobody who says no.
+Steering publishes velocities at the rate of the odometry. Every half second a velocity is sent as a query instead,
+since a stream has no refusals.
 """
 
 import asyncio
@@ -12,9 +12,8 @@ from math import inf
 from typing import Any, ClassVar, NoReturn
 
 from agents.components.component import ElementAgent, failure, known
-from agents.components.headway import Headway
 from agents.components.moving_request import OneAtATime
-from agents.components.pose_control import PoseControlLimits, Velocity
+from agents.components.pose_control import Headway, PoseControlLimits, Velocity
 from agents.components.troubles import Troubles
 from agents.platform import AgentName, asker, on
 from bus import Refused, keys
@@ -23,18 +22,18 @@ from bus.messages import RobotState, heading, twist
 from geometry import Pose2D
 
 REPEAT = 0.2  # s; the gateway stops a robot whose stream of velocities has been silent for half a second
-ASK_AGAIN = 0.5  # s between two velocities whose answer is waited for
+ASK_AGAIN = 0.5  # s between two velocities that are sent as queries
 STANDING = PoseControlLimits(0.01, 0.02)  # m/s and rad/s, below which it stands
-BLIND = 1.0  # s without odometry that a robot is steered on
+BLIND = 1.0  # s for which a robot is steered without odometry
 TIME_TO_REST = 2.0  # s
-MOST_TO_START = 0.8  # s until a robot that is told to drive moves, also behind a radio modem
-NEWS_TIME = 0.1  # s within which it is known why a motion was stopped
-UNBOUND = 5.0  # s that an initiator without a heartbeat may have the robot steered
-MOST_ENDS = 16  # of motions that are kept until somebody asks
+MOST_TO_START = 0.8  # s until a robot moves after the command, also with a radio modem
+NEWS_TIME = 0.1  # s within which the reason of a stop is known
+UNBOUND = 5.0  # s of steering for an initiator without a heartbeat
+MOST_ENDS = 16  # ends of motions that are kept
 
 
 class Wheels(ElementAgent):
-    """The part of the base that moves it; `Base` has the requests."""
+    """The part of the base's agent that moves it; `BaseAgent` has the requests."""
 
     source = keys.ODOM
     eager = True
@@ -54,12 +53,12 @@ class Wheels(ElementAgent):
         self._news = asyncio.Event()  # a pose, or the end of a motion, has come
 
     async def setup(self) -> None:
-        """Begin to listen."""
+        """Subscribe to the odometry."""
         self.moving = OneAtATime(self.bus, self._halt)
         await super().setup()
 
     def result(self, message: Any) -> dict[str, Any]:
-        """Pose and speed of an odometry."""
+        """Return pose and speed of an odometry message."""
         pose, speed = message.pose.pose, message.twist.twist
         return {
             "x": known(pose.position.x),
@@ -70,7 +69,7 @@ class Wheels(ElementAgent):
         }
 
     def renew(self, result: Mapping[str, Any]) -> None:
-        """There is a new pose."""
+        """Take a new pose."""
         super().renew(result)
         self._news.set()
 
@@ -91,10 +90,10 @@ class Wheels(ElementAgent):
 
     @property
     def pose(self) -> Pose2D:
-        """Where the robot is, in odom.
+        """The pose of the robot in odom.
 
         Raises:
-            Refused: Nobody knows any more.
+            Refused: It is not known.
         """
         match self.latest():
             case {"x": float(x), "y": float(y), "heading": float(heading)}:
@@ -102,15 +101,15 @@ class Wheels(ElementAgent):
         raise failure(f"{self.robot} has lost count of where it is")
 
     async def travel(self, topic: Topic, within: float, token: str, **arguments: float) -> dict[str, Any]:
-        """Let the gateway see to a motion; return the pose at its end.
+        """Have the gateway carry out a motion; return the pose at its end.
 
         Args:
             topic: The command.
-            within: s after which the gateway can have no patience any more.
-            token: Of a lease, or empty.
-            arguments: Of the command.
+            within: s, longer than the timeout of the gateway.
+            token: The token of a lease, or empty.
+            arguments: Those of the command.
         Raises:
-            Refused: It was not begun, or did not reach its goal.
+            Refused: It has not begun, or did not reach its goal.
         """
 
         async def follow(begun: Mapping[str, Any]) -> None:
@@ -136,16 +135,16 @@ class Wheels(ElementAgent):
         token: str,
         late: str = "not there in time",
     ) -> dict[str, Any]:
-        """Steer until nothing is left to do; return the pose at the end.
+        """Steer until the goal is reached; return the pose at the end.
 
         Args:
-            what: In a word.
-            choose: The velocity, given where the robot is.
+            what: The name of the motion, a word.
+            choose: Returns the velocity for a pose.
             within: s that it may take.
-            token: Of a lease, or empty.
-            late: What has failed when it takes longer; empty text where that is as it is to be.
+            token: The token of a lease, or empty.
+            late: The error when it takes longer; empty if that is the regular end.
         Raises:
-            Refused: It was not begun, or has failed.
+            Refused: It has not begun, or has failed.
         """
         await asyncio.sleep(max(0.0, self._held_until - self._now))
 
@@ -171,18 +170,18 @@ class Wheels(ElementAgent):
         return self.latest()
 
     async def come_to_rest(self) -> None:
-        """Wait until the robot stands, or should have come to that."""
+        """Wait until the robot stands, or should stand."""
         until = self._now + TIME_TO_REST
         await self._next(REPEAT)  # the latest pose may still show it standing, or rolling
         while self._now < until and self._rolls:
             await self._next(REPEAT)
 
     def hold(self, seconds: float) -> None:
-        """Somebody has stopped the robot here: for so long the gateway obeys no stream of velocities."""
+        """Note a stop, after which the gateway ignores streams of velocities for this time."""
         self._held_until = self._now + seconds
 
     async def _steer_on(self, choose: Callable[[Pose2D], Velocity], ends_at: float, token: str, late: str) -> str:
-        """Steer to the end; return what has failed, or an empty text."""
+        """Steer to the end; return the error, or an empty text."""
         asked_at, headway = self._now, Headway(self.pose, self._now)
         while not (velocity := choose(self.pose)).is_done:
             now = self._now
@@ -193,7 +192,7 @@ class Wheels(ElementAgent):
             if headway.is_blocked(self.pose, self._rolls, velocity, now):
                 return "blocked"
             if self.moving.is_changing:
-                pass  # another request is just asking to drive
+                pass  # another request waits for the gateway's answer
             elif now - asked_at >= ASK_AGAIN:
                 asked_at = now
                 await self._ask_for(velocity, token)
@@ -203,7 +202,7 @@ class Wheels(ElementAgent):
         return ""
 
     def _not_moved(self, seconds: float, told: Velocity) -> str:
-        """What is wrong when the robot has stood for so long at the end of a motion; an empty text when nothing is."""
+        """Return the error of a robot that has not moved for this time at the end of a motion, or an empty text."""
         is_told = abs(told.linear) > STANDING.linear or abs(told.angular) > STANDING.angular
         return f"{self.robot} has not moved for {seconds:.1f} s" if is_told and seconds >= MOST_TO_START else ""
 
@@ -217,10 +216,10 @@ class Wheels(ElementAgent):
         self.bus.send(keys.CMD_VEL.key(self.robot), twist(0.0, 0.0), token.encode())
 
     async def _end_of(self, motion_id: str, within: float) -> None:
-        """Wait until the gateway has told how a motion ended, as long as poses come.
+        """Wait until the gateway has published the end of a motion, while poses come.
 
         Raises:
-            Refused: None comes any more, or it takes too long.
+            Refused: No pose comes any more, or it takes too long.
         """
         ends_at = self._now + within
         while motion_id not in self._ends:
@@ -230,14 +229,14 @@ class Wheels(ElementAgent):
             self.latest()
 
     async def _judge(self, end: Mapping[str, Any]) -> None:
-        """Fail, unless the motion has reached its goal."""
+        """Raise unless the motion has reached its goal."""
         done, unit = end.get("done"), end.get("unit", "")
         after = f" after {done:.2f} {unit}".rstrip() if isinstance(done, float) else ""
         match end.get("result"):
             case "reached":
                 return
             case "replaced":
-                await asyncio.sleep(NEWS_TIME)  # if a request here has replaced it, that ends this and says whose it is
+                await asyncio.sleep(NEWS_TIME)  # a request that has replaced this one ends it, with its name
                 raise Refused(f"another command took its place{after}")
             case "lost":
                 raise Refused(f"the connection to {self.robot} was lost{after}")
@@ -247,13 +246,13 @@ class Wheels(ElementAgent):
                 await self._give_up(str(end.get("text", f"{how}{after}")))
 
     async def _give_up(self, what: str) -> NoReturn:
-        """Fail, with what is known of the reasons; the robot may be just about to tell them."""
+        """Raise with the known reasons, which the robot may publish a moment later."""
         await asyncio.sleep(NEWS_TIME)
         reasons = self._troubles.reasons(self._now)
         raise Refused(f"{what}: {reasons}" if reasons else what)
 
     async def _next(self, within: float) -> None:
-        """Wait for a pose or for the end of a motion, at most so many seconds."""
+        """Wait for a pose or the end of a motion, at most for this time in s."""
         self._news.clear()
         with suppress(TimeoutError):  # no news is an answer as well
             async with asyncio.timeout(within):

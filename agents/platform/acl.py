@@ -1,8 +1,8 @@
-"""What agents say to each other: messages of FIPA's agent communication language, in JSON.
+"""Messages of FIPA's agent communication language (ACL), in JSON.
 
 The performatives are those of FIPA SC00037J (Communicative Act Library), the fields those of FIPA SC00061G (ACL
-Message Structure), with a low line where FIPA writes a hyphen. On the wire a message is one JSON object; a field that
-says nothing is left out, names are written `base@happy`.
+Message Structure), with an underscore where FIPA has a hyphen. On the bus a message is one JSON object; an empty field
+is left out, names are written `base@happy`.
 """
 
 import json
@@ -18,13 +18,13 @@ from bus.messages import decode_json
 from bus.validation import check_line, check_value
 
 ONTOLOGY = "acromovi"
-MAX_SIZE = 256 * 1024  # bytes of one message; pictures and streams do not travel by ACL
+MAX_SIZE = 256 * 1024  # bytes of one message; pictures and streams are not sent by ACL
 MAX_DEPTH = 32  # levels of lists and objects in one message
-LONGEST_FIELD = 1000  # characters of a field of text, such as the conversation's identifier, but not of the content
+LONGEST_FIELD = 1000  # characters of a text field, such as the conversation id, except the content
 
 
 class Performative(StrEnum):
-    """What a message does: FIPA's communicative acts."""
+    """The type of a message: FIPA's communicative acts."""
 
     ACCEPT_PROPOSAL = "accept-proposal"
     AGREE = "agree"
@@ -54,17 +54,17 @@ class Performative(StrEnum):
 class AclMessage:
     """One message.
 
-    performative: what it does.
-    sender, receivers: who says it to whom. FIPA lets a sender be anonymous; here nobody is.
-    reply_to: who is to get the answers, when it is not the sender.
+    performative: its type.
+    sender, receivers: names of agents. FIPA permits anonymous senders; here a sender is required.
+    reply_to: the agents to which replies go, if not to the sender.
     content: any JSON value; a tuple arrives as a list.
     language, encoding, ontology: how to read the content.
     protocol, conversation_id: the conversation it belongs to, `fipa-request` for example.
-    reply_with, in_reply_to: the label that an answer must carry, and the label it carries.
-    reply_by: until when an answer helps, s since 1970 on the sender's wall clock. Clocks of machines differ and step,
-        so an initiator measures its patience on its own steady clock and sends this for people and records.
-    x_heartbeat: key on which the sender's heartbeat beats while the conversation is open; a parameter of ours, which
-        FIPA marks by the `X`.
+    reply_with, in_reply_to: the label that a reply must carry, and the label of the message it replies to.
+    reply_by: the time until which a reply is of use, s since 1970 on the sender's wall clock. Clocks of machines differ
+        and step, so an initiator measures its timeout on its own steady clock, and sends this for logs and records.
+    x_heartbeat: key of the sender's heartbeat while the conversation is open; a parameter that FIPA does not define,
+        which the `X` marks as FIPA demands.
     """
 
     performative: Performative
@@ -83,17 +83,17 @@ class AclMessage:
     x_heartbeat: str = ""
 
     def reply(self, performative: Performative, content: Any = None, sender: AgentName | None = None) -> Self:
-        """An answer to this message, with the fields that FIPA says an answer carries.
+        """Return a reply to this message, with the fields that FIPA demands.
 
         It goes to `reply_to` if that is given, else to the sender, in the same conversation, protocol, ontology,
-        language and encoding, and is labelled with what the message wants to be answered with.
+        language and encoding, and carries the label of `reply_with`.
 
         Args:
-            performative: What the answer does.
+            performative: The type of the reply.
             content: Any JSON value.
-            sender: Who answers; by default the receiver, if there is just one.
+            sender: The agent that replies; by default the receiver, if there is just one.
         Raises:
-            AclError: The message went to several and `sender` does not say who answers.
+            AclError: The message has several receivers, and `sender` is not given.
         """
         if sender is None and len(self.receivers) != 1:
             raise AclError(f"a message to {len(self.receivers)} receivers does not say who answers it; name the sender")
@@ -111,15 +111,15 @@ class AclMessage:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The message as a JSON object.
+        """Return the message as a JSON object.
 
         Raises:
             AclError: A field is of the wrong type, or the message is too large or too deep.
         """
-        return json_object(self.encode())
+        return _json_object(self.encode())
 
     def encode(self) -> bytes:
-        """The message as JSON.
+        """Return the message as JSON.
 
         Raises:
             AclError: A field is of the wrong type, or the message is too large or too deep.
@@ -144,7 +144,7 @@ class AclMessage:
         Raises:
             AclError: It is too large, too deep, no JSON object, or no message: a field is unknown, missing or wrong.
         """
-        return cls._of(json_object(payload))
+        return cls._of(_json_object(payload))
 
     @classmethod
     def from_dict(cls, value: Mapping[str, Any]) -> Self:
@@ -167,8 +167,8 @@ class AclMessage:
         return cls(**{name: _READERS[name](name, given) for name, given in value.items()})
 
 
-def json_object(payload: bytes) -> dict[str, Any]:
-    """Read a JSON object that may come from anyone.
+def _json_object(payload: bytes) -> dict[str, Any]:
+    """Read a JSON object from any program.
 
     Raises:
         AclError: It is too large, too deep, no JSON object, or holds a number or text that `bus.validation` refuses.
@@ -184,7 +184,7 @@ def json_object(payload: bytes) -> dict[str, Any]:
 
 
 def _check_value(value: Any, depth: int = MAX_DEPTH) -> None:
-    """Refuse what is nested deeper than that, or holds what no message may.
+    """Refuse a value that is nested too deep, or that a message must not contain.
 
     Raises:
         AclError: It is too deep or too large, or holds a number or text that `bus.validation` refuses.

@@ -29,9 +29,8 @@ from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
-from agents.platform.container.context import ContainerContext
+from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
-from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
 from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
@@ -118,12 +117,12 @@ class Agent:
 
     @property
     def malformed(self) -> int:
-        """How much came that was no message, or began no conversation."""
+        """Number of payloads that were no valid message or no valid request."""
         return self._unreadable + self._dispatcher.malformed
 
     @property
     def bus(self) -> Bus:
-        """The bus on which its container is."""
+        """The bus of its container."""
         return self.home.bus
 
     @property
@@ -133,11 +132,11 @@ class Agent:
 
     @property
     def in_flight(self) -> list[ResponderConversation]:
-        """The conversations that it is answering, oldest first."""
+        """The conversations that it answers, the oldest first."""
         return self._dispatcher.under_way
 
     def describe(self) -> dict[str, Any]:
-        """What the directory says of it."""
+        """Return its description for the directory."""
         return {
             "name": str(self.name),
             "robot": self.name.platform,
@@ -152,11 +151,11 @@ class Agent:
         }
 
     def add(self, part: Behaviour | Action, policy: Policy = DROP) -> Running:
-        """Begin a behaviour, or an action done once."""
+        """Start a behaviour, or an action that is done once."""
         return self._schedule.add(behaviour(part), policy)
 
     def every(self, period: float, action: Action, policy: Policy | None = None) -> Running:
-        """Do an action every `period` seconds; begun again after a failure unless the policy says otherwise."""
+        """Do an action every `period` seconds; it is restarted after a failure unless the policy is another."""
         return self.add(Ticker(period, action), policy or Restart())
 
     def listen(
@@ -170,7 +169,7 @@ class Agent:
     ) -> Running:
         """Call a coroutine function with each message on a key of the bus, decoded; a JSON object comes as a dict.
 
-        With `keyed` it is called with the key and the message, as is wanted where an expression matches many keys.
+        With `keyed` it is called with the key and the message, for an expression that matches many keys.
         """
 
         def malformed(error: Exception) -> None:
@@ -197,16 +196,16 @@ class Agent:
         self._dispatcher.add(CALLS, Handler(name, function))
 
     async def receive(self, template: Template = ANY) -> AclMessage:
-        """The oldest message in the mailbox that the template wants; waits for one."""
+        """Return the oldest message in the mailbox that matches the template; waits for one."""
         return await self.mailbox.receive(template)
 
     def publish(self, result: Mapping[str, Any]) -> None:
-        """Send one result to whoever listens to this agent's results; dropped where the way is congested."""
+        """Publish one result on this agent's results key; dropped under congestion."""
         self._result_stream.put(dict(result))
 
     @property
     def is_heard(self) -> bool:
-        """Whether somebody listens to its results; what is dear to make is made only while it is true."""
+        """Whether a program subscribes to its results; expensive results are computed only while it is true."""
         return self._result_stream.has_listeners
 
     def send(self, message: AclMessage) -> None:
@@ -324,7 +323,7 @@ class Agent:
         self._schedule.gate.shut()
 
     def wake(self) -> None:
-        """Go on after `wait`."""
+        """Continue after `wait`."""
         self._life.go(Step.WAKE)
         self._schedule.gate.open()
 
@@ -342,7 +341,7 @@ class Agent:
     # What follows is for the container.
 
     async def begin(self, home: ContainerContext) -> None:
-        """Live in a container: hear messages, set up, begin what the decorators say, answer."""
+        """Start in a container: subscribe, set up, start what the decorators declare, enter the directory."""
         self._move_in(home)
         self._listen_to_others()
         await self.setup()
@@ -354,11 +353,11 @@ class Agent:
         self._enter_directory()
 
     async def look_on(self, home: ContainerContext) -> None:
-        """Be in a container unseen, for one whom the bus lets only look: it listens, and is neither found nor asked."""
+        """Be in a container for reading only, where the bus allows no more: it is not listed and answers nothing."""
         self._move_in(home)
 
     async def arrive(self, home: ContainerContext, migration: MigrationState) -> None:
-        """Come into a container from another: set up and unpack, and let all that comes wait until `settle`."""
+        """Arrive from another container: set up and unpack; messages and requests wait until the migration settles."""
         self.migration.arrive()
         self._move_in(home)
         await self.setup()
@@ -372,16 +371,16 @@ class Agent:
         self._enter_directory()
 
     def leave_directory(self) -> None:
-        """Be found no more, while still hearing what comes."""
+        """Withdraw the description; messages are still received."""
         self._listed.close()
 
     def suspend(self) -> None:
-        """Rest until `resume`: no action of a behaviour starts, requests are refused, messages wait."""
+        """Suspend the agent: no action of a behaviour starts, requests are refused, messages wait."""
         self._life.go(Step.SUSPEND)
         self._schedule.gate.shut()
 
     def resume(self) -> None:
-        """Go on after `suspend`."""
+        """Continue after `suspend`."""
         self._life.go(Step.RESUME)
         self._schedule.gate.open()
 
@@ -390,9 +389,9 @@ class Agent:
         self._life.go(Step.DELETE)
 
     async def finish(self) -> None:
-        """Withdraw from the bus and stop all it does; whoever waits for an answer is told."""
+        """Withdraw from the bus, end all conversations and behaviours; the initiators are told."""
         while self._open:
-            self._open.pop().close()  # the last declared first: out of the directory before it falls silent
+            self._open.pop().close()  # in reverse order: out of the directory before the subscriptions end
         clinging = await self._dispatcher.close() + await self._schedule.stop()
         if clinging:
             self._report(f"{' and '.join(clinging)} goes on although it was told to end", None)
@@ -419,7 +418,7 @@ class Agent:
     # On the bus's thread.
 
     def _take(self, payload: bytes) -> None:
-        """A one-way message has come."""
+        """Take a one-way message."""
         try:
             message = AclMessage.decode(payload)
         except AclError:

@@ -1,11 +1,11 @@
-"""What agents do: behaviours, as JADE's users know them, made of coroutines.
+"""Behaviours of agents, as in JADE, made of coroutines.
 
-A behaviour is made of actions, which are coroutine functions without arguments, and of other behaviours; an action may
-stand wherever a behaviour may. Time is the event loop's, so that a loop of virtual time runs a day in a second
+A behaviour consists of actions, which are coroutine functions without arguments, and of other behaviours; an action can
+be used wherever a behaviour can. Time is that of the event loop, so a loop of virtual time runs a day in a second
 (`virtual_time`). Blocking work belongs in `asyncio.to_thread`.
 
-A behaviour holds no agent: `Schedule` (schedule.py) runs it, and gives it the gate through which it passes before each
-action, which is shut while the agent is suspended.
+A behaviour has no reference to its agent: `Schedule` (schedule.py) runs it with a gate, for which it waits before each
+action, and which is closed while the agent is suspended.
 """
 
 import asyncio
@@ -19,18 +19,18 @@ Action = Callable[[], Awaitable[Any]]
 
 
 class Gate:
-    """What every action passes before it starts; shut while the agent is to do nothing."""
+    """A condition for which every action waits before it starts; closed while the agent is suspended or waits."""
 
     def __init__(self) -> None:
         self._open = asyncio.Event()
         self._open.set()
 
     def shut(self) -> None:
-        """Let nothing start."""
+        """Close the gate."""
         self._open.clear()
 
     def open(self) -> None:
-        """Let all go on."""
+        """Open the gate."""
         self._open.set()
 
     async def passed(self) -> None:
@@ -39,23 +39,23 @@ class Gate:
 
 
 class Behaviour(ABC):
-    """Something an agent does, from a beginning to an end that may never come.
+    """A unit of work of an agent, which may run for ever.
 
-    name: what reports and tools call it.
+    name: for reports and tools.
     """
 
     name: str = ""
 
     @abstractmethod
     async def run(self, gate: Gate) -> Any:
-        """Do it from the beginning, and return its result. May be run again after it has ended or raised."""
+        """Run it from the beginning, and return its result. It can be run again after it has ended or raised."""
 
 
 class OneShot(Behaviour):
     """An action that is done once; its result is the behaviour's."""
 
     def __init__(self, action: Action, name: str = "") -> None:
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
@@ -67,11 +67,11 @@ class OneShot(Behaviour):
 class Cyclic(Behaviour):
     """An action that is done again and again, until its agent ends or it raises `Done`.
 
-    Other work gets its turn after each action, even after one that waits for nothing.
+    Other tasks get their turn after each action, even after one that waits for nothing.
     """
 
     def __init__(self, action: Action, name: str = "") -> None:
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
@@ -88,19 +88,19 @@ class Cyclic(Behaviour):
 class Ticker(Behaviour):
     """An action that is done every `period` seconds, the first time after one period, until it raises `Done`.
 
-    It keeps to absolute times, so that the beat does not drift. Beats that were missed, because the action took longer
-    or the agent was suspended, are left out and counted, not made up for.
+    The times are absolute, so the period does not drift. Times that were missed, because the action took longer or the
+    agent was suspended, are skipped and counted.
     """
 
     def __init__(self, period: float, action: Action, name: str = "") -> None:
         check_period(period)
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self.missed = 0
         self._period = period
         self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
-        """Do the action at every beat until it raises `Done`."""
+        """Do the action in every period until it raises `Done`."""
         loop = asyncio.get_running_loop()
         start, beat = loop.time(), 0
         try:
@@ -120,7 +120,7 @@ class Waker(Behaviour):
     """An action that is done once, `delay` seconds from now."""
 
     def __init__(self, delay: float, action: Action, name: str = "") -> None:
-        self.name = name or name_of(action)
+        self.name = name or _name_of(action)
         self._delay = delay
         self._action = checked(action)
 
@@ -132,7 +132,7 @@ class Waker(Behaviour):
 
 
 class Sequential(Behaviour):
-    """Behaviours one after the other; the result is the list of theirs. One that raises ends it."""
+    """Behaviours one after the other; the result is the list of their results. One that raises ends the sequence."""
 
     def __init__(self, *parts: Behaviour | Action, name: str = "sequence") -> None:
         self.name = name
@@ -151,7 +151,7 @@ class Until(Enum):
 
 
 class Parallel(Behaviour):
-    """Behaviours at the same time, until all or any have ended. One that raises ends it and cancels the others."""
+    """Behaviours at the same time, until all or any have ended. One that raises cancels the others."""
 
     def __init__(self, *parts: Behaviour | Action, until: Until = Until.ALL, name: str = "parallel") -> None:
         if not parts:
@@ -175,7 +175,7 @@ class Parallel(Behaviour):
 
 
 class FiniteStateMachine(Behaviour):
-    """States, each a behaviour, whose results say what comes next.
+    """States, each a behaviour, whose results select the next state.
 
     The result of a state is the event; `(state, event)` in the transitions names the next state. A state that has no
     transitions at all is final, and its result is the machine's. An event without a transition raises `NoTransition`.
@@ -191,7 +191,7 @@ class FiniteStateMachine(Behaviour):
         """Check the machine and keep it.
 
         Raises:
-            ValueError: The start or a transition names a state that there is not.
+            ValueError: The start or a transition names a state that does not exist.
         """
         named = {start, *(state for state, _ in transitions), *transitions.values()}
         if missing := sorted(named - states.keys()):
@@ -228,11 +228,11 @@ class Done(Exception):
 
 
 class NoTransition(LookupError):
-    """A state of a machine ended with an event that leads nowhere."""
+    """A state of a machine ended with an event that has no transition."""
 
 
 def behaviour(part: Behaviour | Action) -> Behaviour:
-    """The behaviour that it is, or an action done once."""
+    """Return a behaviour as it is, and an action as a behaviour that is done once."""
     return part if isinstance(part, Behaviour) else OneShot(part)
 
 
@@ -257,6 +257,6 @@ def checked(action: Action) -> Action:
     return action
 
 
-def name_of(action: Action) -> str:
-    """What to call a behaviour after its action."""
+def _name_of(action: Action) -> str:
+    """Return the name of an action."""
     return str(getattr(action, "__name__", type(action).__name__))

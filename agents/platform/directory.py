@@ -1,7 +1,7 @@
-"""White pages and yellow pages without a server: who is there, and who does what.
+"""The directory of agents (FIPA's white and yellow pages), without a server.
 
-Each agent shows a token while it lives and answers for its own description, so there is nothing that could be out of
-date, nothing to lose, and after a partition both sides see the truth as soon as they meet again.
+Each agent has a liveliness token and serves its own description. So no entry can be out of date or lost, and after a
+partition both sides see the present state as soon as they are connected again.
 """
 
 import itertools
@@ -19,17 +19,17 @@ from bus.aio import ReplyQueue
 from bus.bus import Closeable
 from bus.keys import robot_name
 
-SEARCH_TIME = 2.0  # s; one that is late for longer is left out
+SEARCH_TIME = 2.0  # s; later answers are left out
 
 log = logging.getLogger("agents")
 
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """What an agent says of itself.
+    """The description of an agent.
 
-    services: what it offers. properties: JSON values that tell it from others.
-    requests, answers, subscriptions, proposals: what it can be asked for, by protocol.
+    services: what it offers. properties: JSON values that distinguish it.
+    requests, answers, subscriptions, proposals: names of its handlers, by protocol.
     """
 
     name: AgentName
@@ -44,10 +44,10 @@ class Description:
 
     @classmethod
     def from_answer(cls, answer: Answer) -> Self:
-        """Read what was answered on a description's key.
+        """Read the answer on a description's key.
 
         Raises:
-            DescriptionNotValid: It is no description, or not that of the agent to which the key belongs.
+            DescriptionNotValid: It is no description, or that of another agent.
         """
         name = AgentName.of_key(answer.key)
         match answer.value:
@@ -67,21 +67,21 @@ class Description:
         raise DescriptionNotValid(f"what {answer.key} answers is no description of {name}")
 
     def fits(self, service: str | None, properties: Mapping[str, Any]) -> bool:
-        """Whether it offers the service, if one is named, and has all the properties."""
+        """Return whether it offers the service, if one is named, and has all the properties."""
         has = all(name in self.properties and self.properties[name] == value for name, value in properties.items())
         return has and (service is None or service in self.services)
 
 
 class Directory(Closeable):
-    """Looks at all agents on a bus. Anyone may have one; it is told of nothing, it looks."""
+    """Watches the agents on a bus. Any program may have one, and none has to register."""
 
     def __init__(self, bus: Bus, on_change: Callable[[AgentName, bool], None] | None = None) -> None:
-        """Begin to watch.
+        """Start watching.
 
         Args:
             bus: The bus.
-            on_change: Called on a thread of the bus with each agent that is there already or comes, and with False as
-                it goes.
+            on_change: Called on a thread of the bus with the name of each agent that exists or appears and True, and
+                with False when it disappears.
         """
         self._bus = bus
         self._on_change = on_change
@@ -91,12 +91,12 @@ class Directory(Closeable):
 
     @property
     def names(self) -> list[AgentName]:
-        """The agents that live, in the order of the alphabet; a session that has just been opened learns them soon."""
+        """Return the names of the agents, in alphabetical order; a new session learns them soon."""
         with self._lock:
             return sorted(self._present)
 
     def knows(self, name: AgentName) -> bool:
-        """Whether an agent of this name lives."""
+        """Return whether there is an agent of this name."""
         with self._lock:
             return name in self._present
 
@@ -108,15 +108,15 @@ class Directory(Closeable):
         within: float = SEARCH_TIME,
         **properties: Any,
     ) -> list[Description]:
-        """Ask all agents, or those of one robot, what they are, and keep those that fit, in the order of their names.
+        """Query the descriptions of all agents, or of one robot's, and return those that fit, sorted by name.
 
         Args:
             service: What they must offer.
-            robot: Where they must live.
-            within: s to wait for those who do not answer; the others are returned all the same.
+            robot: The robot to which they must belong.
+            within: s to wait for agents that do not answer; the others are returned in any case.
             properties: What they must have, by name.
         Raises:
-            KeyNotValid: `robot` cannot name a robot.
+            KeyNotValid: `robot` is not valid as the name of a robot.
             BusUnavailable: The bus is closed.
         """
         where = "*" if robot is None else robot_name(robot)
@@ -124,12 +124,12 @@ class Directory(Closeable):
         return [description for description in found if description.fits(service, properties)]
 
     async def find(self, name: AgentName, within: float = SEARCH_TIME) -> Description | None:
-        """What one agent says of itself; None when nobody of this name answers."""
+        """Return the description of one agent; None when there is no answer."""
         found = await descriptions(self._bus, name.description_key, within)
         return found[0] if found else None
 
     def close(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         self._watching.close()
 
     def _changed(self, key: str, is_alive: bool) -> None:
@@ -148,12 +148,12 @@ class Directory(Closeable):
 
 
 async def descriptions(bus: Bus, key_expr: str, within: float = SEARCH_TIME) -> list[Description]:
-    """What the agents with these keys say of themselves, in the order of their names.
+    """Return the descriptions on a key expression, in the order of the agents' names.
 
     Args:
-        bus: Where they are.
+        bus: The bus.
         key_expr: The key of a description, or an expression.
-        within: s to wait for those who do not answer; the others are returned all the same.
+        within: s to wait for agents that do not answer; the others are returned in any case.
     Raises:
         BusUnavailable: The bus is closed.
     """
@@ -169,17 +169,17 @@ async def descriptions(bus: Bus, key_expr: str, within: float = SEARCH_TIME) -> 
     except (TimedOut, Refused) as err:
         log.warning("someone is missing in a search of the directory: %s", err)
     except NoAnswer:
-        pass  # nobody there is an answer too
+        pass  # there are no agents
     except TimeoutError:
         log.warning("someone has not answered a search of the directory within %g s", within)
     return sorted(found, key=lambda description: description.name)
 
 
 async def check_free(bus: Bus, name: AgentName) -> None:
-    """Ask whether an agent of this name lives. Two that begin at the same time find nobody, and both live.
+    """Check that there is no agent of this name. Two that start at the same time are both admitted.
 
     Raises:
-        AlreadyThere: One does; says in which container.
+        AlreadyThere: There is one; the message names its container.
         BusUnavailable: The bus is closed.
     """
     for other in await descriptions(bus, name.description_key):

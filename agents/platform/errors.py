@@ -1,4 +1,4 @@
-"""What can go wrong among agents.
+"""Errors of agents.
 
 AgentError
  +-- NameNotValid (ValueError)      a text names no agent
@@ -48,7 +48,7 @@ class SetupFailed(AgentError):
 
 
 class NotMoved(AgentError):
-    """An agent could not move into another container, and lives where it did."""
+    """An agent could not move into another container, and stays in its own."""
 
 
 class RequestNotDone(AgentError):
@@ -56,9 +56,9 @@ class RequestNotDone(AgentError):
 
 
 def in_words(error: BaseException) -> str:
-    """An exception as the end of a sentence, never empty.
+    """Return an exception as the end of a sentence, never empty.
 
-    The text of our own errors is complete; of other errors the type is given as well, or alone where there is no text.
+    Errors of this product are returned as their text; other errors with their type as well.
     """
     text = str(error).strip()
     if isinstance(error, AgentError | BusError) and text:

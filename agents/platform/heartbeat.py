@@ -1,8 +1,8 @@
-"""Heartbeats of agents: they show that an agent works while it waits for a motion, and are watched by who moves.
+"""Heartbeats of agents: each shows that an agent works while it waits for a motion.
 
-An initiator's heartbeat beats while one of its requests is open, and the request names the key (`x_heartbeat`). An
-agent that moves something binds the gateway's motion to a heartbeat of its own, and cancels the request when that of
-the initiator falls silent. So each level stops 0.5 s after the level above it died or froze.
+An initiator publishes its heartbeat while one of its requests is open, and the request names the key (`x_heartbeat`).
+An agent that moves something binds the gateway's motion to its own heartbeat, and cancels the request when the
+initiator's heartbeat stops. So each level stops 0.5 s after the level above it died or froze.
 """
 
 import asyncio
@@ -15,10 +15,10 @@ from bus.heartbeat import PERIOD, SILENCE, heartbeat_key
 
 
 class Heartbeats:
-    """The heartbeats of all agents of one container. It works in the event loop: where that is held up, they stop."""
+    """The heartbeats of all agents of one container. They are published by the event loop, and stop when it blocks."""
 
     def __init__(self, bus: Bus) -> None:
-        """None beats."""
+        """Publish none yet."""
         self._bus = bus
         self._users: dict[AgentName, int] = {}
         self._publishers: dict[AgentName, Publisher] = {}
@@ -26,7 +26,7 @@ class Heartbeats:
 
     @contextmanager
     def beating(self, agent: AgentName) -> Iterator[None]:
-        """Let an agent's heartbeat beat during a block; blocks may overlap."""
+        """Publish an agent's heartbeat during a block; blocks may overlap."""
         if agent not in self._publishers:
             self._publishers[agent] = self._bus.publisher(agent.heartbeat_key, JSON)
         self._users[agent] = self._users.get(agent, 0) + 1
@@ -38,10 +38,10 @@ class Heartbeats:
             self._users[agent] -= 1
             if not self._users[agent]:
                 del self._users[agent]
-                self._publishers.pop(agent).close()  # no more beats; who relies on one has been released by now
+                self._publishers.pop(agent).close()  # no heartbeat is published any more, and no motion depends on one
 
     def close(self) -> None:
-        """Let none beat any more."""
+        """Stop all heartbeats."""
         if self._task is not None:
             self._task.cancel()
         while self._publishers:
@@ -62,9 +62,9 @@ def watched(bus: Bus, key: str, on_silence: Callable[[], None]) -> Iterator[None
     """Watch a heartbeat during a block, in the running event loop.
 
     Args:
-        bus: Where it beats.
-        key: Of the heartbeat.
-        on_silence: Called once, in the loop, when no beat has come for `SILENCE` seconds.
+        bus: The bus.
+        key: The key of the heartbeat.
+        on_silence: Called once, in the loop, when the heartbeat has stopped for `SILENCE` seconds.
     Raises:
         KeyNotValid: The key is not that of a heartbeat.
     """
@@ -78,7 +78,7 @@ def watched(bus: Bus, key: str, on_silence: Callable[[], None]) -> Iterator[None
 
 
 class _Watch:
-    """Calls `on_silence` once when nothing has been heard for too long."""
+    """Calls `on_silence` once when the heartbeat has stopped for too long."""
 
     def __init__(self, on_silence: Callable[[], None]) -> None:
         self._loop = asyncio.get_running_loop()
@@ -87,7 +87,7 @@ class _Watch:
         self._timer = self._loop.call_at(self._heard_at + SILENCE, self._look)
 
     def hear(self, sample: Sample) -> None:
-        """A beat has come; on the bus's thread."""
+        """Note a sample of the heartbeat; on the bus's thread."""
         self._heard_at = self._loop.time()
 
     def close(self) -> None:

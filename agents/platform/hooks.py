@@ -1,4 +1,4 @@
-"""The decorators that say in a class what its agents do from the moment when they are active."""
+"""Decorators for the methods that an agent runs from the moment when it is active."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _HOOKS = "_agent_hooks"
 
 
 @dataclass(frozen=True, slots=True)
-class Hook:
-    """What a decorator has noted on a method: how to begin it once its agent is active."""
+class _Hook:
+    """The mark of a decorator on a method: how to start it once its agent is active."""
 
     begin: Begin
 
 
 def every(period: float, policy: Policy | None = None) -> Callable[[Method], Method]:
-    """Do this method every `period` seconds while the agent is active; begun again after a failure by default."""
+    """Call this method every `period` seconds while the agent is active; restarted after a failure by default."""
     check_period(period)
     return hooked(lambda agent, method: agent.every(period, method, policy))
 
@@ -33,7 +33,7 @@ def every(period: float, policy: Policy | None = None) -> Callable[[Method], Met
 def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[Method], Method]:
     """Call this method with each message on a topic of the agent's robot: `odom`, `sonar`, `camera/image/compressed`.
 
-    keep: how many messages wait while the method is at work; older ones are left out, since readings age quickly.
+    keep: how many messages wait while the method runs; older ones are dropped, since readings age quickly.
     """
     _check_name("on", topic)
 
@@ -44,18 +44,18 @@ def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[
 
 
 def request(name: str, *, agrees_itself: bool = False) -> Callable[[Method], Method]:
-    """Let this method answer requests of a name; its arguments are the request's, checked against its annotations.
+    """Let this method answer requests of a name; the arguments are checked against its annotations.
 
-    What it returns is the result. It raises `bus.Refused` to say no, before it first waits for something; after that
+    Its return value is the result. It raises `bus.Refused` to refuse, before it first waits for something; after that
     the agent has agreed, and every exception is a failure. With `agrees_itself` it may refuse until it has called
-    `agree`. When the one who asks cancels or dies, it gets a `CancelledError`, and may clean up.
+    `agree`. When the initiator cancels or dies, it gets a `CancelledError`, and may clean up.
     """
     _check_name("request", name)
     return hooked(lambda agent, method: agent.answer(name, method, agrees_itself=agrees_itself))
 
 
 def subscription(name: str) -> Callable[[Method], Method]:
-    """Let this async generator method answer subscriptions to a name; each value that it yields goes to the subscriber.
+    """Let this async generator method answer subscriptions to a name; each value it yields is sent to the subscriber.
 
     Its arguments are checked, and it refuses, as with `request`. It is closed when the subscriber cancels or dies, and
     when this agent ends.
@@ -65,13 +65,13 @@ def subscription(name: str) -> Callable[[Method], Method]:
 
 
 def answers(name: str) -> Callable[[Method], Method]:
-    """Let this method answer queries of a name: what it returns is what the other wants to know, else as `request`."""
+    """Let this method answer queries of a name: it returns the value; otherwise as `request`."""
     _check_name("answers", name)
     return hooked(lambda agent, method: agent.answer_queries(name, method))
 
 
 def proposes(name: str) -> Callable[[Method], Method]:
-    """Let this method say what the agent would do the request of a name for, when somebody calls for proposals.
+    """Let this method make proposals for the request of a name, when another agent calls for them.
 
     It takes the arguments of the request, returns the proposal, and raises `bus.Refused` to make none. Once the
     proposal is accepted, the request is done.
@@ -86,23 +86,23 @@ def _check_name(decorator: str, name: object) -> None:
         raise TypeError(f'the name is a text, not {name!r}; write it as @{decorator}("name")')
 
 
-def hooks_of(agent: object) -> list[tuple[Callable[..., Any], Hook]]:
-    """The methods that decorators have marked, in the order of their definition, base classes first."""
+def hooks_of(agent: object) -> list[tuple[Callable[..., Any], _Hook]]:
+    """Return the methods that decorators have marked, in the order of their definition, base classes first."""
     names = dict.fromkeys(name for kind in reversed(type(agent).__mro__) for name in vars(kind))
     methods = [getattr(agent, name) for name in names if hasattr(getattr(type(agent), name), _HOOKS)]
     return [(method, hook) for method in methods for hook in marks(method)]
 
 
-def marks(function: Callable[..., Any]) -> list[Hook]:
-    """What decorators have noted on one function, the innermost first."""
+def marks(function: Callable[..., Any]) -> list[_Hook]:
+    """Return the marks of decorators on one function, the innermost first."""
     return list(getattr(function, _HOOKS, []))
 
 
 def hooked(begin: Begin) -> Callable[[Method], Method]:
-    """A decorator for methods, which begins them so once their agent is active; for decorators of other rooms."""
+    """Return a decorator that starts methods in a given way once their agent is active; for other packages."""
 
     def mark(method: Method) -> Method:
-        setattr(method, _HOOKS, [*getattr(method, _HOOKS, []), Hook(begin)])
+        setattr(method, _HOOKS, [*getattr(method, _HOOKS, []), _Hook(begin)])
         return method
 
     return mark

@@ -1,7 +1,7 @@
-"""Kinds of agents by name, `module:Class`: what a container may be told to start.
+"""Kinds of agents by name, `module:Class`: the agents that a container can be told to start.
 
-Only what lies in the packages `agents` and `apps`, or in a folder of applications that the container was given: a
-container that ran whatever it is told to would be everybody's.
+Only classes in the packages `agents` and `apps`, or in a folder of applications that the container was given, are
+permitted, so that no program can run arbitrary code in a container.
 """
 
 import importlib
@@ -24,16 +24,16 @@ PACKAGES = ("agents", "apps")
 
 
 class UnknownKind(AgentError, LookupError):
-    """No kind of agents has this name, or not where a container may look for it."""
+    """There is no kind of agents with this name, or it is not in the permitted places."""
 
 
 def kind_of(agent: Agent) -> str:
-    """The name of an agent's kind: `agents.components.sensors:SonarAgent`."""
+    """Return the name of an agent's kind: `agents.components.sensors:SonarAgent`."""
     return f"{type(agent).__module__}:{type(agent).__qualname__}"
 
 
 class Kinds:
-    """Where kinds are looked for.
+    """The places where kinds are searched.
 
     folders: of applications; `follow.py` in one of them is the module `follow`.
     """
@@ -42,10 +42,10 @@ class Kinds:
         self.folders = tuple(folder.resolve() for folder in folders)
 
     def find(self, kind: str) -> type[Agent]:
-        """The class that has this name; loads its module.
+        """Load the module of a kind, and return the class.
 
-        A module of a folder is loaded anew when its file has changed, so that an application can be corrected and
-        started again.
+        A module of a folder is loaded again when its file has changed, so that an application can be corrected and
+        restarted.
 
         Raises:
             UnknownKind: There is none; the message gives the nearest name.
@@ -63,10 +63,10 @@ class Kinds:
         return found
 
     def make(self, kind: str, name: AgentName, properties: Mapping[str, Any]) -> Agent:
-        """An agent of a kind, not begun.
+        """Return a new agent of a kind, not started.
 
         Raises:
-            UnknownKind: There is no such kind, or it does not take a name and properties as agents do.
+            UnknownKind: There is no such kind, or its constructor does not take a name and properties.
         """
         found = self.find(kind)
         try:
@@ -75,7 +75,7 @@ class Kinds:
             raise UnknownKind(f"{kind} cannot be made: {in_words(err)}") from err
 
     def modules(self) -> list[str]:
-        """All modules where kinds may be, in the order of the alphabet; none is loaded but the packages."""
+        """Return all modules that may have kinds, in alphabetical order; only the packages are loaded."""
         applications = (module.name for module in pkgutil.iter_modules([str(folder) for folder in self.folders]))
         return sorted({*applications, *(name for package in PACKAGES for name in _inside(package))})
 
@@ -94,11 +94,11 @@ class Kinds:
             raise UnknownKind(f"there is no module {name!r}{_advice(name, self.modules())}") from err
         except UnknownKind:
             raise
-        except Exception as err:  # an application's own mistake must not end the container
+        except Exception as err:  # an error in an application must not end the container
             raise UnknownKind(f"the module {name} cannot be loaded: {in_words(err)}") from err
 
     def _application(self, spec: ModuleSpec) -> ModuleType:
-        """A module of a folder, executed if it has not been, or if its file has changed since."""
+        """Return a module of a folder; it is executed at first and whenever its file has changed."""
         if spec.origin is None or spec.loader is None:
             raise UnknownKind(f"{spec.name!r} is a folder without __init__.py, and so no application")
         now = (spec.origin, Path(spec.origin).stat().st_mtime_ns)
@@ -123,7 +123,7 @@ _STATE_OF_FILE = "_loaded_from"  # of a module of an application: its file, and 
 
 
 def _inside(package: str) -> Iterator[str]:
-    """The names of all modules of a package."""
+    """Return the names of all modules of a package."""
     for module in pkgutil.walk_packages(importlib.import_module(package).__path__, f"{package}."):
         yield module.name
 

@@ -1,4 +1,4 @@
-"""An agent's life: the states and steps of FIPA's agent platform (SC00023K, Agent Management, life cycle)."""
+"""The life cycle of agents: states and steps of FIPA's agent platform (SC00023K, Agent Management)."""
 
 from enum import StrEnum
 
@@ -6,18 +6,18 @@ from agents.platform.errors import IllegalTransition
 
 
 class AgentState(StrEnum):
-    """Where an agent is in its life."""
+    """The state of an agent in its life cycle."""
 
-    INITIATED = "initiated"  # made, not yet at work
+    INITIATED = "initiated"  # constructed, not yet at work
     ACTIVE = "active"
-    SUSPENDED = "suspended"  # made to rest; requests are refused, messages wait
-    WAITING = "waiting"  # rests by itself until a message or a request comes
-    TRANSIT = "transit"  # on its way into another container; requests and messages wait
+    SUSPENDED = "suspended"  # requests are refused, messages wait
+    WAITING = "waiting"  # by its own choice, until a message or a request comes
+    TRANSIT = "transit"  # moving into another container; requests and messages wait
     DELETED = "deleted"
 
 
 class Step(StrEnum):
-    """What leads from state to state."""
+    """A step from one state to another."""
 
     INVOKE = "invoke"
     SUSPEND = "suspend"
@@ -25,7 +25,7 @@ class Step(StrEnum):
     WAIT = "wait"
     WAKE = "wake"
     MOVE = "move"
-    EXECUTE = "execute"  # begin to live where one has arrived
+    EXECUTE = "execute"  # continue in the new container
     DELETE = "delete"
 
 

@@ -1,4 +1,4 @@
-"""An agent's private queue, and templates that say which messages one wants."""
+"""The mailbox of an agent, and templates that select messages."""
 
 import asyncio
 import threading
@@ -16,7 +16,7 @@ SHARE = 0.25  # of capacity and room, for the messages of one sender
 
 
 class Template:
-    """Which messages one wants; templates combine with `&`, `|` and `~`."""
+    """A condition on messages; templates combine with `&`, `|` and `~`."""
 
     def __init__(self, wants: Callable[[AclMessage], bool], description: str) -> None:
         self._wants = wants
@@ -32,7 +32,7 @@ class Template:
         ontology: str | None = None,
         in_reply_to: str | None = None,
     ) -> Self:
-        """Messages of one of these performatives (of any if none is named) whose fields are all as given."""
+        """Return a template for messages of these performatives (of any if none is given) with these field values."""
         fields = {
             "sender": sender,
             "conversation_id": conversation,
@@ -51,7 +51,7 @@ class Template:
         return cls(wants, " ".join(parts) or "any")
 
     def matches(self, message: AclMessage) -> bool:
-        """Whether one wants it."""
+        """Return whether a message fulfils the condition."""
         return self._wants(message)
 
     def __and__(self, other: "Template") -> "Template":
@@ -72,10 +72,10 @@ ANY = Template.of()
 
 @dataclass(frozen=True, slots=True)
 class MailboxState:
-    """What a mailbox holds and has seen.
+    """The counters of a mailbox.
 
-    waiting: messages in it. delivered: all that were put into it. dropped: those it had no room for, not counted in
-    `delivered`.
+    waiting: messages in it. delivered: all messages put into it. dropped: messages for which it had no room, not
+    counted in `delivered`.
     """
 
     waiting: int
@@ -90,10 +90,10 @@ class _Waiter(NamedTuple):
 
 
 class Mailbox:
-    """Messages that wait until the agent takes them, first come, first served.
+    """A bounded queue of messages in the order of arrival.
 
-    Any thread may deliver; one event loop receives. What arrives when the box, or the sender's share of it, is full is
-    dropped and counted, so that a flood costs neither memory nor the messages of others.
+    Any thread may deliver; one event loop receives. A message that arrives when the mailbox, or the sender's share of
+    it, is full is dropped and counted, so that a flood costs neither memory nor messages of other senders.
     """
 
     def __init__(self, capacity: int = CAPACITY, room: int = ROOM, share: float = SHARE) -> None:
@@ -117,7 +117,7 @@ class Mailbox:
         self._dropped = 0
 
     def deliver(self, message: AclMessage, size: int = 0) -> bool:
-        """Put a message of a size in bytes in; False when there is no room for it."""
+        """Put in a message of a size in bytes; return False when there is no room for it."""
         with self._lock:
             if not self._has_room(message.sender, size):
                 self._dropped += 1
@@ -134,17 +134,17 @@ class Mailbox:
             return True
 
     def empty(self) -> list[AclMessage]:
-        """All that waits, oldest first; nothing waits any more."""
+        """Remove and return all messages, the oldest first."""
         with self._lock:
             return [message for message in iter(lambda: self._take(ANY), None) if message is not None]
 
     def take(self, template: Template = ANY) -> AclMessage | None:
-        """The oldest message that the template wants, or None."""
+        """Remove and return the oldest message that matches the template, or None."""
         with self._lock:
             return self._take(template)
 
     async def receive(self, template: Template = ANY) -> AclMessage:
-        """The oldest message that the template wants; waits for one. Whoever is cancelled has taken nothing."""
+        """Remove and return the oldest message that matches the template; a cancelled wait removes none."""
         loop = asyncio.get_running_loop()
         while True:
             with self._lock:
@@ -161,17 +161,17 @@ class Mailbox:
 
     @property
     def state(self) -> MailboxState:
-        """What it holds and has seen."""
+        """The present counters."""
         with self._lock:
             return MailboxState(len(self._queue), self._delivered, self._dropped)
 
     def messages(self) -> list[AclMessage]:
-        """What waits, oldest first, without taking it."""
+        """Return the messages, the oldest first, without removing them."""
         with self._lock:
             return [message for message, _ in self._queue]
 
     def _has_room(self, sender: AgentName, size: int) -> bool:
-        held, heavy = self._held.get(sender, 0), self._heavy.get(sender, 0)  # a forged name must leave no trace
+        held, heavy = self._held.get(sender, 0), self._heavy.get(sender, 0)  # a forged name must not leave an entry
         return (
             len(self._queue) < self._capacity
             and self._filled + size <= self._room

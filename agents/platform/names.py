@@ -1,4 +1,4 @@
-"""Names of agents and of the containers where they live, and the keys on the bus where each is found."""
+"""Names of agents and containers, and their keys on the bus."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -10,7 +10,7 @@ from bus.keys import robot_name
 
 @dataclass(frozen=True, slots=True, order=True)
 class AgentName:
-    """Who an agent is: `base@happy`, the local part and the robot (or platform) where it lives.
+    """The name of an agent, `base@happy`: the local part and the robot (or another platform).
 
     Raises:
         NameNotValid: A part is not one chunk of a key, or holds another `@`.
@@ -40,35 +40,35 @@ class AgentName:
 
     @property
     def acl_key(self) -> str:
-        """Where the agent takes messages: one-way ones as a put, conversations as a query."""
+        """The key for messages to the agent: one-way messages are put, conversations are queries."""
         return self._key("acl")
 
     @property
     def alive_key(self) -> str:
-        """The token that is there while the agent lives."""
+        """The liveliness token of the agent."""
         return self._key("alive")
 
     @property
     def description_key(self) -> str:
-        """Where the agent says what it is and does."""
+        """The key of the agent's description, for queries."""
         return self._key("description")
 
     @property
     def results_key(self) -> str:
-        """The stream of its results: JSON objects, one each time it has something new to say."""
+        """The key on which it publishes its results as JSON objects."""
         return self._key("results")
 
     @property
     def heartbeat_key(self) -> str:
-        """Where the agent's heartbeat beats while it waits for a motion."""
+        """The key of the agent's heartbeat, which is published while it waits for a motion."""
         return self._key("heartbeat")
 
     @classmethod
     def of_key(cls, key: str) -> Self:
-        """The agent to which one of these keys belongs.
+        """Return the agent to which a key belongs.
 
         Raises:
-            NameNotValid: It is the key of something else.
+            NameNotValid: It is another key.
         """
         match key.split("/"):
             case [platform, "agents", local, "acl" | "alive" | "description" | "heartbeat" | "results"]:
@@ -81,7 +81,7 @@ class AgentName:
 
 @dataclass(frozen=True, slots=True, order=True)
 class ContainerName:
-    """Which container it is: its name, which no other on the bus has, and the robot or team to which it belongs.
+    """The name of a container, which is unique on the bus, and the robot or team to which it belongs.
 
     Raises:
         NameNotValid: One of them is not one chunk of a key, or holds an `@`.
@@ -99,35 +99,35 @@ class ContainerName:
 
     @property
     def alive_key(self) -> str:
-        """The token that is there while the container lives."""
+        """The liveliness token of the container."""
         return self._key("alive")
 
     @property
     def control_key(self) -> str:
-        """Where it can be told to start and stop agents, and asked about them."""
+        """The key of its control, for queries."""
         return self._key("control")
 
     @property
     def description_key(self) -> str:
-        """Where it says who lives in it, and what one of them holds and does; whoever may look may ask."""
+        """The key of its description, for queries that only read."""
         return self._key("description")
 
     @property
     def said_key(self) -> str:
-        """The stream of all that its agents say; it flows only while somebody listens."""
+        """The key on which it publishes the messages of its agents, while a program subscribes to it."""
         return self._key("said")
 
     @property
     def reports_key(self) -> str:
-        """The stream of what goes wrong in it."""
+        """The key on which it publishes errors of its agents."""
         return self._key("reports")
 
     @classmethod
     def of_key(cls, key: str) -> Self:
-        """The container to which one of these keys belongs.
+        """Return the container to which a key belongs.
 
         Raises:
-            NameNotValid: It is the key of something else.
+            NameNotValid: It is another key.
         """
         match key.split("/"):
             case [platform, "containers", name, "alive" | "control" | "description" | "said" | "reports"]:
@@ -138,7 +138,7 @@ class ContainerName:
         return f"{self.platform}/containers/{self.name}/{suffix}"
 
 
-PASSER_BY = "ask-"  # how the name of an agent begins that lives for one question, and that of its container
+PASSER_BY = "ask-"  # prefix of the names of agents that live for one query, and of their containers
 ALL_CONTAINERS = "*/containers/*/alive"  # the tokens of all containers on the bus
 
 

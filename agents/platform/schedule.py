@@ -1,4 +1,4 @@
-"""Runs an agent's behaviours, and decides what becomes of one that raises."""
+"""Runs an agent's behaviours, and applies a policy to those that raise."""
 
 import asyncio
 import random
@@ -8,26 +8,26 @@ from typing import Any
 
 from agents.platform.behaviours import Behaviour, Gate
 
-LETTING_GO = 1.0  # s for handlers, and for behaviours, to leave what they do when their agent ends
+LETTING_GO = 1.0  # s for handlers and behaviours to end when they are cancelled
 
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """A behaviour that raises has ended; the others go on."""
+    """A behaviour that raises ends; the others continue."""
 
 
 @dataclass(frozen=True, slots=True)
 class FailAgent:
-    """A behaviour that raises ends its agent, since that is nothing without it."""
+    """A behaviour that raises ends its agent, which cannot do without it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Restart:
-    """A behaviour that raises begins again after a pause, which doubles with each failure.
+    """A behaviour that raises is restarted after a pause, which doubles with each failure.
 
-    first, longest: s. A pause is up to a tenth longer, at random, so that many do not begin again at once.
+    first, longest: s. A pause is up to a tenth longer, at random, so that many are not restarted at once.
     healthy_after: s without a failure after which the next pause is the first again.
-    attempts: how many failures in a row are borne, after which the behaviour is dropped; None bears any number.
+    attempts: number of consecutive failures after which the behaviour is dropped; None for no limit.
     """
 
     first: float = 0.1
@@ -36,7 +36,7 @@ class Restart:
     attempts: int | None = None
 
     def pause(self, failures: int) -> float:
-        """The pause after so many failures in a row, s, without its random part."""
+        """Return the pause after this number of consecutive failures, s, without its random part."""
         return float(min(self.longest, self.first * 2.0 ** min(failures - 1, 60)))
 
 
@@ -51,7 +51,7 @@ FAIL_AGENT = FailAgent()
 class Failure:
     """A behaviour has raised.
 
-    outcome: what becomes of it, in words: `dropped`, `begins again in 0.2 s`, `its agent ends`.
+    outcome: what follows, as text: `dropped`, `begins again in 0.2 s`, `its agent ends`.
     """
 
     behaviour: str
@@ -62,7 +62,7 @@ class Failure:
 class Running:
     """One behaviour in a schedule.
 
-    failures: how often it has raised.
+    failures: number of times it has raised.
     """
 
     def __init__(self, behaviour: Behaviour, policy: Policy) -> None:
@@ -72,7 +72,7 @@ class Running:
         self.task: asyncio.Task[Any] | None = None
 
     async def result(self) -> Any:
-        """Wait for its end: its result, or None when it was dropped.
+        """Wait for its end, and return its result, or None when it was dropped.
 
         Raises:
             asyncio.CancelledError: It was stopped.
@@ -87,14 +87,14 @@ class Running:
 
 
 class Schedule:
-    """The behaviours of one agent. It never raises what they raise: it reports it and follows the policy."""
+    """The behaviours of one agent. Their errors are reported, and handled by their policies."""
 
     def __init__(self, report: Callable[[Failure], None], fail_agent: Callable[[Failure], None]) -> None:
         """Make an empty one.
 
         Args:
-            report: Told of every failure.
-            fail_agent: Told, after `report`, of one whose policy is `FailAgent`.
+            report: Called with every failure.
+            fail_agent: Called after `report` with a failure whose policy is `FailAgent`.
         """
         self.gate = Gate()
         self._report = report
@@ -102,7 +102,7 @@ class Schedule:
         self._running: dict[Running, None] = {}
 
     def add(self, behaviour: Behaviour, policy: Policy = DROP) -> Running:
-        """Begin a behaviour; needs a running event loop."""
+        """Start a behaviour; needs a running event loop."""
         running = Running(behaviour, policy)
         running.task = asyncio.get_running_loop().create_task(self._live(running), name=behaviour.name)
         self._running[running] = None
@@ -115,12 +115,12 @@ class Schedule:
         return list(self._running)
 
     async def stop(self, within: float = LETTING_GO) -> list[str]:
-        """Cancel all and wait until they have ended; the one that calls this is left to end by itself.
+        """Cancel all and wait until they have ended, except for the one that calls this.
 
         Args:
             within: s for them to end.
         Returns:
-            Those that go on all the same, in words.
+            Those that have not ended, as text.
         """
         me = asyncio.current_task()
         running = {one.task: one for one in self._running if one.task is not None and one.task is not me}
@@ -146,7 +146,7 @@ class Schedule:
             await asyncio.sleep(pause)
 
     def _judge(self, running: Running, error: Exception, in_a_row: int) -> float | None:
-        """Report a failure; the pause before another beginning, s, or None when there is none."""
+        """Report a failure; return the pause before the restart, s, or None when there is none."""
         name = running.behaviour.name
         match running.policy:
             case Restart(attempts=attempts) as policy if attempts is None or in_a_row < attempts:

@@ -1,4 +1,4 @@
-"""A stream of the bus as a behaviour: each message is heard in its turn, and none waits longer than it is worth."""
+"""A stream of the bus as a behaviour: messages are processed in order, and old ones are dropped."""
 
 import asyncio
 import threading
@@ -13,9 +13,9 @@ from bus.messages import decode, decode_json
 
 
 class Stream(Behaviour):
-    """Hears the messages of one key expression.
+    """Processes the messages on one key expression.
 
-    skipped: messages that were left out because newer ones came while the last was being heard.
+    skipped: number of messages dropped because newer ones came while one was being processed.
     """
 
     def __init__(
@@ -29,11 +29,11 @@ class Stream(Behaviour):
         """Make one in a running event loop.
 
         Args:
-            key_expr: What it listens to, for its name.
+            key_expr: The key expression, for its name.
             hear: Called with each message, decoded, and with its key before it if `keyed`.
-            keep: How many messages wait while one is being heard.
-            malformed: Told of a sample that is not the message that it claims to be.
-            keyed: Whether `hear` wants to know on which key each came.
+            keep: How many messages wait while one is being processed.
+            malformed: Called with the error of a sample that cannot be decoded.
+            keyed: Whether `hear` gets the key as well.
         """
         self.name = f"on {key_expr}"
         self.skipped = 0
@@ -46,7 +46,7 @@ class Stream(Behaviour):
         self._loop = asyncio.get_running_loop()
 
     def take(self, sample: Sample) -> None:
-        """A sample has come; called on the bus's thread."""
+        """Take a sample; called on the bus's thread."""
         with self._lock:
             was_empty = not self._waiting
             self.skipped += len(self._waiting) == self._waiting.maxlen
@@ -55,7 +55,7 @@ class Stream(Behaviour):
             hand_over(self._loop, self._called.set)
 
     async def run(self, gate: Gate) -> None:
-        """Hear one message after the other."""
+        """Process one message after the other."""
         while True:
             await self._called.wait()
             await gate.passed()

@@ -1,12 +1,12 @@
-"""Data of several sources matched by their time: what was measured together is dealt with together.
+"""Synchronizes data of several sources by their stamps into sets.
 
     listen_together(self, {"sonar": sonar_key, "laser": scan_key}, stamp, self.look, tolerance=0.1, patience=1.0)
 
     async def look(self, measured):      # {"sonar": ..., "laser": ...}
 
 A set is complete when it has a datum of every source and no two are further apart than the tolerance. Of those that
-could be made the newest is, each datum is used once, and in every source sets follow each other in time. A source for
-which a datum has waited in vain is missed: sets are then complete without it, until its data fit in again.
+could be made the newest is, each datum is used once, and in every source sets follow each other in time. A source that
+has kept a datum waiting for too long is missed: sets are then complete without it, until its data fit again.
 """
 
 import asyncio
@@ -33,13 +33,13 @@ class _Waiting(Generic[D]):
 
 
 class Synchronizer(Generic[D]):
-    """Matches data by their stamps. Pure: time is an argument.
+    """Matches data by their stamps; time is an argument.
 
-    dropped: how many data were in no set, since they came too late, or others took too long.
+    dropped: number of data that were in no set, since they came too late, or others took too long.
     """
 
     def __init__(self, sources: Iterable[str], *, tolerance: float, patience: float, keep: int = KEPT) -> None:
-        """Begin with nothing.
+        """Make an empty one.
 
         Args:
             sources: Their names.
@@ -47,7 +47,7 @@ class Synchronizer(Generic[D]):
             patience: s that a datum waits for those of other sources; after it they are missed.
             keep: Data of each source that wait; beyond that the oldest is dropped.
         Raises:
-            ValueError: A number makes no sense, or there is no source.
+            ValueError: A number is not valid, or there is no source.
         """
         self._waiting: dict[str, list[_Waiting[D]]] = {source: [] for source in sources}
         if not (self._waiting and tolerance >= 0.0 and patience > 0.0 and keep >= 1):
@@ -59,7 +59,7 @@ class Synchronizer(Generic[D]):
         self._used = dict.fromkeys(self._waiting, -inf)  # stamps of the last set that each was in
         self._heard_at = dict.fromkeys(self._waiting, -inf)
         self._since: dict[str, float] = {}  # when the first datum came that waits, or was dropped, since the last set
-        self._recent: deque[float] = deque(maxlen=keep)  # stamps of sets; who fits to one of them is missed no more
+        self._recent: deque[float] = deque(maxlen=keep)  # stamps of sets, for readmitting sources
         self._missed: set[str] = set()
 
     @property
@@ -71,7 +71,7 @@ class Synchronizer(Generic[D]):
         """Take a datum.
 
         Args:
-            source: Whose; one of those it was made for.
+            source: Its source.
             stamp: s, when it was measured; data may come in any order.
             datum: Anything.
             now: s of a steady clock.
@@ -92,14 +92,14 @@ class Synchronizer(Generic[D]):
         return self._newest_set()
 
     def _welcome(self, source: str, stamp: float) -> None:
-        """See who of those that are missed fits in again, now that there is a datum of this time."""
+        """Readmit the missed sources that have a datum at this time."""
         if source not in self._missed:
             self._missed -= {each for each in self._missed if self._fits(stamp, self._stamps(each))}
         elif self._fits(stamp, self._recent) or any(self._fits(stamp, self._stamps(each)) for each in self._needed):
             self._missed.discard(source)
 
     def _lose_patience(self, source: str, now: float) -> None:
-        """Miss those for whom a datum of this source has waited too long; one that is missed speaks for the dead."""
+        """Mark sources as missed for which a datum of this source has waited too long."""
         if now - self._since[source] <= self._patience:
             return
         unlike = self._waiting.keys() - self._largest_with(self._waiting[source][0].stamp).keys()
@@ -118,7 +118,7 @@ class Synchronizer(Generic[D]):
         return None
 
     def _from(self, earliest: float) -> dict[str, int]:
-        """Of each source the first datum from this time on, as far as the tolerance goes."""
+        """Return the first datum of each source from this time on, within the tolerance."""
         found = {}
         for source, waiting in self._waiting.items():
             place = bisect_left(waiting, earliest, key=_stamp)
@@ -127,7 +127,7 @@ class Synchronizer(Generic[D]):
         return found
 
     def _largest_with(self, stamp: float) -> dict[str, int]:
-        """The largest set that a datum of this time can be in."""
+        """Return the largest set that a datum of this time can be in."""
         earliest = (each for source in self._waiting for each in self._stamps(source) if each <= stamp)
         return max((self._from(each) for each in earliest if self._fits(stamp, [each])), key=len)
 
@@ -171,9 +171,9 @@ def listen_together(
     """Call a coroutine function with each complete set of messages on several keys of the bus.
 
     Args:
-        agent: Who listens.
-        keys: By the names that the messages have in a set.
-        stamp: Of a message, s.
+        agent: The agent that subscribes.
+        keys: Keys of the bus, by the names that the messages have in a set.
+        stamp: Returns the stamp of a message, s.
         hear: Called with the messages of a set, by name.
         tolerance: s by which stamps of one set may differ.
         patience: s that a message waits for those of others; after it they are missed.

@@ -1,6 +1,6 @@
-"""An event loop whose time is not the wall's: it jumps to the next moment at which something is due.
+"""An event loop in virtual time, which jumps to the next moment at which something is due.
 
-For tests and lockstep runs. Nothing in the loop may wait for a thread or a port, since to this loop that takes no time.
+For tests and lockstep runs. Nothing in the loop may wait for a thread or a port, since virtual time passes meanwhile.
 """
 
 import asyncio
@@ -10,7 +10,7 @@ from typing import Any
 
 
 class NothingDue(RuntimeError):
-    """Everything waits for something else, so that virtual time would stand still for ever."""
+    """All tasks wait and no timer is set, so virtual time would stop for ever."""
 
 
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
@@ -28,25 +28,25 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         return self._now
 
     def pass_time(self, seconds: float) -> None:
-        """Move the clock on, as the selector does instead of waiting."""
+        """Advance the clock, as the selector does instead of waiting."""
         self._now += seconds
 
     def run_for(self, seconds: float) -> None:
         """Run all that is due within the next `seconds` of virtual time."""
         if self._is_due_within(seconds):
             self.run_until_complete(asyncio.sleep(seconds))
-        else:  # a loop that is stepped often has mostly nothing to do, and going round once costs far more than this
+        else:  # a loop that is stepped often is mostly idle, and one iteration costs far more than this check
             self.pass_time(seconds)
 
     def _is_due_within(self, seconds: float) -> bool:
-        """Whether a callback is ready, or a timer expires in time; asyncio has no public way to ask."""
+        """Return whether a callback is ready, or a timer expires in time; asyncio has no public function for it."""
         loop: Any = self
         until = self._now + seconds + loop._clock_resolution
         return bool(loop._ready or (loop._scheduled and loop._scheduled[0].when() <= until))
 
 
 class _Impatient(selectors.BaseSelector):
-    """A selector that looks whether something is ready, and lets virtual time pass instead of waiting for it."""
+    """A selector that lets virtual time pass instead of waiting."""
 
     def __init__(self, loop: VirtualTimeLoop) -> None:
         self._loop = loop

@@ -1,7 +1,7 @@
-"""Sees that the event loop of a container turns, and tells who holds it up when it does not.
+"""Watchdog of a container's event loop: it reports which agent blocks the loop, and where.
 
-All agents of a container share one loop, so one that blocks makes all of them deaf. Nothing can wrest the loop from it;
-the report says where to look.
+All agents of a container share one loop, so one that blocks it stops all of them. Nothing can interrupt it; the report
+names the line of code.
 """
 
 import asyncio
@@ -30,11 +30,12 @@ class LoopWatchdog(Subscription):
     """A thread beside one event loop."""
 
     def __init__(self, agents: Callable[[], Iterable[Agent]], report: Callable[[AgentName | None, str], None]) -> None:
-        """Begin to watch the running event loop.
+        """Start to watch the running event loop.
 
         Args:
-            agents: Those that live in it; called on the watchdog's thread while the loop stands still.
-            report: Told who holds up the loop, if that can be found out, and then how long; on the watchdog's thread.
+            agents: Returns the agents in the loop; called on the watchdog's thread while the loop is blocked.
+            report: Called with the agent that blocks the loop, if it is known, and a sentence; on the watchdog's
+                thread.
         """
         self._agents = agents
         self._report = report
@@ -46,7 +47,7 @@ class LoopWatchdog(Subscription):
         threading.Thread(target=self._watch, name="watchdog", daemon=True).start()
 
     def close(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         self._has_ended.set()
 
     def _watch(self) -> None:
@@ -59,7 +60,7 @@ class LoopWatchdog(Subscription):
                     pass
 
     def _turns(self, turned: threading.Event) -> bool:
-        """Whether the loop turns in time; the time in which it compiles message types, each once, does not count."""
+        """Return whether the loop runs in time; the time for compiling message types, each once, does not count."""
         while True:
             since = time.monotonic()
             if turned.wait(LONGEST_TURN) or turned.wait(GRACE):
@@ -74,7 +75,7 @@ class LoopWatchdog(Subscription):
         self._report(agent, f"{doing} holds up all agents of this container for longer than {LONGEST_TURN:g} s{where}")
 
     def _at_work(self, task: "asyncio.Task[object] | None", frame: FrameType | None) -> tuple[AgentName | None, str]:
-        """Whose step the loop is in, and which: by its task, or else by the methods that are being called."""
+        """Return the agent that occupies the loop and what it does, by the task or the methods on the stack."""
         agents = list(self._agents())
         for agent in agents:
             if task is not None and (doing := _doing(agent, task)) is not None:
@@ -88,7 +89,7 @@ class LoopWatchdog(Subscription):
 
 
 def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:
-    """What an agent does in a task; None when the task is not one of its own."""
+    """Return what an agent does in a task, as text; None when the task is not one of its own."""
     for one in agent.behaviours:
         if one.task is task:
             return f"the behaviour {one.behaviour.name}"
@@ -99,7 +100,7 @@ def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:
 
 
 def place(frame: FrameType) -> str:
-    """The line of code where a thread is, in words: the innermost that is not a library's."""
+    """Return the line of code that a thread executes, as text: the innermost outside of libraries."""
     inner: FrameType | None = frame
     while inner is not None and _is_library(inner.f_code.co_filename):
         inner = inner.f_back

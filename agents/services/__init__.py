@@ -1,1 +1,1 @@
-"""The upper layer: agents that watch over others and work for applications."""
+"""The services of a team: agents that supervise others and serve applications."""

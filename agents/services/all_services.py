@@ -1,4 +1,4 @@
-"""Every service of a team: the agents that `acromovi container --services TEAM` starts."""
+"""The services of a team: the agents that `acromovi container --services TEAM` starts."""
 
 from collections.abc import Mapping
 

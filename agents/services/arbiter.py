@@ -1,17 +1,16 @@
-"""Says who may move what: leases on the elements of all robots, with priorities, notice and a record of everything.
+"""The arbiter: leases on the elements of all robots, with priorities, notice and an audit.
 
-The gateways have the last word: an arbiter takes their leases in the names of those who ask, and hands on the tokens.
-So two arbiters never give one element to two holders, and an arbiter that dies leaves nothing behind that does not end
-by itself. What it adds: a holder is warned before somebody of higher priority takes over, one that dies is stopped at
-once, and all is written down.
+The gateways decide: an arbiter takes their leases in the names of the holders, and passes on the tokens.
+So two arbiters never give one element to two holders, and the leases of an arbiter that dies expire. An arbiter warns a
+holder before one of higher priority takes over, stops what a dead holder moves at once, and records all events.
 
-A name such as `name:doorway` is no part of a robot: the arbiter alone says who holds it, and nothing but the agreement
-of the applications enforces that. An arbiter that has just begun gives no name for `TIME_TO_RETURN`, in which those who
-hold one from an arbiter before come back to it.
+A name such as `name:doorway` is no part of a robot: only the arbiter records its holder, and only the agreement of the
+applications enforces it. A new arbiter leases no name for `TIME_TO_RETURN`, in which the holders from a previous
+arbiter renew theirs.
 
-A lease lasts as long as was asked for, from the last time that its holder renewed it: a holder that is frozen loses it.
-A holder is whoever an ACL message says that it is from; the right to move is the token, which only the one who asked
-has, and `renew` and `release` want the lease's id, which nobody else is told.
+A lease lasts for the requested time from its last renewal: a holder that is frozen loses it. The holder is the sender
+of the ACL message; the right to move is the token, which only the holder gets, and `renew` and `release` need the id of
+the lease, which only the holder knows.
 """
 
 import asyncio
@@ -49,7 +48,7 @@ class Arbiter(Agent):
         self._held_open: list[Closeable] = []
 
     async def setup(self) -> None:
-        """Watch holders, gateways and their leases."""
+        """Watch the holders, the gateways and their leases."""
         loop = self._own_loop = asyncio.get_running_loop()
         self._audit = Audit(
             self.publish,
@@ -66,11 +65,11 @@ class Arbiter(Agent):
         self.listen("*/lease/state", self._on_state, keep=1000, keyed=True)
 
     async def take_down(self) -> None:
-        """Leave the leases to their holders: they last until they expire, and another arbiter may take them over."""
+        """Keep the leases: they last until they expire, and another arbiter may continue them."""
         while self._held_open:
             self._held_open.pop().close()
 
-    # What is asked of it.
+    # Requests.
 
     @request("lease", agrees_itself=True)
     async def lease(self, element: str, priority: int = 0, seconds: float = 5.0, notice: float = 0.5) -> dict[str, Any]:
@@ -143,7 +142,7 @@ class Arbiter(Agent):
         """What has happened, oldest first."""
         return self._audit.last(min(last, MOST_ROWS))
 
-    # Giving.
+    # Granting.
 
     async def _give(self, wish: Wish, notice: float) -> Grant:
         claim = self._book.claim(wish)
@@ -164,7 +163,7 @@ class Arbiter(Agent):
         return grant
 
     async def _clear(self, claim: Claim, notice: float) -> None:
-        """Warn those who hold what is wanted, and give them time to let go."""
+        """Warn the holders of conflicting leases, and wait until they release or lose them."""
         if not notice:
             return
         wish = claim.wish
@@ -187,14 +186,14 @@ class Arbiter(Agent):
                     claim.stirred.clear()
 
     def _make_good(self, claim: Claim) -> None:
-        """Refuse a claim that has been outbid, or whose holder is gone."""
+        """Refuse a claim that has been outbid, or whose holder has gone."""
         if claim.outbid_by:
             raise Refused(f"{claim.outbid_by} asks for it with a higher priority")
         if not self._directory.knows(claim.wish.holder):
             raise Refused(f"{claim.wish.holder} has gone")
 
     async def _take_lease(self, wish: Wish) -> Grant:
-        """Take it from the gateway; a holder that loses patience meanwhile leaves nothing leased."""
+        """Take the lease from the gateway; if the request is cancelled meanwhile, the lease is released."""
         asked_at = self._own_loop.time()
         taking = asyncio.ensure_future(self._gateways.take(wish.place, str(wish.holder), wish.priority, wish.seconds))
         try:
@@ -219,7 +218,7 @@ class Arbiter(Agent):
         return self._book.grants[lease]
 
     def _take_up(self, lease: str, token: str, wish: Wish) -> Grant:
-        """Go on with a lease on a name that was given by an arbiter before."""
+        """Continue a lease on a name from a previous arbiter."""
         _check("priority", wish.priority, -HIGHEST_PRIORITY, HIGHEST_PRIORITY)
         if self._book.held_against(wish) or self._book.is_claimed(wish.place):
             agree()  # a failure is final; a refusal may mean that this arbiter is suspended
@@ -229,7 +228,7 @@ class Arbiter(Agent):
         return grant
 
     async def _await_life(self, holder: AgentName) -> None:
-        """Refuse a holder that nobody would notice dying: one that does not live, or lies about its name."""
+        """Refuse a holder without a liveliness token: it has died, or its name is forged."""
         with suppress(TimeoutError):  # whether it lives is asked below
             async with asyncio.timeout(TIME_TO_APPEAR):
                 while not self._directory.knows(holder):
@@ -240,7 +239,7 @@ class Arbiter(Agent):
             )
 
     def _own(self, lease: str) -> Grant:
-        """The lease of this id, of the one who asks."""
+        """Return the lease with this id of the initiator."""
         grant = self._book.grants.get(lease)
         if grant is None or grant.holder != asker():
             raise Refused("you hold no lease of this id; it has ended, or was never yours")
@@ -250,20 +249,20 @@ class Arbiter(Agent):
         self._audit.note(AuditEvent.REFUSED, str(wish.holder), str(wish.place), wish.priority, why=why)
         return Refused(why)
 
-    # What it sees.
+    # Events on the bus.
 
     def _on_life(self, name: AgentName, lives: bool) -> None:
-        """An agent has come or gone."""
+        """Note that an agent has appeared or disappeared."""
         if not lives:
             self._keeper.on_holder_death(name)
 
     def _on_robot(self, key: str, lives: bool) -> None:
-        """A gateway has come, perhaps for the second time, and has forgotten its leases then."""
+        """Note that a gateway has appeared; after a restart it has lost its leases."""
         if lives:
             self._keeper.doubt(key.partition("/")[0], {})
 
     async def _on_state(self, key: str, state: dict[str, Any]) -> None:
-        """A gateway says who holds what."""
+        """Take the leases that a gateway publishes."""
         self._keeper.doubt(key.partition("/")[0], state)
 
 

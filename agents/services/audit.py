@@ -1,4 +1,4 @@
-"""Who was given what, refused what, and how it ended: an arbiter's memory, bounded, and a file for who wants it."""
+"""The audit of an arbiter: a bounded list of events on leases, and optionally a file."""
 
 import json
 from collections import deque
@@ -12,22 +12,22 @@ from agents.platform import AgentError
 from bus.bus import Closeable
 
 MEMORY = 1000  # rows
-REFUSALS_A_SECOND = 20  # that are written down; the rest of a flood is counted
+REFUSALS_A_SECOND = 20  # refusals a second that are recorded; the rest is counted
 
 
 class AuditEvent(StrEnum):
-    """What a row is about."""
+    """The event in a row."""
 
     GRANTED = "granted"
     REFUSED = "refused"
     RENEWED = "renewed"  # for the first time, or for another while
-    WARNED = "warned"  # somebody of higher priority wants it
+    WARNED = "warned"  # a holder of higher priority wants it
     PREEMPTED = "preempted"
     EXPIRED = "expired"
     RELEASED = "released"
     DIED = "died"  # the holder has
-    LOST = "lost"  # the gateway knew it no more
-    ADOPTED = "adopted"  # it was given by an arbiter that is gone
+    LOST = "lost"  # the gateway had lost it
+    ADOPTED = "adopted"  # it is from an arbiter that has gone
 
 
 class Audit(Closeable):
@@ -41,14 +41,14 @@ class Audit(Closeable):
         complain: Callable[[OSError], None],
         file: str | None = None,
     ) -> None:
-        """Begin an empty one.
+        """Make an empty one.
 
         Args:
             tell: Called with each row.
             clock: Steady, s.
             wall_time: s since 1970.
-            complain: Told when the file cannot be written any more; then there are no more rows in it.
-            file: To which rows are appended as lines.
+            complain: Called when the file cannot be written any more; then no more rows are added to it.
+            file: The file to which rows are appended as lines.
         Raises:
             AgentError: The file cannot be written.
         """
@@ -63,7 +63,7 @@ class Audit(Closeable):
         self._left_out = 0
 
     def note(self, event: AuditEvent, holder: str, element: str, priority: int, **more: Any) -> None:
-        """Write something down. Of a flood of refusals a part is left out, and the next row says how many."""
+        """Add a row. Of a flood of refusals some are left out, and the next row has their number."""
         if event is AuditEvent.REFUSED and self._is_flooded():
             self._left_out += 1
             return
@@ -82,21 +82,21 @@ class Audit(Closeable):
         self._write(row)
 
     def last(self, rows: int) -> list[dict[str, Any]]:
-        """The newest rows, oldest first."""
+        """Return the newest rows, the oldest first."""
         return list(self._rows)[-rows:] if rows > 0 else []
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         file, self._file = self._file, None
         if file is not None:
-            with suppress(OSError):  # what could not be written is tried once more
+            with suppress(OSError):  # buffered rows are written once more
                 file.close()
 
     def _write(self, row: Mapping[str, Any]) -> None:
         if self._file is None:
             return
         try:
-            self._file.write(json.dumps(row) + "\n")  # line by line, so that whoever kills the arbiter loses no row
+            self._file.write(json.dumps(row) + "\n")  # line by line, so that no row is lost when the arbiter is killed
         except OSError as err:
             self.close()
             self._complain(err)

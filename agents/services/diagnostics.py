@@ -1,4 +1,4 @@
-"""What a monitor knows, as ROS shows it: one status for each robot, container and stream or agent in trouble."""
+"""The monitor's knowledge as a DiagnosticArray: one status for each robot, container, and failing stream or agent."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -10,9 +10,9 @@ from bus.messages import DiagnosticArray, DiagnosticStatus, KeyValue, header
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """How something is doing.
+    """The status of one subject.
 
-    about: a robot, a container, an agent, a stream. what: in one sentence. values: figures for people.
+    about: a robot, a container, an agent, a stream. what: one sentence. values: figures for display.
     """
 
     about: str
@@ -21,17 +21,17 @@ class Standing:
     values: dict[str, Any] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON."""
+        """Return it as JSON."""
         return {"level": str(self.level), "what": self.what, **self.values}
 
 
 def worst(standings: Iterable[Standing]) -> Level:
-    """The highest level of all."""
+    """Return the highest level."""
     return max((standing.level for standing in standings), key=SEVERITY.__getitem__, default=Level.OK)
 
 
 def diagnostic_array(team: str, standings: Iterable[Standing], stamp_ns: int) -> DiagnosticArray:
-    """The message; names are `<team>: <about>`."""
+    """Return the message; names are `<team>: <about>`."""
     return DiagnosticArray(
         header=header(stamp_ns, ""),
         status=[

@@ -1,4 +1,4 @@
-"""What a monitor has to tell: events, with a bounded memory of them."""
+"""Events of a monitor, and a bounded history of them."""
 
 from collections import deque
 from collections.abc import Callable
@@ -10,7 +10,7 @@ REMEMBERED = 1000  # events
 
 
 class Level(StrEnum):
-    """How bad it is, in rising order."""
+    """The severity, in rising order."""
 
     OK = "ok"
     WARNING = "warning"
@@ -22,7 +22,7 @@ SEVERITY = {level: number for number, level in enumerate(Level)}  # as diagnosti
 
 @dataclass(frozen=True, slots=True)
 class ServiceEvent:
-    """Something has happened.
+    """An event.
 
     time: s since 1970. what: a sentence without its subject. about: the subject, an agent, a robot or a container.
     """
@@ -33,7 +33,7 @@ class ServiceEvent:
     level: Level
 
     def to_dict(self) -> dict[str, Any]:
-        """The event as JSON."""
+        """Return the event as JSON."""
         return asdict(self)
 
 
@@ -41,10 +41,10 @@ class History:
     """The newest events."""
 
     def __init__(self, publish: Callable[[dict[str, Any]], None], wall_time: Callable[[], float]) -> None:
-        """Begin without any.
+        """Make an empty one.
 
         Args:
-            publish: Given each event at once.
+            publish: Called with each event.
             wall_time: s since 1970.
         """
         self._publish = publish
@@ -52,11 +52,11 @@ class History:
         self._events: deque[ServiceEvent] = deque(maxlen=REMEMBERED)
 
     def tell(self, about: object, what: str, level: Level = Level.OK) -> None:
-        """Something has just happened."""
+        """Add an event that has just happened."""
         event = ServiceEvent(self._wall_time(), what, str(about), level)
         self._events.append(event)
         self._publish(event.to_dict())
 
     def last(self, number: int) -> list[ServiceEvent]:
-        """So many of the newest, oldest first."""
+        """Return the newest events, the oldest first."""
         return list(self._events)[-number:] if number > 0 else []

@@ -1,6 +1,6 @@
-"""The gateways' own leases, which arbiters ask for: `<robot>/lease` on the bus. The gateway has the last word.
+"""The leases of gateways, which arbiters take: `<robot>/lease` on the bus. The gateway decides.
 
-A lease on a name has no gateway: an arbiter's book alone says who holds it.
+A lease on a name has no gateway: only an arbiter's book records its holder.
 """
 
 from collections.abc import Awaitable, Callable, Mapping
@@ -10,28 +10,28 @@ from agents.services.lease_book import new_id
 from agents.services.leases import NAMED, ROBOT, LeaseTarget
 from bus import NoAnswer, NotAllowed, Refused, keys
 
-ANSWER_TIME = 1.0  # s; what is asked again soon, such as a renewal
-TAKING_TIME = 3.0  # s; what is asked once, so that a busy machine refuses nobody
+ANSWER_TIME = 1.0  # s; for a query that is repeated soon, such as a renewal
+TAKING_TIME = 3.0  # s; for a query that is not repeated, so that a busy machine causes no refusal
 
 Query = Callable[[str, Mapping[str, Any], float], Awaitable[dict[str, Any]]]
 
 
 class GatewayAway(Exception):
-    """A robot's gateway does not answer; what it was asked for may have been done."""
+    """A robot's gateway does not answer; it may have carried out the request."""
 
 
 class GatewayLeases:
-    """Asks gateways; all that they refuse is a `Refused` with their reason."""
+    """Queries gateways; a refusal raises `Refused` with their reason."""
 
     def __init__(self, query: Query) -> None:
-        """Ask by this function, which takes key, arguments and s to wait."""
+        """Query by this function, which takes key, arguments and s to wait."""
         self._query = query
 
     async def take(self, place: LeaseTarget, holder: str, priority: int, seconds: float) -> str:
         """Take a lease in a holder's name; return its token.
 
         Raises:
-            Refused, GatewayAway: Not so.
+            Refused, GatewayAway: It was not done.
         """
         if place.is_named:
             return new_id()
@@ -45,10 +45,10 @@ class GatewayLeases:
         return token
 
     async def renew(self, place: LeaseTarget, token: str, seconds: float) -> tuple[str, int]:
-        """Let a lease last so long from now; return its holder and priority, which nobody knows of a name's.
+        """Renew a lease for this time; return its holder and priority, which are unknown for a name.
 
         Raises:
-            Refused, GatewayAway: Not so.
+            Refused, GatewayAway: It was not done.
         """
         if place.is_named:
             return "", 0
@@ -61,16 +61,16 @@ class GatewayLeases:
         """End a lease.
 
         Raises:
-            Refused, GatewayAway: Not so.
+            Refused, GatewayAway: It was not done.
         """
         if not robot.startswith(NAMED):
             await self._ask(robot, {"do": "release", "token": token})
 
     async def time_left(self, place: LeaseTarget, holder: str) -> float:
-        """s until the lease ends that somebody has on a place; 0 when he has none.
+        """Return the remaining time of a holder's lease on a target, s; 0 without one.
 
         Raises:
-            GatewayAway: Nobody knows.
+            GatewayAway: It is not known.
         """
         if place.is_named:
             return 0.0
@@ -80,10 +80,10 @@ class GatewayLeases:
         return 0.0
 
     async def holders(self, place: LeaseTarget) -> list[tuple[str, int]]:
-        """Who holds a place, or a part of it, and with what priority.
+        """Return the holders of a target, or of a part of it, and their priorities.
 
         Raises:
-            GatewayAway: Nobody knows.
+            GatewayAway: It is not known.
         """
         if place.is_named:
             return []

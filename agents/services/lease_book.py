@@ -1,4 +1,4 @@
-"""Who holds what by an arbiter's grace, and who waits for what somebody holds. No bus, no clock."""
+"""The book of an arbiter: the leases that it has given, and the claims that wait. No bus, no clock."""
 
 import asyncio
 import secrets
@@ -11,13 +11,13 @@ from bus import Refused
 
 
 def new_id() -> str:
-    """An id for a lease, that nobody can guess."""
+    """Return an id for a lease that cannot be guessed."""
     return secrets.token_hex(8)
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What somebody asks for. seconds: how long it is to last without being renewed."""
+    """A request for a lease. seconds: how long it lasts without a renewal."""
 
     place: LeaseTarget
     holder: AgentName
@@ -25,7 +25,7 @@ class Wish:
     seconds: float
 
     def told(self) -> dict[str, Any]:
-        """As everyone may see it."""
+        """Return the public part as JSON."""
         return {
             "element": str(self.place),
             "holder": str(self.holder),
@@ -36,10 +36,10 @@ class Wish:
 
 @dataclass(slots=True, eq=False)
 class Grant:
-    """A lease that has been given.
+    """A lease.
 
-    seconds: how long it lasts from each renewal. expires_at: s of the loop's time; the gateway's clock says a little
-    later. timer: calls when that is.
+    seconds: how long it lasts from each renewal. expires_at: s of the loop's time, a little
+    earlier than by the gateway's clock. timer: expires then.
     """
 
     id: str
@@ -52,27 +52,27 @@ class Grant:
 
     @property
     def place(self) -> LeaseTarget:
-        """What it is on."""
+        """The target of the lease."""
         return self.wish.place
 
     @property
     def holder(self) -> AgentName:
-        """Who has it."""
+        """The holder."""
         return self.wish.holder
 
     @property
     def priority(self) -> int:
-        """With what priority."""
+        """The priority."""
         return self.wish.priority
 
     def told(self) -> dict[str, Any]:
-        """As its holder may see it, but for the token."""
+        """Return the part for its holder as JSON, without the token."""
         return {"lease": self.id, "element": str(self.place), "priority": self.priority, "seconds": self.seconds}
 
 
 @dataclass(slots=True, eq=False)
 class Claim:
-    """A wish that waits for holders to let go. stirred: set when something has changed. outbid_by: by whom it was."""
+    """A request that waits for holders. stirred: set when something has changed. outbid_by: who outbid it."""
 
     wish: Wish
     stirred: asyncio.Event = field(default_factory=asyncio.Event)
@@ -80,18 +80,18 @@ class Claim:
 
 
 class Book:
-    """The leases given and the claims that wait. grants: by id."""
+    """The leases and the claims that wait. grants: by id."""
 
     def __init__(self) -> None:
-        """Begin with nothing."""
+        """Make an empty book."""
         self.grants: dict[str, Grant] = {}
         self._claims: list[Claim] = []
 
     def claim(self, wish: Wish) -> Claim:
-        """Be next; whoever waits for the same with a lower priority is outbid.
+        """Add a claim; waiting claims with a lower priority are outbid.
 
         Raises:
-            Refused: Somebody holds it or waits for it with the same priority or a higher one.
+            Refused: Another holds it or waits for it with the same priority or a higher one.
         """
         waiting = [claim for claim in self._claims if claim.wish.place.conflicts_with(wish.place)]
         for rival in (*(grant.wish for grant in self.held_against(wish)), *(claim.wish for claim in waiting)):
@@ -108,18 +108,18 @@ class Book:
         return mine
 
     def withdraw(self, claim: Claim) -> None:
-        """It has been fulfilled, or given up."""
+        """Remove a claim that has been fulfilled or given up."""
         self._claims.remove(claim)
 
     def held_against(self, wish: Wish) -> list[Grant]:
-        """The leases that are in the way of a wish."""
+        """Return the leases that conflict with a request."""
         return [grant for grant in self.grants.values() if grant.place.conflicts_with(wish.place)]
 
     def is_claimed(self, place: LeaseTarget) -> bool:
-        """Whether somebody is about to take over a place."""
+        """Return whether there is a claim on a target."""
         return any(claim.wish.place.conflicts_with(place) for claim in self._claims)
 
     def notify(self) -> None:
-        """Something has been given back: whoever waits looks again."""
+        """Wake the waiting claims after a release."""
         for claim in self._claims:
             claim.stirred.set()

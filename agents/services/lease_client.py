@@ -1,11 +1,11 @@
-"""Holding a lease, for agents that want to move something alone.
+"""Leases for agents that need the sole right to move something.
 
     async with leased(self, "base@happy", priority=1) as lease:
         await self.request("base@happy", "move", distance=1.0, token=lease.token)
 
-An arbiter gives it; where none lives, the robot's gateway itself does, without notice to others. It is renewed while
-its agent is active, also when its arbiter goes or another comes, and given back at the end of the block. An agent that
-is suspended or frozen does not renew, and loses it.
+An arbiter grants it, or without one the robot's gateway itself, without notice to other holders. It is renewed while
+its agent is active, also when the arbiter goes or another one starts, and released at the end of the block. An agent
+that is suspended or frozen does not renew, and loses it.
 """
 
 import asyncio
@@ -45,14 +45,14 @@ OnNews = Callable[[LeaseNews], None]
 
 
 class HeldLease:
-    """A lease on an element, in its holder's hands.
+    """A lease on an element, for its holder.
 
-    token: what a command must carry. place, priority, seconds: as they were asked for. news: the last that has been
-    heard of it, a warning perhaps. ended: set when the lease has ended.
+    token: for commands. place, priority, seconds: as requested. news: the latest news about it, such as a warning.
+    ended: set when the lease has ended.
     """
 
     def __init__(self, agent: Agent, place: LeaseTarget, priority: int, seconds: float, on_news: OnNews | None) -> None:
-        """Prepare it; `take` is next."""
+        """Prepare it; `take` takes it."""
         self.token = ""
         self.place = place
         self.priority = priority
@@ -79,16 +79,16 @@ class HeldLease:
 
     @property
     def is_held(self) -> bool:
-        """Whether it has not ended, by all that its holder knows."""
+        """Whether it is held, as far as its holder knows."""
         return not self.ended.is_set() and self._loop.time() < self._expires_at
 
     @property
     def wanted_by(self) -> str:
-        """Who is about to take it over by a higher priority; empty text when nobody is, or has not come to it."""
+        """The holder of higher priority that is about to take it; empty for none."""
         return self.news.by if self.news is not None and self._loop.time() < self._warned_until else ""
 
     def check(self) -> None:
-        """Make sure that it is still held.
+        """Check that it is still held.
 
         Raises:
             LeaseLost: It is not.
@@ -97,13 +97,13 @@ class HeldLease:
             raise LeaseEnded(f"the lease on {self.place} has ended: {self.news or LeaseEvent.EXPIRED}")
 
     async def take(self, arbiter: AgentName | None, notice: float) -> None:
-        """Become the holder.
+        """Take the lease.
 
         Args:
-            arbiter: Who is to give it; None for the robot's gateway.
-            notice: s that the present holder is given.
+            arbiter: The arbiter; None for the robot's gateway.
+            notice: s until the present holder loses it.
         Raises:
-            RequestNotDone: It was not given; says why.
+            RequestNotDone: It was not granted; the message says why.
         """
         self._arbiter = arbiter
         if arbiter is None:
@@ -115,14 +115,14 @@ class HeldLease:
         self._expires_at = self._loop.time() + self.seconds  # more or less; the gateway has the last word
 
     async def hear(self) -> None:
-        """Take the next thing that an arbiter says of this lease; nobody else knows its id."""
+        """Take the next news of an arbiter about this lease; only the arbiter knows its id."""
         message = await self._agent.receive(Template.of(Performative.INFORM, ontology=ONTOLOGY, conversation=self._id))
         news = LeaseNews.from_content(message.content)
         if news is not None:
             self._tell(news)
 
     async def renew(self) -> None:
-        """Let it last for as long again.
+        """Renew it.
 
         Raises:
             Done: It has ended.
@@ -139,7 +139,7 @@ class HeldLease:
             raise Done
 
     async def release(self) -> None:
-        """Give it back; at the gateway itself, when no arbiter takes it."""
+        """Release it, at the gateway itself when no arbiter answers."""
         if not self.is_held:
             return
         self.ended.set()
@@ -159,7 +159,7 @@ class HeldLease:
             raise RequestNotDone(f"{Ending.DIED}: {err}") from err
 
     async def _is_renewed(self) -> bool:
-        """By the arbiter; where that does not do it by the gateway, which has the last word.
+        """Renew it at the arbiter, or else at the gateway, which decides.
 
         Raises:
             Refused: The lease has ended.
@@ -211,16 +211,16 @@ async def leased(
     """Hold the lease on an element, or a whole robot, during a block.
 
     Args:
-        agent: Who holds it; it must be active, since one sees by its token that it lives.
-        element: `base@happy`, `happy` for the whole robot, or `name:doorway`, a name that only the arbiter knows.
-        priority: Whoever holds it with a lower one loses it.
-        seconds: How long it lasts when its holder can renew it no more.
-        notice: s that the present holder is given to let go.
-        arbiter: Whom to ask; by default whoever offers arbitration, and else the robot's gateway.
-        on_news: Told when the lease is wanted by somebody of higher priority (`within` s are left), and when it ends.
+        agent: The holder; it must be active, since its liveliness token is watched.
+        element: `base@happy`, `happy` for the whole robot, or `name:doorway` for a name, which only the arbiter knows.
+        priority: A holder with a lower one loses it.
+        seconds: How long it lasts without a renewal.
+        notice: s until the present holder loses it.
+        arbiter: The arbiter; by default any agent with that service, or else the robot's gateway.
+        on_news: Called when a holder of higher priority wants it (`within` s are left), and when it ends.
     Raises:
-        RequestNotDone: It was not given; says why.
-        Refused: There can be no such element, or name.
+        RequestNotDone: It was not granted; the message says why.
+        Refused: The element or name is not valid.
     """
     lease = HeldLease(agent, LeaseTarget.parse(element), priority, seconds, on_news)
     await lease.take(arbiter or await find_arbiter(agent), notice)
@@ -234,7 +234,7 @@ async def leased(
 
 
 async def find_arbiter(agent: Agent, within: float = ANSWER_TIME) -> AgentName | None:
-    """An arbiter that lives, the same for all who ask; None when none has answered within so many seconds."""
+    """Return an arbiter, the same for all programs; None when none has answered in time."""
     with Directory(agent.bus) as directory:
         found = await directory.search(service=SERVICE, within=within)
     return found[0].name if found else None

@@ -1,4 +1,4 @@
-"""From the moment that a lease is given to its end: renewed, expired, lost, taken back. Its holder is told."""
+"""The life of a lease at an arbiter: renewed, expired, lost or revoked. The holder is informed."""
 
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping
@@ -17,7 +17,7 @@ TRY_AGAIN = 0.2  # s
 
 
 class LeaseManager(Closeable):
-    """Keeps an arbiter's book true to what the gateways know."""
+    """Keeps an arbiter's book consistent with the gateways."""
 
     def __init__(
         self, me: AgentName, book: Book, gateways: GatewayLeases, audit: Audit, send: Callable[[AclMessage], None]
@@ -26,10 +26,10 @@ class LeaseManager(Closeable):
 
         Args:
             me: The arbiter.
-            book: What it has given.
-            gateways: Who has the last word.
-            audit: Where every change is written down.
-            send: Sends what holders are told.
+            book: Its leases and claims.
+            gateways: The gateways' leases.
+            audit: Records every change.
+            send: Sends messages to holders.
         """
         self._me = me
         self._book = book
@@ -40,13 +40,13 @@ class LeaseManager(Closeable):
         self._at_work: set[asyncio.Task[None]] = set()
 
     def begin(self, grant: Grant, how: AuditEvent) -> None:
-        """Keep a lease that the gateway has given."""
+        """Add a lease of a gateway."""
         self._book.grants[grant.id] = grant
         self._note(how, grant, seconds=grant.seconds)
         self._wind(grant)
 
     def end(self, grant: Grant, how: AuditEvent, event: LeaseEvent | None = None, by: str = "") -> None:
-        """Forget a lease, write down why, and tell its holder of an event."""
+        """Remove a lease, record why, and inform its holder."""
         if self._book.grants.pop(grant.id, None) is None:
             return  # it has ended already, for another reason
         if grant.timer is not None:
@@ -57,17 +57,17 @@ class LeaseManager(Closeable):
             self.inform(grant.holder, grant.id, grant.place, event, 0.0, by)
 
     def warn(self, grant: Grant, within: float, by: str) -> None:
-        """Tell its holder that somebody is about to take over."""
+        """Warn its holder that another is about to take over."""
         self._note(AuditEvent.WARNED, grant, by=by, within=within)
         self.inform(grant.holder, grant.id, grant.place, LeaseEvent.PREEMPTED, within, by)
 
     async def renew(self, grant: Grant, seconds: float) -> bool:
-        """Let it last so long from now, and from each renewal; false when the gateway does not know it any more.
+        """Renew it for this time, also for later renewals; return False when the gateway does not know it any more.
 
-        The first renewal is written down, and each for another while.
+        The first renewal is recorded, and each with another time.
 
         Raises:
-            GatewayAway: Nobody knows; it lasts as long as it did.
+            GatewayAway: It is not known; the lease expires as before.
         """
         if not await self._last(grant, seconds):
             return False
@@ -77,7 +77,7 @@ class LeaseManager(Closeable):
         return True
 
     async def take_back(self, grant: Grant) -> None:
-        """Have the gateway end a lease, and stop what it was on; once it is out of reach, its own clock does."""
+        """Have the gateway end a lease, which stops the element; without a connection it expires there."""
         while self._loop.time() < grant.expires_at:
             try:
                 with suppress(Refused):  # it knows it no more
@@ -87,13 +87,13 @@ class LeaseManager(Closeable):
                 await asyncio.sleep(TRY_AGAIN)
 
     def on_holder_death(self, holder: AgentName) -> None:
-        """A holder has died: whatever it was moving stops."""
+        """Revoke the leases of a holder that has died, which stops their elements."""
         for grant in [grant for grant in self._book.grants.values() if grant.holder == holder]:
             self.work(self.take_back(grant))
             self.end(grant, AuditEvent.DIED)
 
     def doubt(self, robot: str, state: Mapping[str, Any]) -> None:
-        """Make sure of the leases on a robot that its state does not show; it may be older than they are."""
+        """Check the leases on a robot that its state does not show; the state may be older than they are."""
         for grant in list(self._book.grants.values()):
             is_shown = (str(grant.holder), grant.priority) in grant.place.holders(state)
             if grant.place.robot == robot and not is_shown and not self._book.is_claimed(grant.place):
@@ -102,7 +102,7 @@ class LeaseManager(Closeable):
     def inform(
         self, holder: AgentName, lease: str, place: LeaseTarget, event: LeaseEvent, within: float, by: str
     ) -> None:
-        """Tell a holder what becomes of its lease; without an id when another arbiter has given it."""
+        """Send a holder news of its lease; without an id for a lease of another arbiter."""
         self._send(
             AclMessage(
                 performative=Performative.INFORM,
@@ -115,13 +115,13 @@ class LeaseManager(Closeable):
         )
 
     def work(self, work: Coroutine[Any, Any, None]) -> None:
-        """Do something that nobody waits for."""
+        """Run a coroutine in the background."""
         task = asyncio.ensure_future(work)
         self._at_work.add(task)
         task.add_done_callback(self._at_work.discard)
 
     def close(self) -> None:
-        """Leave the leases to their holders."""
+        """Stop all timers; the leases stay with their holders."""
         for task in self._at_work:
             task.cancel()
         for grant in self._book.grants.values():
@@ -129,15 +129,15 @@ class LeaseManager(Closeable):
                 grant.timer.cancel()
 
     def _wind(self, grant: Grant) -> None:
-        """Let the lease expire in its time."""
+        """Set the timer of a lease."""
         if grant.timer is not None:
             grant.timer.cancel()
         grant.timer = self._loop.call_at(grant.expires_at, lambda: self.work(self._expire(grant)))
 
     async def _expire(self, grant: Grant) -> None:
-        """End it, unless its holder has renewed it at the gateway, past an arbiter that did not answer in time."""
+        """End it, unless its holder has renewed it at the gateway."""
         left = 0.0
-        with suppress(GatewayAway):  # nobody can have renewed it there
+        with suppress(GatewayAway):  # it cannot have been renewed there
             left = await self._gateways.time_left(grant.place, str(grant.holder))
         if left > 0.0 and grant.id in self._book.grants:
             grant.expires_at = self._loop.time() + left
@@ -152,7 +152,7 @@ class LeaseManager(Closeable):
                 await self._last(grant, left)
 
     async def _last(self, grant: Grant, seconds: float) -> bool:
-        """Have the gateway let it last so long from now; it ends when the gateway does not know it."""
+        """Renew it at the gateway; it ends when the gateway does not know it."""
         asked_at = self._loop.time()
         try:
             await self._gateways.renew(grant.place, grant.token, seconds)

@@ -1,4 +1,4 @@
-"""What arbiter and holders of leases say to each other about what is leased, and how a lease ends.
+"""Targets of leases, and the messages of arbiters to holders.
 
 An arbiter informs a holder in the ontology `acromovi-lease`, in the conversation of the lease's id, with the content
 `{"lease", "element", "event", "within", "by"}`.
@@ -23,22 +23,22 @@ LONGEST_NAME = 200  # characters of robot and element
 
 
 class LeaseEnded(AgentError):
-    """A lease has ended that somebody relied on; the message says how."""
+    """A lease that is used has ended; the message says how."""
 
 
 class LeaseEvent(StrEnum):
-    """What an arbiter tells a holder."""
+    """An event that an arbiter reports to a holder."""
 
-    PREEMPTED = "preempted"  # somebody of higher priority has the lease in `within` s
-    EXPIRED = "expired"  # nobody has renewed it in time
+    PREEMPTED = "preempted"  # another holder has the lease in `within` s
+    EXPIRED = "expired"  # it was not renewed in time
     LOST = "lost"  # the gateway does not know it any more
 
 
 @dataclass(frozen=True, slots=True)
 class LeaseNews:
-    """What has become of a lease.
+    """News of a lease.
 
-    within: s until it has. by: who takes it, or the arbiter's reason, for people.
+    within: s until the event. by: the new holder, or the arbiter's reason, for messages.
     """
 
     event: LeaseEvent
@@ -47,12 +47,12 @@ class LeaseNews:
 
     @property
     def is_warning(self) -> bool:
-        """Whether the lease is still held, and somebody is about to take it over."""
+        """Whether the lease is still held, and another is about to take it over."""
         return self.event is LeaseEvent.PREEMPTED and self.within > 0.0
 
     @classmethod
     def from_content(cls, content: Any) -> Self | None:
-        """Read what an arbiter has said; None for what is no news."""
+        """Read the content of an arbiter's message; None for other contents."""
         match content:
             case {"event": str(event), "within": int() | float() as within, "by": str(by)} if event in list(LeaseEvent):
                 return cls(LeaseEvent(event), float(within), by)
@@ -64,7 +64,7 @@ class LeaseNews:
 
 @dataclass(frozen=True, slots=True, order=True)
 class LeaseTarget:
-    """What a lease is on: an element of a robot, the robot as a whole, or a name that applications agree upon.
+    """The target of a lease: an element of a robot, the whole robot, or a name that applications agree upon.
 
     robot: its name, or `NAMED` and the name. element: its name, or `ROBOT`.
     """
@@ -96,7 +96,7 @@ class LeaseTarget:
 
     @property
     def is_named(self) -> bool:
-        """Whether it is a name, which no gateway knows: the arbiter alone gives it."""
+        """Whether it is a name, which only the arbiter knows."""
         return self.robot.startswith(NAMED)
 
     @property
@@ -105,15 +105,15 @@ class LeaseTarget:
         return self.element == ROBOT
 
     def conflicts_with(self, other: "LeaseTarget") -> bool:
-        """Whether both cannot be leased at a time."""
+        """Return whether both cannot be leased at the same time."""
         return self.robot == other.robot and (self.element == other.element or self.is_whole or other.is_whole)
 
     def lease_in(self, state: Mapping[str, Any]) -> Any:
-        """The lease on just this place, by the gateway's `lease/state`; None when there is none."""
+        """Return the lease on exactly this target, by the gateway's `lease/state`; None when there is none."""
         return state if self.is_whole else _elements(state).get(self.element)
 
     def holders(self, state: Mapping[str, Any]) -> list[tuple[str, int]]:
-        """Who holds this place, or a part of it, and with what priority, by the gateway's `lease/state`."""
+        """Return the holders of this target or its parts, and their priorities, by the gateway's `lease/state`."""
         wanted = [state, *_elements(state).values()] if self.is_whole else [state, self.lease_in(state)]
         return [
             (row["holder"], row["priority"])

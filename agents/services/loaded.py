@@ -1,10 +1,10 @@
-"""An application that a container starts by the name of its program: a kind of agents like any other.
+"""Applications that a container starts by the name of their program, as a kind of agents.
 
     {"do": "start", "name": "patrol@apps", "kind": "agents.services.loaded:LoadedApplication",
      "properties": {"program": "patrol", "arguments": {"robot": "happy"}}}
 
-Names travel on the bus and programs never: a program lies in a folder which the container was given with `--apps`, or
-is one that Acromovi brings. So whoever may write into that folder says what runs on that machine, and nobody else.
+Only names are sent on the bus, never programs: a program is in a folder that the container was given with `--apps`, or
+is part of Acromovi. So only a person who may write into that folder determines what runs on that machine.
 """
 
 import asyncio
@@ -23,17 +23,17 @@ KIND = f"{__name__}:LoadedApplication"
 
 
 class NotLoaded(AgentError):
-    """An application cannot be loaded; says why in one sentence."""
+    """An application cannot be loaded; the message says why in one sentence."""
 
 
 class LoadedApplication(Application):
-    """Loads its program where it lives.
+    """An application whose program is loaded in its container.
 
-    Properties: `program`, its name; `arguments`, for its `main`; `sha256`, if it is to be this text and no other.
+    Properties: `program`, its name; `arguments`, for its `main`; `sha256`, its digest, if only this text may run.
     """
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
-        """Make it, without its program.
+        """Construct it without its program.
 
         Raises:
             NotLoaded: The properties name none.
@@ -46,10 +46,10 @@ class LoadedApplication(Application):
         self.properties = given
 
     async def load(self) -> RunningApplication:
-        """The program, with arguments that it takes.
+        """Return the program, after checking its arguments.
 
         Raises:
-            NotLoaded: There is none of this name here, it cannot be loaded, or does not take them.
+            NotLoaded: There is none of this name here, it cannot be loaded, or does not take these arguments.
         """
         try:
             return await asyncio.to_thread(self._load)
@@ -68,10 +68,10 @@ class LoadedApplication(Application):
 
 
 def locate(name: str, folders: Sequence[Path]) -> Path:
-    """The file of an application, without executing it.
+    """Return the file of an application, without executing it.
 
     Raises:
-        ProgramNotValid: There is none of this name, or it is no name but a path.
+        ProgramNotValid: There is none of this name, or it is a path.
     """
     if not name.isidentifier():
         raise ProgramNotValid(f"{name!r} names no application; give the name of its file without folder and .py")
@@ -85,20 +85,20 @@ def locate(name: str, folders: Sequence[Path]) -> Path:
 
 
 def check_text(file: Path, sha256: object) -> None:
-    """See that a file holds the program that is meant.
+    """Check that a file has the digest of the requested program.
 
     Args:
         file: The program.
-        sha256: Its digest in hexadecimal; any program is meant if it is empty.
+        sha256: Its digest in hexadecimal; empty for any program.
     Raises:
-        ProgramNotValid: It holds another.
+        ProgramNotValid: It has another.
     """
     if sha256 and digest(file) != sha256:
         raise ProgramNotValid(f"{file} there is another program than yours; copy yours there, and load it again")
 
 
 def digest(file: Path) -> str:
-    """The SHA-256 of a program, in hexadecimal."""
+    """Return the SHA-256 of a program, in hexadecimal."""
     return hashlib.sha256(file.read_bytes()).hexdigest()
 
 

@@ -1,11 +1,11 @@
-"""The agent that turns applications into agents, keeps them alive, and ends them.
+"""The loader: it starts applications as agents, restarts them, and ends them.
 
-Each gets a container of its own, a process that the team's host (`acromovi up`) starts for it: a program that blocks,
-or takes the whole process with it, hurts nobody else. What then goes wrong is mended by whoever sees it: an agent that
-fails in its container by the monitor, a process that ends by the host; this one starts the application in it anew.
+Each gets a container of its own, a process that the team's host (`acromovi up`) starts for it, so that a program which
+blocks or crashes affects no other. The monitor restarts an agent that fails in its container, the host restarts a
+process that ends, and the loader restarts the application in it.
 
-What it has loaded is written down nowhere but in the directory: the agents themselves say whose they are, so a loader
-that is started again knows them all.
+Loaded applications are recorded only in the directory, by the properties of their agents, so a loader that is restarted
+knows them all.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ from agents.client.application import SERVICE as APPLICATION
 from agents.client.private_container import PLATFORM
 from agents.client.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.services.loaded import KIND, check_text, locate
@@ -29,11 +29,11 @@ from bus.aio import hand_over
 from bus.bus import Closeable
 
 SERVICE = "loading"
-MEETING_TIME = 0.3  # s in which a session that has just been opened learns who is there
-PROCESS_TIME = 20.0  # s for a container that is started to serve, on a machine that has much to do
-START_TIME = 35.0  # s for an application to begin; a container's own patience with a setup is 30 s
+MEETING_TIME = 0.3  # s in which a new session learns the present containers
+PROCESS_TIME = 20.0  # s for the start of a container on a busy machine
+START_TIME = 35.0  # s for an application to start; a container's own limit for a setup is 30 s
 ANSWER_TIME = 3.0  # s for anything else
-LAST_WORDS = 0.5  # s for a container to answer whoever has told it to stop an agent
+LAST_WORDS = 0.5  # s for a container to answer an order to stop an agent
 CALM = 0.1  # s in which an agent comes back with its container, as after a cut line
 LOOKS_BACK = (1.0, 3.0)  # s after which it looks again for whom it has loaded, on a machine that has much to do
 MANY = 64  # reports that wait
@@ -41,7 +41,7 @@ MANY = 64  # reports that wait
 
 @dataclass(slots=True)
 class Load:
-    """One application. has_begun: whether it has ever been at work. why: what went wrong last."""
+    """One application. has_begun: whether it has ever been at work. why: the latest error."""
 
     name: AgentName
     program: str
@@ -52,23 +52,23 @@ class Load:
     why: str = ""
 
     def properties(self, loader: AgentName) -> dict[str, Any]:
-        """Of its agent."""
+        """The properties of its agent."""
         sha256 = {"sha256": self.sha256} if self.sha256 else {}
         return {"program": self.program, "arguments": self.arguments, "loader": str(loader), **sha256}
 
 
 @dataclass(slots=True)
 class _Containers:
-    """Those that are there, by their names; `changed` is set, and replaced, as one comes."""
+    """The containers that are present, by name; `changed` is set, and replaced, when one appears."""
 
     there: dict[str, ContainerName] = field(default_factory=dict)
     changed: asyncio.Event = field(default_factory=asyncio.Event)
 
     async def wait_for(self, name: str, within: float) -> ContainerName:
-        """One of them, once it is there.
+        """Return a container, once it is present.
 
         Raises:
-            TimeoutError: It has not come.
+            TimeoutError: It has not appeared.
         """
         async with asyncio.timeout(within):
             while name not in self.there:
@@ -87,7 +87,7 @@ class Loader(Agent):
         self._held_open: list[Closeable] = []
 
     async def setup(self) -> None:
-        """See which containers there are, and whom it has loaded in an earlier life.
+        """Watch the containers, and find the applications that an earlier loader has loaded.
 
         Raises:
             ConfigError: The rules cannot be used.
@@ -105,7 +105,7 @@ class Loader(Agent):
             self.add(OneShot(partial(self._remember, pause), "remember"))
 
     async def take_down(self) -> None:
-        """Look no more; what was loaded lives on."""
+        """Stop watching; the loaded applications continue."""
         for held in self._held_open:
             held.close()
 
@@ -113,13 +113,13 @@ class Loader(Agent):
     async def load(
         self, application: str, name: str = "", arguments: Any = None, into: str = "", sha256: str = ""
     ) -> dict[str, Any]:
-        """Make an agent of an application: one that lies in a folder of the team's host, or that Acromovi brings."""
+        """Start an application as an agent: one in a folder of the team's host, or of Acromovi."""
         load = self._read(application, name, {} if arguments is None else arguments, into, sha256)
         before = self._loads.get(load.name)
         if self._directory.knows(load.name) or (before is not None and not before.has_begun):
             raise Refused(f"there is an agent {load.name} already; unload it, or give this one another name")
         agree()
-        if before is not None and before.container != load.container:  # it was given up, say
+        if before is not None and before.container != load.container:  # for example because it was given up
             await self._end_container(before)
         self._loads[load.name] = load
         try:
@@ -137,35 +137,35 @@ class Loader(Agent):
     @request("unload", agrees_itself=True)
     async def unload(self, name: str) -> dict[str, Any]:
         """End an application that was loaded."""
-        load = self._loads.get(agent_name(name))
+        load = self._loads.get(_agent_name(name))
         if load is None:
             known = ", ".join(map(str, sorted(self._loads))) or "nothing"
             raise Refused(f"{name} has not been loaded here; {known} has")
         agree()
         container = self._containers.there.get(load.container)
         if container is not None:
-            with suppress(BusError, TimeoutError):  # it has ended, or its process does so now
+            with suppress(BusError, TimeoutError):  # it has ended, or its process ends now
                 await self.query(container.control_key, {"do": "stop", "name": str(load.name)}, ANSWER_TIME)
         await self._forget(load)
         return {"name": str(load.name)}
 
     @request("loaded")
     async def loaded(self) -> list[dict[str, Any]]:
-        """All that was loaded and not ended since, whether it is at work, and what went wrong with it last."""
+        """Return the loaded applications that have not been ended, whether each is at work, and its latest error."""
         return [self._row(load) for load in self._loads.values()]
 
     def _read(self, application: str, name: str, arguments: Any, into: str, sha256: str) -> Load:
         if not isinstance(arguments, dict):
             raise Refused(f'arguments are like {{"robot": "happy"}}, not {arguments!r}')
         try:
-            if not into:  # another container has folders of its own
+            if not into:  # another container has its own folders
                 check_text(locate(application, self.home.folders), sha256)
         except ProgramNotValid as err:
             raise Refused(str(err)) from err
         if into and into not in self._containers.there:
             known = ", ".join(sorted(self._containers.there))
             raise Refused(f"there is no container {into!r}; those that are there: {known}")
-        agent = agent_name(name or application)
+        agent = _agent_name(name or application)
         return Load(agent, application, arguments, into or _own_container(agent), sha256)
 
     def _row(self, load: Load) -> dict[str, Any]:
@@ -179,7 +179,7 @@ class Loader(Agent):
         }
 
     async def _remember(self, after: float = 0.0) -> None:
-        """Find in the directory what it has loaded before it was started itself."""
+        """Find in the directory what was loaded before this start."""
         await asyncio.sleep(after)
         for agent in await self._directory.search(APPLICATION, loader=str(self.name)):
             given = {"program": "", "arguments": {}, "sha256": "", **agent.properties}
@@ -187,7 +187,7 @@ class Loader(Agent):
             self._loads.setdefault(agent.name, load)
 
     async def _start(self, load: Load, within: float) -> None:
-        """Start it in its container, as soon as that is there."""
+        """Start it in its container, as soon as that is present."""
         try:
             container = await self._containers.wait_for(load.container, within)
         except TimeoutError as err:
@@ -196,7 +196,7 @@ class Loader(Agent):
         await self.query(container.control_key, order, START_TIME)
 
     async def _start_again(self, load: Load) -> None:
-        """Start it in a container that has come back, by the rules."""
+        """Start it in a container that has been restarted, by the rules."""
         await asyncio.sleep(CALM)
         if self._directory.knows(load.name):
             return
@@ -221,8 +221,8 @@ class Loader(Agent):
         self.home.report(self.name, f"{load.name} is given up: {why}", None)
 
     async def _let_go(self, load: Load) -> None:
-        """Somebody else sees to it from now on, or nobody is to; it is to end in peace before its process does."""
-        with suppress(TimeoutError):  # it has had its time to end in peace
+        """Stop supervising an application, which ends before its process does."""
+        with suppress(TimeoutError):  # it has had its time to end
             async with asyncio.timeout(ANSWER_TIME):
                 while self._directory.knows(load.name):
                     await asyncio.sleep(CALM)
@@ -236,7 +236,7 @@ class Loader(Agent):
             await self._end_container(load)
 
     async def _end_container(self, load: Load) -> None:
-        """Have its process ended, if it is its own."""
+        """End the process of an application's own container."""
         if load.container == _own_container(load.name):
             with suppress(Refused, TimeoutError):  # it was never there, or whoever it is says so itself
                 await self._ask_host("end", load.container)
@@ -272,8 +272,8 @@ class Loader(Agent):
                 load.why = f"{what}: {error}"
 
 
-def agent_name(text: str) -> AgentName:
-    """The name of an application's agent: `patrol` is `patrol@apps`.
+def _agent_name(text: str) -> AgentName:
+    """Return the name of an application's agent: `patrol` is `patrol@apps`.
 
     Raises:
         Refused: It is none.

@@ -1,8 +1,8 @@
-"""The agent that watches a team: who comes and goes, what flows, what fails, and what is done about it.
+"""The monitor of a team: presence, streams and failures, and the restarts after failures.
 
-It publishes each event at once on its results, `{"time", "what", "about", "level"}`, and once a second how all stand on
-`<team>/diagnostics`. Presence and reports come to it by themselves; all that it does by the clock is to look at the
-rates twice a second.
+It publishes each event at once on its results, `{"time", "what", "about", "level"}`, and once a second the states of
+all on `<team>/diagnostics`. Tokens and reports are events of the bus; only the rates are checked periodically, twice a
+second.
 """
 
 import asyncio
@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, NameNotValid, OneShot, every, request
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.names import ContainerName
 from agents.services.diagnostics import Standing, diagnostic_array, worst
 from agents.services.events import History
@@ -29,20 +29,20 @@ from bus.messages import NS_PER_S, DiagnosticArray, RobotState
 
 TOKENS = ("*/alive", "*/agents/*/alive", "*/containers/*/alive", "*/elements/*/alive")
 GATHER = 0.01  # s in which tokens that come or go are taken together; a process that dies takes all of its own with it
-BEGINNING = 0.5  # s in which it learns who is there already
-LOOK = 0.5  # s between two looks at the rates
+BEGINNING = 0.5  # s in which it learns the present agents
+LOOK = 0.5  # s between two checks of the rates
 SETTLE = 0.3  # s after the last change of a robot's elements until its description is read
 DESCRIPTION_TIME = 2.0  # s
 ATTEMPTS = 5  # to read a description
-MANY = 64  # reports or states that wait while one is dealt with
+MANY = 64  # reports or states that wait while one is processed
 
 
 class Monitor(Agent):
-    """Watches everything on the bus, and looks after the agents of its team.
+    """Watches robots, containers and agents on the bus, and restarts failed agents of its team.
 
     Its property `restart` has the rules (`restarts.RestartRules`), its property `results` the elements whose agents'
     results are watched beside their robots' streams: by default the base alone, which is enough to see that a container
-    has stopped working, since a result that nobody listens to costs its agent nothing.
+    has stopped working, since results without subscribers cost nothing.
     """
 
     services: ClassVar[tuple[str, ...]] = ("monitoring",)
@@ -52,11 +52,11 @@ class Monitor(Agent):
         self._lock = threading.Lock()
         self._tokens: list[tuple[str, bool]] = []
         self._watched: dict[str, Subscription] = {}
-        self._reading: set[str] = set()  # robots whose descriptions are about to be read
+        self._reading: set[str] = set()  # robots whose descriptions will be read
         self._diagnostics: Publisher | None = None
 
     async def setup(self) -> None:
-        """Begin to watch.
+        """Start watching.
 
         Raises:
             ConfigError: The rules cannot be used.
@@ -79,7 +79,7 @@ class Monitor(Agent):
         self.add(OneShot(self._tell_beginning, "tell who is there"))
 
     async def take_down(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         for watched in self._watched.values():
             watched.close()
         if self._diagnostics is not None:
@@ -117,12 +117,12 @@ class Monitor(Agent):
 
     @every(LOOK)
     async def look(self) -> None:
-        """Judge the rates."""
+        """Check the rates."""
         self._watching.judge(self._clock())
 
     @every(1.0)
     async def diagnose(self) -> None:
-        """Show ROS how all stand."""
+        """Publish the diagnostics."""
         if self._diagnostics is not None:
             stamp_ns = int(self.home.wall_time() * NS_PER_S)
             self._diagnostics.put(diagnostic_array(self.name.platform, self._standings(""), stamp_ns))
@@ -148,7 +148,7 @@ class Monitor(Agent):
 
     def _follow_tokens(self) -> None:
         if self.state is AgentState.DELETED:
-            return  # it has been stopped in this moment
+            return  # it has just been stopped
         with self._lock:
             tokens, self._tokens = self._tokens, []
         for name, is_alive in self._watching.changed(tokens, self._clock() < self._begins_until):
@@ -190,27 +190,27 @@ class Monitor(Agent):
             self.add(OneShot(partial(self._read_description, robot), f"read the description of {robot}"))
 
     async def _read_description(self, robot: str) -> None:
-        """Learn which streams are to flow; elements may still be coming."""
+        """Read the robot's steady streams from its description; elements may still appear."""
         for attempt in range(ATTEMPTS):
             await asyncio.sleep(SETTLE * 2.0**attempt)
-            self._reading.discard(robot)  # what changes from now on is not in this answer
+            self._reading.discard(robot)  # later changes are not in this answer
             try:
                 description = await self.query(DESCRIPTION.key(robot), None, DESCRIPTION_TIME)
             except (BusError, TimeoutError):
-                continue  # asked again
+                continue  # the query is repeated
             if robot in self._watching.robots:
                 self._watch_streams(robot, self._steady(robot, description))
             return
 
     def _steady(self, robot: str, description: Mapping[str, Any]) -> dict[str, float | None]:
-        """The streams to watch."""
+        """Return the streams to watch."""
         listed = self.properties.get("results", ["base"])
         results = {AgentName(element, robot).results_key for element in listed}
         steady = steady_streams(robot, description)
         return {key: rate for key, rate in steady.items() if not split(key)[1].startswith("agents/") or key in results}
 
     def _watch_streams(self, robot: str, wanted: Mapping[str, float | None]) -> None:
-        """Watch these streams of a robot, and no others."""
+        """Watch exactly these streams of a robot."""
         streams = self._watching.streams
         for key in [key for key in streams.keys if split(key)[0] == robot and key not in wanted]:
             self._watched.pop(key).close()
@@ -221,5 +221,5 @@ class Monitor(Agent):
                 self._watched[key] = self.bus.subscribe(key, self._beat, urgent=True)
 
     def _beat(self, sample: Sample) -> None:
-        """On the bus's thread: no more than to note the time."""
+        """Count a sample, on the bus's thread."""
         self._watching.streams.beat(sample.key, self._clock())

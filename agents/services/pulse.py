@@ -1,7 +1,7 @@
-"""How often a stream comes, how often it usually does, and whether it has fallen slow or silent. No bus, no clock.
+"""The rate of a stream, its usual rate, and whether it is slow or silent. No bus, no clock.
 
-What is usual is learned: the rate of the last minute, of the time in which the stream flowed. So a stream that is made
-slower on purpose is called slow at first, and usual after a while; silence teaches nothing.
+The usual rate is learned from the last minute in which the stream flowed. So a stream that is made slower on purpose is
+reported as slow at first, and as usual after a while; silence does not change the usual rate.
 """
 
 import math
@@ -17,7 +17,7 @@ SLOW_BELOW, STEADY_ABOVE = 0.5, 0.7  # of what is usual; apart, so that a rate o
 
 
 class Beat(StrEnum):
-    """How a stream is doing."""
+    """The state of a stream."""
 
     LEARNING = "learning"  # it has not come often enough to know what is usual
     STEADY = "steady"
@@ -27,17 +27,17 @@ class Beat(StrEnum):
 
 
 class Pulse:
-    """The beat of one stream. `beat` may be called on another thread than the rest.
+    """Measures the rate of one stream. `beat` may be called on another thread than the rest.
 
-    state: as of the last `judge`. usual: Hz, or None while that is not known. rate: Hz of late.
+    state: as of the last `judge`. usual: Hz, or None while it is not known. rate: the recent one, Hz.
     """
 
     def __init__(self, now: float, declared: float | None = None) -> None:
-        """Begin to count.
+        """Start counting.
 
         Args:
-            now: s of a steady clock, as all times here.
-            declared: Hz, if its rate is known beforehand; then it is not learned, and a stream that never comes is
+            now: s of a steady clock, as all times in this class.
+            declared: Hz, if its rate is known beforehand; then it is not learned, and a stream that never starts is
                 silent as well.
         """
         self.state = Beat.LEARNING
@@ -51,14 +51,14 @@ class Pulse:
         self._window = deque([(now, 0)])
 
     def beat(self, now: float) -> None:
-        """A sample has come."""
+        """Count a sample."""
         if self._first is None:
             self._first = now
         self._beats += 1
         self._last = now
 
     def judge(self, now: float) -> bool:
-        """Look at it, every now and then; whether its state has changed."""
+        """Update the state, periodically; return whether it has changed."""
         before, beats = self.state, self._beats
         if before is Beat.RESTING:  # it is to be judged again
             before = self.state = Beat.LEARNING if self.usual is None else Beat.STEADY
@@ -74,14 +74,14 @@ class Pulse:
         return self.state is not before
 
     def excuse(self, now: float) -> None:
-        """Forget how it has been: it has a reason to be silent. What is usual stays known."""
+        """Reset the state of a stream with a reason to be silent; keep the usual rate."""
         self._window = deque([(now, self._beats)])
         self._last = self._judged_at = now
         self.rate = 0.0
         self.state = Beat.RESTING
 
     def silence(self, now: float) -> float:
-        """s since the last beat."""
+        """Return s since the last sample."""
         return max(now - self._last, 0.0)
 
     def _judged(self, now: float, flowed: float | None) -> Beat:

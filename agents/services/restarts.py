@@ -1,4 +1,4 @@
-"""When to start an agent again that has failed, and when to give up. No bus, no clock.
+"""Rules for restarting agents that have failed. No bus, no clock.
 
 The rules are a table from agents to rules; the first name that matches counts, `*` stands for anything:
 
@@ -16,9 +16,9 @@ from configs import build
 
 @dataclass(frozen=True, slots=True)
 class RestartRule:
-    """How one kind of agents is started again.
+    """The rule for restarting one kind of agents.
 
-    attempts: how often in a row; 0 for never, -1 for any number.
+    attempts: consecutive attempts; 0 for none, -1 for any number.
     first, longest: s of the pause before the first attempt, which doubles with each further one, and of the longest.
     healthy_after: s of life after an attempt by which what was before is forgiven. One that fails sooner is flapping,
         and its next attempt is the next in the row.
@@ -30,7 +30,7 @@ class RestartRule:
     healthy_after: float = 60.0
 
     def pause(self, attempt: int) -> float:
-        """s to wait before an attempt; the first is 1."""
+        """Return the pause before an attempt, s; the first attempt is 1."""
         return float(min(self.longest, self.first * 2.0 ** min(attempt - 1, 60)))
 
 
@@ -39,7 +39,7 @@ DEFAULT = RestartRule()
 
 
 class RestartRules:
-    """A rule for every agent."""
+    """The rules by agent."""
 
     def __init__(
         self, tables: Mapping[str, Mapping[str, Any]] | None = None, source: str = "the restart rules"
@@ -48,20 +48,20 @@ class RestartRules:
 
         Args:
             tables: From the local names of agents, or patterns of them, to what differs from the default.
-            source: Named in messages.
+            source: The name of the source, for messages.
         Raises:
-            ConfigError: A table cannot be used.
+            ConfigError: A table is not valid.
         """
         self._rules = {
             pattern: build(RestartRule, table, f"{source} for {pattern!r}") for pattern, table in (tables or {}).items()
         }
 
     def of(self, agent: AgentName) -> RestartRule:
-        """The rule for an agent."""
+        """Return the rule for an agent."""
         return next((rule for pattern, rule in self._rules.items() if fnmatchcase(agent.local, pattern)), DEFAULT)
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
-        """The rules as JSON."""
+        """Return the rules as JSON."""
         return {pattern: asdict(rule) for pattern, rule in {ANY: DEFAULT, **self._rules}.items()}
 
 
@@ -74,14 +74,14 @@ class _Attempts:
 
 
 class Restarts:
-    """Counts the attempts for each agent that has failed."""
+    """Counts the attempts for each failed agent."""
 
     def __init__(self, rules: RestartRules) -> None:
         self.rules = rules
         self._rows: dict[AgentName, _Attempts] = {}
 
     def failed(self, agent: AgentName, now: float) -> float | None:
-        """An agent has failed; s until it is to be started again, or None to give it up."""
+        """Note a failure of an agent; return s until its restart, or None for no restart."""
         rule, row = self.rules.of(agent), self._rows.setdefault(agent, _Attempts())
         if row.at is not None and now - row.at >= rule.healthy_after:
             row.attempts = 0
@@ -89,19 +89,19 @@ class Restarts:
         row.at = None
         if rule.attempts < 0 or row.attempts <= rule.attempts:
             return rule.pause(row.attempts)
-        del self._rows[agent]  # whoever starts it by hand begins a new row
+        del self._rows[agent]  # a restart by hand begins a new series
         return None
 
     def attempted(self, agent: AgentName, now: float) -> None:
-        """An agent has been started again."""
+        """Note a restart of an agent."""
         if agent in self._rows:
             self._rows[agent].at = now
 
     def attempts(self, agent: AgentName) -> int:
-        """How many attempts in a row there have been, with the one that is under way."""
+        """Return the number of consecutive attempts, with the one under way."""
         row = self._rows.get(agent)
         return row.attempts if row else 0
 
     def forget(self, agent: AgentName) -> None:
-        """Someone else has seen to it."""
+        """Forget an agent that another program has restarted."""
         self._rows.pop(agent, None)

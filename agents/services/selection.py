@@ -1,4 +1,4 @@
-"""What a subscriber wants of a source, and which of its values are worth telling. No bus, no clock.
+"""The selection of a subscriber: rate, fields and conditions of the values it gets. No bus, no clock.
 
 A field is named by its path: `nearest`, `ranges.0`, `pose.pose.position.x`. What a source does not have is null, and
 null is neither below nor above anything.
@@ -15,15 +15,15 @@ STAMP = "stamp"  # every result of a component carries it, and a part of a resul
 
 
 class SelectionNotValid(ValueError):
-    """A subscriber wants what cannot be given; says why in one sentence."""
+    """A selection is not valid; the message says why in one sentence."""
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """What a subscriber wants.
+    """The selection of a subscriber.
 
     period: s between two values, at least; 0 for every value.
-    fields: which parts of a value; empty for the whole.
+    fields: paths of the fields; empty for the whole value.
     on_change: tell only when one of these fields has moved by more than so much since it was told last; anything but
         numbers has changed when it is another. Empty tells every value.
     where: tell only while these fields are `below` or `above` a number or `equals` a value.
@@ -36,7 +36,7 @@ class Selection:
 
     @classmethod
     def read(cls, rate: Any = None, fields: Any = None, on_change: Any = None, where: Any = None) -> Self:
-        """Read what came in a message.
+        """Read the arguments of a request.
 
         Args:
             rate: Hz, at most.
@@ -44,30 +44,30 @@ class Selection:
             on_change: Path to tolerance.
             where: Path to `{"below": number, "above": number, "equals": value}`, one or several of them.
         Raises:
-            SelectionNotValid: One of them is not what it must be.
+            SelectionNotValid: One of them is not valid.
         """
         return cls(_period(rate), _paths(fields), _tolerances(on_change), _conditions(where))
 
     @property
     def named(self) -> list[str]:
-        """Every path that it names."""
+        """Return all paths in it."""
         return list(dict.fromkeys([*self.fields, *self.on_change, *self.where]))
 
     def missing(self, value: Mapping[str, Any]) -> list[str]:
-        """The paths that it names and whose beginning this value does not have, as after a slip of the pen."""
+        """Return the paths whose first field this value does not have, as after a typing error."""
         return [path for path in self.named if path not in value and path.partition(".")[0] not in value]
 
     def wants(self, value: Mapping[str, Any]) -> bool:
-        """Whether a value fulfils all conditions."""
+        """Return whether a value fulfils all conditions."""
         return all(_fulfils(look_up(value, path), bounds) for path, bounds in self.where.items())
 
     def differs(self, value: Mapping[str, Any], told: Mapping[str, Any]) -> bool:
-        """Whether a value is news to who was told another."""
+        """Return whether a value differs from the one sent before."""
         changes = self.on_change.items()
         return not changes or any(_moved(look_up(told, path), look_up(value, path), by) for path, by in changes)
 
     def part(self, value: Mapping[str, Any]) -> dict[str, Any]:
-        """What of a value is told: all, or the fields by their paths, with the stamp if there is one."""
+        """Return the selected part of a value: all, or the fields by their paths, with the stamp if there is one."""
         if not self.fields:
             return dict(value)
         stamp = {STAMP: value[STAMP]} if STAMP in value else {}
@@ -75,9 +75,9 @@ class Selection:
 
 
 class Sieve:
-    """Lets through what is news, not faster than wanted; who is slow gets the newest.
+    """Filters values by a selection; a slow subscriber gets the newest one.
 
-    told: how many values were taken. skipped: how many were news and gave way to newer ones.
+    told: number of values taken. skipped: number of selected values replaced by newer ones.
     """
 
     def __init__(self, selection: Selection) -> None:
@@ -90,7 +90,7 @@ class Sieve:
         self._free_at = -math.inf
 
     def offer(self, value: Mapping[str, Any]) -> None:
-        """A value has come from the source."""
+        """Take a value of the source."""
         self._is_wanted = self.selection.wants(value)
         if not self._is_wanted:
             self._last = None  # coming back is news, though it be the same as before
@@ -100,11 +100,11 @@ class Sieve:
         self._waiting = value if is_news else None
 
     def due(self, now: float) -> float | None:
-        """s until a value may be taken, 0 if at once, None while none waits."""
+        """Return s until a value may be taken, 0 for now, None if none waits."""
         return None if self._waiting is None else max(self._free_at - ROUNDING - now, 0.0)
 
     def take(self, now: float) -> dict[str, Any] | None:
-        """The value that is due, or None."""
+        """Return the value that is due, or None."""
         if self._waiting is None or now < self._free_at - ROUNDING:
             return None
         value, self._waiting = self._waiting, None
@@ -115,7 +115,7 @@ class Sieve:
 
 
 def look_up(value: Any, path: str) -> Any:
-    """The field of a value to which a path leads, through objects and lists; None where there is none."""
+    """Return the field of a value at a path, through objects and lists; None if there is none."""
     if isinstance(value, Mapping) and path in value:
         return value[path]
     for name in path.split("."):

@@ -1,4 +1,4 @@
-"""Streams of the bus that many subscribers share: one subscription on the bus each, however many want its values."""
+"""Streams of the bus that subscribers share: each needs one subscription on the bus."""
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
@@ -11,7 +11,7 @@ from bus.messages import to_json
 
 
 class Subscriber:
-    """One who wants values of a source, and what it has not been told yet: the newest value, and no more than one.
+    """A subscriber to a source, and the newest value that it has not got yet.
 
     who: it. is_patient: it waits for its source, and for its return.
     """
@@ -26,7 +26,7 @@ class Subscriber:
         self._is_checked = False
 
     def offer(self, value: Mapping[str, Any]) -> None:
-        """A value has come."""
+        """Take a value of the source."""
         missing = [] if self._is_checked else self.selection.missing(value)
         self._is_checked = True
         if missing:
@@ -36,15 +36,15 @@ class Subscriber:
         self._called.set()
 
     def end(self, why: str) -> None:
-        """No more values will come."""
+        """End it, since no more values will come."""
         self._why_ended = self._why_ended or why
         self._called.set()
 
     async def next(self) -> dict[str, Any]:
-        """The next value that is wanted, as soon as it may be told.
+        """Return the next selected value, as soon as it is due.
 
         Raises:
-            Refused: No more will come; says why. What waited until then has been told before.
+            Refused: No more will come; the message says why. A waiting value is returned before.
         """
         now = asyncio.get_running_loop().time
         while True:
@@ -68,13 +68,13 @@ Listen = Callable[[str, Hear], Callable[[], None]]
 
 
 class StreamSource:
-    """One stream, and those who want it.
+    """One stream, and its subscribers.
 
     key: where it flows. token: there while its maker lives. close: ends the subscription on the bus.
     """
 
     def __init__(self, key: str, listen: Listen) -> None:
-        """Begin to listen, without subscribers."""
+        """Start without subscribers."""
         self.key = key
         self.token = token_of(key)
         self.close = listen(key, self.hear)
@@ -82,19 +82,19 @@ class StreamSource:
         self._newest: Mapping[str, Any] | None = None
 
     async def hear(self, message: Any) -> None:
-        """A message has come; it is made JSON once, for all."""
+        """Take a message; it is converted to JSON once."""
         self._newest = value = to_json(message) if not isinstance(message, dict) else message
         for subscriber in self.subscribers:
             subscriber.offer(value)
 
     def join(self, subscriber: Subscriber) -> None:
-        """Tell one more, beginning with the newest value that is known."""
+        """Add a subscriber, which first gets the newest known value."""
         self.subscribers.append(subscriber)
         if self._newest is not None:
             subscriber.offer(self._newest)
 
     def lose(self, why: str) -> None:
-        """Its maker has gone: who is not patient is told, and what was the newest is so no more."""
+        """Note that the publisher has gone: end the subscribers that do not wait, and forget the newest value."""
         self._newest = None
         for subscriber in self.subscribers:
             if not subscriber.is_patient:
@@ -102,10 +102,10 @@ class StreamSource:
 
 
 def source_key(agent: str, key: str) -> str:
-    """The key of the stream that a subscriber means.
+    """Return the key of a subscriber's stream.
 
     Raises:
-        Refused: It names none or two, or what can be no source.
+        Refused: It names none or two, or one that is not valid.
     """
     if bool(agent) == bool(key):
         raise Refused('name a source, and one only: "agent": "sonar@happy", or "key": "happy/odom"')
@@ -125,7 +125,7 @@ def source_key(agent: str, key: str) -> str:
 
 
 def token_of(key: str) -> str:
-    """The token that is there while the maker of a stream lives: an agent's, or that of a robot's gateway."""
+    """Return the liveliness token of a stream's publisher: an agent or a robot's gateway."""
     try:
         return AgentName.of_key(key).alive_key
     except NameNotValid:
@@ -133,6 +133,6 @@ def token_of(key: str) -> str:
 
 
 def maker_of(token: str) -> str:
-    """Who shows a token, in words."""
+    """Return the owner of a token, as text."""
     robot, suffix = keys.split(token)
     return f"the gateway of {robot}" if suffix == keys.ALIVE.suffix else str(AgentName.of_key(token))

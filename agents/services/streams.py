@@ -1,4 +1,4 @@
-"""Which streams of a robot are to be steady, and how all that are watched are doing. No bus, no clock.
+"""The steady streams of a robot, and the state of those that are watched. No bus, no clock.
 
 Watched is what flows by itself as long as its element works: odometry, sonar, scans, bumpers, battery and state, and
 the results of the agents of these elements. Not watched are streams that rest when nothing happens (ptz, arm,
@@ -20,7 +20,7 @@ Tell = Callable[[object, str, Level], None]
 
 
 def steady_streams(robot: str, description: Mapping[str, Any]) -> dict[str, float | None]:
-    """The keys of what flows steadily on a robot, from its description, each with its rate in Hz if that is told."""
+    """Return the keys of a robot's steady streams by its description, each with its rate in Hz if it is known."""
     found: dict[str, float | None] = {}
     elements = description.get("elements")
     for element in elements if isinstance(elements, list) else []:
@@ -37,7 +37,7 @@ def steady_streams(robot: str, description: Mapping[str, Any]) -> dict[str, floa
 
 
 class StreamPulses:
-    """The pulses of all streams that are watched, by their keys."""
+    """The pulses of all watched streams, by their keys."""
 
     def __init__(self, tell: Tell) -> None:
         self._tell = tell
@@ -45,25 +45,25 @@ class StreamPulses:
 
     @property
     def keys(self) -> list[str]:
-        """What is watched."""
+        """The watched keys."""
         return list(self._pulses)
 
     def watch(self, key: str, now: float, declared: float | None = None) -> None:
-        """Begin to watch a stream; `declared` is its rate in Hz, if that is known."""
+        """Start watching a stream; `declared` is its rate in Hz, if it is known."""
         self._pulses.setdefault(key, Pulse(now, declared))
 
     def ignore(self, key: str) -> None:
-        """Watch a stream no more."""
+        """Stop watching a stream."""
         self._pulses.pop(key, None)
 
     def beat(self, key: str, now: float) -> None:
-        """A sample has come; on any thread."""
+        """Count a sample; on any thread."""
         pulse = self._pulses.get(key)
         if pulse is not None:
             pulse.beat(now)
 
     def judge(self, now: float, is_excused: Callable[[str], bool]) -> None:
-        """Look at all, and tell what has changed; those that are excused have a reason to be silent."""
+        """Update all states, and report changes; streams that are excused have a reason to be silent."""
         for key, pulse in self._pulses.items():
             if is_excused(key):
                 pulse.excuse(now)
@@ -73,7 +73,7 @@ class StreamPulses:
                 self._tell(_maker(key), _sentence(key, pulse, now), _level(pulse))
 
     def standings(self, now: float, robot: str | None = None) -> list[Standing]:
-        """How each is doing, or each of one robot."""
+        """Return the state of each, or of each one of a robot."""
         return [
             Standing(
                 key,
@@ -90,7 +90,7 @@ LEVELS = {Beat.SLOW: Level.WARNING, Beat.SILENT: Level.ERROR}  # all else is wel
 
 
 def _maker(key: str) -> str:
-    """Whose stream it is: an agent or a robot."""
+    """Return the publisher of a stream: an agent or a robot."""
     robot, suffix = keys.split(key)
     return str(AgentName.of_key(key)) if suffix.startswith("agents/") else robot
 

@@ -1,12 +1,12 @@
-"""The agent from which an application gets a component's data at its own rate, filtered, on change.
+"""The subscription service: a component's data at the rate of the application, filtered, on change.
 
     async with agent.subscribe("subscription@acromovi", "data", agent="sonar@happy", rate=2.0) as values:
         async for value in values:
             ...
 
-Who subscribes to the same source shares one subscription on the bus. A source that is not there is refused, and one
-that goes ends the subscription with a failure, unless the subscriber says `wait`: then it waits for the source, and
-after that for its return.
+Subscribers to the same source share one subscription on the bus. A source that is not present is refused, and one that
+disappears ends the subscription with a failure, unless the subscriber sets `wait`: then it waits for the source and for
+its return.
 """
 
 import asyncio
@@ -28,7 +28,7 @@ KEEP = 16  # messages of a source that wait while one is being dealt with
 
 
 class SubscriptionService(Agent):
-    """Tells applications what components publish."""
+    """Sends applications what components publish."""
 
     services: ClassVar[tuple[str, ...]] = ("subscription",)
 
@@ -39,7 +39,7 @@ class SubscriptionService(Agent):
         self._watching: list[Held] = []
 
     async def setup(self) -> None:
-        """Learn who is there."""
+        """Watch the sources."""
         loop = asyncio.get_running_loop()
 
         def on_bus_thread(key: str, is_alive: bool) -> None:
@@ -49,7 +49,7 @@ class SubscriptionService(Agent):
         await asyncio.sleep(MEETING_TIME)
 
     async def take_down(self) -> None:
-        """Listen no more."""
+        """End all subscriptions."""
         for held in self._watching:
             held.close()
         for source in self._sources.values():
@@ -128,10 +128,10 @@ class SubscriptionService(Agent):
 
 
 def read(rate: Any, fields: Any, on_change: Any, where: Any) -> Selection:
-    """What a subscriber wants.
+    """Return the selection of a subscriber.
 
     Raises:
-        Refused: It cannot be given.
+        Refused: It is not valid.
     """
     try:
         return Selection.read(rate, fields, on_change, where)

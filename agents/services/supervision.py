@@ -1,9 +1,10 @@
-"""Brings back what has failed: agents by the container where they lived, containers that are frozen by their host.
+"""Restarts what has failed: agents by their container, frozen containers by their host.
 
-Who does what: an agent that fails while its container lives is started again here, by the rules of `restarts`. A
-container whose process has ended is started again by the host (`acromovi up`), which sees that itself. A container that
-is frozen has a process, and yet nobody hears of it: here the host is asked to start it anew. What was stopped on
-purpose is left alone, since only a container's word that an agent has failed makes this begin.
+An agent that fails while its container runs is restarted here, by the rules of `restarts`. A container whose process
+has ended is restarted by the host (`acromovi up`), which notices it itself. A container that is frozen has a process
+but does
+not answer: the host is requested to restart it. An agent that was stopped on purpose is not restarted, since only a
+container's report of a failure starts this.
 """
 
 import asyncio
@@ -14,7 +15,7 @@ from typing import Any
 
 from agents.platform import AgentName, OneShot
 from agents.platform.behaviours import Behaviour
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ContainerName
 from agents.services.events import Level
@@ -24,16 +25,16 @@ from agents.services.streams import Tell
 from agents.services.watching import Named
 from bus import BusError, NoAnswer, Refused, TimedOut
 
-FROZEN_AFTER = 1.0  # s without its token after which a container is asked about
-START_TIME = 35.0  # s for a container to start an agent; its own patience with a setup is 30 s
+FROZEN_AFTER = 1.0  # s without its token after which the host is queried about a container
+START_TIME = 35.0  # s for a container to start an agent; its own limit for a setup is 30 s
 ANSWER_TIME = 2.0  # s for anything else
-RUNNING = "running"  # the state of a process in what a host says
+RUNNING = "running"  # the state of a process in the host's answer
 
 Ask = Callable[[str, Mapping[str, Any], float], Awaitable[dict[str, Any]]]
 
 
 class Supervision:
-    """Looks after agents that failed and containers that are gone. All of it happens in the monitor's event loop."""
+    """Restarts failed agents and frozen containers, in the monitor's event loop."""
 
     def __init__(
         self,
@@ -44,15 +45,15 @@ class Supervision:
         tell: Tell,
         do: Callable[[Behaviour], object],
     ) -> None:
-        """Begin with nothing to do.
+        """Start without tasks.
 
         Args:
-            team: Whose host it asks.
-            rules: When agents are started again.
-            is_there: Whether an agent or a container is there at this moment.
-            ask: Queries a key of the bus, with patience in s.
-            tell: Told what is done about what.
-            do: Begins a behaviour.
+            team: The team of the host.
+            rules: When agents are restarted.
+            is_there: Returns whether an agent or a container is present.
+            ask: Queries a key of the bus, with a timeout in s.
+            tell: Called with each action and its subject.
+            do: Starts a behaviour.
         """
         self.restarts = Restarts(rules)
         self._team = team
@@ -65,19 +66,19 @@ class Supervision:
 
     @property
     def under_way(self) -> list[str]:
-        """Whom it is looking after."""
+        """The agents and containers that are being restarted."""
         return sorted(map(str, self._under_way))
 
     def container_came(self, container: ContainerName) -> None:
-        """Ask a container for its process, so that it can be told from its successor."""
+        """Query a container's process, so that it can be distinguished from its successor."""
         self._do(OneShot(lambda: self._get_to_know(container), f"get to know {container}"))
 
     def container_gone(self, container: ContainerName) -> None:
-        """See whether a container whose token has gone is frozen."""
+        """Check whether a container whose token has disappeared is frozen."""
         self._begin(container, lambda: self._look_after(container))
 
     def agent_failed(self, agent: AgentName, container: ContainerName, report: Mapping[str, Any]) -> None:
-        """A container has said that one of its agents has failed, or has not begun, and what it was."""
+        """Take a container's report that one of its agents has failed or was not set up."""
         match report:
             case {"ended": AgentEnd.NOT_SET_UP} if agent.platform != self._team:
                 return  # whoever started it is told; only the team's own agents are started by nobody who would hear it
@@ -106,7 +107,7 @@ class Supervision:
             self._tell(agent, f"{what}; attempt {attempt} to start it again in {pause:.2g} s", Level.WARNING)
             await asyncio.sleep(pause)
             if self._is_there(agent):
-                return  # someone else was faster
+                return  # another program was faster
             self.restarts.attempted(agent, now())
             try:
                 await self._ask(container.control_key, order, START_TIME)
@@ -141,7 +142,7 @@ class Supervision:
                 return  # started by hand, and so for that hand to start again
             if row.get("state") == RUNNING and known is not None and row.get("pid") == known:
                 if is_back:
-                    return  # it was out of reach for a moment
+                    return  # it was disconnected for a moment
                 await self._ask(host, {"do": "restart", "container": container.name}, ANSWER_TIME)
                 what = f"the container {container} is frozen (process {known}), and its host starts it anew"
             else:
@@ -153,11 +154,11 @@ class Supervision:
         except TimedOut:
             self._tell(container, f"the host of {self._team} does not answer; see to {container} by hand", Level.ERROR)
         except (NoAnswer, TimeoutError):
-            return  # nobody hosts: everything was started by hand
+            return  # there is no host: everything was started by hand
 
 
 def _advice(order: Mapping[str, Any], container: ContainerName) -> str:
-    """The command that starts an agent again."""
+    """Return the command that restarts an agent."""
     properties = order["properties"]
     if order["kind"] == APPLICATION:
         place = "loader" if "loader" in properties else container
@@ -167,12 +168,12 @@ def _advice(order: Mapping[str, Any], container: ContainerName) -> str:
 
 
 def _ending(why: object) -> str:
-    """How a process has ended, as a host says it, in a sentence about it."""
+    """Return how a process has ended, by its host, as a part of a sentence."""
     return why if isinstance(why, str) and why.startswith("ended ") else f"ended ({why or 'nobody knows why'})"
 
 
 def _row_of(container: ContainerName, status: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """What a host says of the process of one container."""
+    """Return the host's row about the process of one container."""
     rows = status.get("processes")
     listed = rows if isinstance(rows, list) else []
     return next((row for row in listed if isinstance(row, dict) and row.get("container") == container.name), None)

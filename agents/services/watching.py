@@ -1,6 +1,6 @@
-"""Who is there and how they are: robots, containers and agents, and what is told as they come, go and complain.
+"""The state of a team: its robots, containers and agents, and the events when they appear, disappear or report errors.
 
-No bus, no clock: the monitor tells it what it hears.
+No bus, no clock: the monitor passes on what it receives.
 """
 
 from collections import Counter, defaultdict, deque
@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from agents.platform import AgentName, NameNotValid
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.platform.names import PASSER_BY, ContainerName
 from agents.services.diagnostics import Standing
 from agents.services.events import Level
@@ -24,7 +24,7 @@ ON_PURPOSE = frozenset({AgentEnd.STOPPED, AgentEnd.CLOSED, AgentEnd.MOVED})
 
 @dataclass(frozen=True, slots=True)
 class ElementName:
-    """An element of a robot: its laser."""
+    """The name of an element of a robot, such as its laser."""
 
     element: str
     robot: str
@@ -32,7 +32,7 @@ class ElementName:
 
 @dataclass(frozen=True, slots=True)
 class RobotName:
-    """A robot, by its gateway."""
+    """The name of a robot."""
 
     robot: str
 
@@ -41,14 +41,14 @@ Named = AgentName | ContainerName | ElementName | RobotName
 
 
 class Watching:
-    """What is known of a team at this moment.
+    """The present knowledge of a team.
 
-    robots: from the names of those whose gateways live to their states, None until one was heard.
-    streams: how what should flow flows.
+    robots: states by name, for robots with a gateway; None until a state was received.
+    streams: the states of the steady streams.
     """
 
     def __init__(self, tell: Tell) -> None:
-        """Know nothing yet; `tell` is called with each piece of news."""
+        """Start without knowledge; `tell` is called with each event."""
         self.robots: dict[str, RobotState | None] = {}
         self.streams = StreamPulses(tell)
         self._tell = tell
@@ -59,20 +59,20 @@ class Watching:
 
     @property
     def agents(self) -> list[AgentName]:
-        """Those that live."""
+        """Those that are present."""
         return sorted(name for name in self._present if isinstance(name, AgentName))
 
     @property
     def containers(self) -> list[ContainerName]:
-        """Those that live."""
+        """Those that are present."""
         return sorted(name for name in self._present if isinstance(name, ContainerName))
 
     def is_there(self, name: Named) -> bool:
-        """Whether an agent, a container or an element is there."""
+        """Return whether an agent, a container or an element is present."""
         return name in self._present
 
     def changed(self, tokens: Iterable[tuple[str, bool]], is_beginning: bool = False) -> list[tuple[Named, bool]]:
-        """Tokens have come and gone at the same time; returns what is new by that.
+        """Take tokens that have appeared and disappeared at the same time; return the changes.
 
         In the beginning those who are there are not told of one by one: they have not just come.
         """
@@ -92,7 +92,7 @@ class Watching:
         return news
 
     def ended(self, who: AgentName | ContainerName, how: str) -> None:
-        """A container has said that it, or one of its agents, ends, and how: stopped, closed, moved, failed."""
+        """Take a container's report that it, or one of its agents, ends: stopped, closed, moved or failed."""
         if how not in ON_PURPOSE:
             return
         if who in self._missed:  # its token was faster
@@ -104,11 +104,11 @@ class Watching:
             self._closing.add(who)
 
     def complained(self, agent: str, what: str, error: object) -> None:
-        """A container has said that something goes wrong with one of its agents."""
+        """Take a container's report of an error of one of its agents."""
         self._tell(agent, f"{agent}: {what}" + (f" ({error})" if error else ""), Level.WARNING)
 
     def state(self, robot: str, state: RobotState) -> None:
-        """A robot has said how it is."""
+        """Take the state of a robot."""
         if robot not in self.robots:
             return  # its gateway has gone meanwhile, or is a stranger's
         before, self.robots[robot] = self.robots[robot], state
@@ -120,7 +120,7 @@ class Watching:
             self._tell(robot, f"{robot}: all is well again", Level.OK)
 
     def diagnosed(self, array: DiagnosticArray) -> None:
-        """A gateway has said how its cables and elements are; what concerns the robot as a whole is in its state."""
+        """Take a gateway's diagnostics of cables and elements; the robot as a whole is in its state."""
         for status in array.status:
             if status.name.endswith(": robot"):
                 continue
@@ -134,11 +134,11 @@ class Watching:
                 self._tell(about, f"{status.name}: {status.message}", _LEVELS.get(status.level, Level.ERROR))
 
     def judge(self, now: float) -> None:
-        """Look at all streams; to be done every now and then."""
+        """Update the states of all streams, periodically."""
         self.streams.judge(now, self._is_excused)
 
     def standings(self, now: float, robot: str | None = None) -> list[Standing]:
-        """How all robots, containers and streams are, or those of one robot."""
+        """Return the states of all robots, containers and streams, or of those of one robot."""
         population = Counter(name.platform for name in self._present if isinstance(name, AgentName))
         robots = [_robot_standing(name, state) for name, state in sorted(self.robots.items()) if robot in (None, name)]
         containers = [
@@ -149,14 +149,14 @@ class Watching:
         return [*robots, *containers, *self.streams.standings(now, robot)]
 
     def population(self) -> str:
-        """How many are there, in words."""
+        """Return the numbers of robots, containers and agents, as text."""
         names = ", ".join(sorted(self.robots))
         robots = f"{_counted(len(self.robots), 'robot')} ({names})" if names else "no robots"
         containers, agents = _counted(len(self.containers), "container"), _counted(len(self.agents), "agent")
         return f"{robots}, {containers} and {agents}"
 
     def _enter(self, name: Named, is_alive: bool) -> bool:
-        """Note who came or went; whether that is news."""
+        """Note who appeared or disappeared; return whether that is new."""
         if isinstance(name, RobotName):
             return self._enter_robot(name.robot, is_alive)
         if (name in self._present) == is_alive:
@@ -196,7 +196,7 @@ class Watching:
             self._tell(container, f"the container {container} has {_MOVED[is_alive]}", level)
 
     def _was_closing(self, name: Named) -> bool:
-        """Whether one that has gone was to go."""
+        """Return whether one that has gone was stopped on purpose."""
         if name in self._closing:
             self._closing.remove(name)
             return True
@@ -210,7 +210,7 @@ class Watching:
             self._tell(name.robot, f"{name.robot} has lost its {name.element}", Level.WARNING)
 
     def _is_excused(self, key: str) -> bool:
-        """Whether a stream has a reason to be silent, which has been told already."""
+        """Return whether a stream has a known reason to be silent."""
         robot, suffix = keys.split(key)
         state = self.robots.get(robot)
         if state is None or state.connection != CONNECTED:
@@ -244,7 +244,7 @@ def _robot_standing(robot: str, state: RobotState | None) -> Standing:
 
 
 def _named(key: str) -> Named | None:
-    """Whose token it is; None for a stranger's, and for those who only put one question."""
+    """Return the owner of a token; None for foreign tokens, and for agents that live for one query."""
     try:
         match key.split("/"):
             case [_, "agents" | "containers", name, "alive"] if name.startswith(PASSER_BY):

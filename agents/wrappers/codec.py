@@ -1,4 +1,4 @@
-"""Languages of programs, without port and clock: bytes of a request out, events of what comes back in."""
+"""Protocols of programs, without port and clock: they encode requests and decode events."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -7,26 +7,26 @@ from typing import Any
 
 
 class NonsenseHeard(ValueError):
-    """What the program says is not its language; the conversation with it has to begin anew."""
+    """The output of the program does not follow its protocol; it has to be restarted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The request under way is done; bytes may stand among the values."""
+    """The request under way is done; values may be bytes."""
 
     value: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class RequestFailed:
-    """The program says no to the request under way."""
+    """The program refuses the request under way."""
 
     why: str
 
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """The program has said something of its own accord."""
+    """The program has sent a result without a request."""
 
     value: dict[str, Any]
 
@@ -35,24 +35,24 @@ Event = Answered | RequestFailed | Told
 
 
 class ProgramCodec(ABC):
-    """One conversation with a program. One request is under way at a time."""
+    """The protocol of one run of a program. One request is under way at a time."""
 
     @abstractmethod
     def ask(self, name: str, arguments: Mapping[str, Any]) -> bytes:
-        """Begin a request, and give the bytes that say it.
+        """Begin a request, and return its bytes.
 
         Raises:
-            ValueError: The arguments cannot be said in this language; the message says why.
+            ValueError: The arguments cannot be encoded; the message says why.
         """
 
     @abstractmethod
     def receive(self, data: bytes) -> list[Event]:
-        """Take what the program said, in any portions.
+        """Take output of the program, in any portions.
 
         Raises:
-            NonsenseHeard: It is not its language.
+            NonsenseHeard: It does not follow the protocol.
         """
 
     def wants_answer(self, name: str) -> bool:
-        """Whether an answer is to be waited for."""
+        """Whether the request under way has an answer."""
         return True

@@ -1,4 +1,4 @@
-"""What agent and library process say to each other: a line of JSON, then the bytes that JSON cannot hold.
+"""The protocol between an agent and its library process: a line of JSON, then the bytes that JSON cannot hold.
 
 `{"function": name, "arguments": {…}, "blobs": {"image": 19200}}` and 19200 bytes out; `{"answer": {…}, "blobs": {…}}`
 or `{"error": why}` back.
@@ -14,24 +14,24 @@ LARGEST = 64 * 1024 * 1024  # bytes of one frame; a picture of 4000 by 4000 in c
 
 
 def call(function: str, arguments: Mapping[str, Any]) -> bytes:
-    """The frame that calls a function."""
+    """Return the frame that calls a function."""
     plain, blobs = _parted(arguments)
     return _packed({"function": function, "arguments": plain}, blobs)
 
 
 def answer(values: Mapping[str, Any]) -> bytes:
-    """The frame that tells what came of it."""
+    """Return the frame with the result."""
     plain, blobs = _parted(values)
     return _packed({"answer": plain}, blobs)
 
 
 def error(why: str) -> bytes:
-    """The frame that tells that nothing came of it."""
+    """Return the frame with an error."""
     return _packed({"error": why}, {})
 
 
 def _parted(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """What JSON can hold, and what it cannot."""
+    """Return the values for JSON, and the bytes."""
     blobs = {key: value for key, value in values.items() if isinstance(value, bytes)}
     return {key: value for key, value in values.items() if key not in blobs}, blobs
 
@@ -42,7 +42,7 @@ def _packed(head: Mapping[str, Any], blobs: Mapping[str, bytes]) -> bytes:
 
 
 class FrameSplitter:
-    """Portions of bytes in, whole frames out: the line's object, and the bytes by name."""
+    """Splits portions of bytes into frames: the line's object, and the bytes by name."""
 
     def __init__(self) -> None:
         self._heard = bytearray()
@@ -89,11 +89,11 @@ class FramesCodec(ProgramCodec):
         self._splitter = FrameSplitter()
 
     def ask(self, name: str, arguments: Mapping[str, Any]) -> bytes:
-        """One call."""
+        """Encode one call."""
         return call(name, arguments)
 
     def receive(self, data: bytes) -> list[Event]:
-        """What came of calls."""
+        """Decode the results of calls."""
         return [_event(head, blobs) for head, blobs in self._splitter.receive(data)]
 
 

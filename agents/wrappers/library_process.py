@@ -1,7 +1,7 @@
 """A process that calls the functions of a C library for an agent: `python -m agents.wrappers.library_process FILE`.
 
-It is a process of its own because a fault in C ends the process in which it happens. It hears calls on its standard
-input and answers on its standard output (`frames`), and ends when its input does.
+It is a process of its own because a fault in C ends the process. It reads calls from its standard input, writes answers
+to its standard output (`frames`), and ends with its input.
 """
 
 import ctypes
@@ -31,13 +31,13 @@ TYPES = {**NUMBERS, "text": ctypes.c_char_p, "bytes": ctypes.c_char_p, "out": ct
 PORTION = 1 << 20
 
 
-def library_path(file: str, beside: Path) -> str:
-    """Where a library is: a path with a slash is relative to the wrapper's file."""
+def _library_path(file: str, beside: Path) -> str:
+    """Return the path of a library: a path with a slash is relative to the wrapper's file."""
     return str(beside.parent / file) if "/" in file else file
 
 
-class CFunction:
-    """One function, as its row describes it.
+class _CFunction:
+    """One function by its row.
 
     Raises:
         ValueError: The library has no such function, or the row does not describe it; the message says why.
@@ -115,7 +115,7 @@ def _size(argument: FunctionArgument, given: Mapping[str, Any]) -> int:
     return size
 
 
-def functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]]:
+def _functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]]:
     """Load the library of a wrapper's file.
 
     Raises:
@@ -125,16 +125,16 @@ def functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str,
     wrapper, path = load_wrapper(file)
     if wrapper.library is None:
         raise ValueError(f"{file} has no [library]")
-    library = ctypes.CDLL(library_path(wrapper.library.file, path))
-    return {row.name: CFunction(library, row).call for row in wrapper.functions}
+    library = ctypes.CDLL(_library_path(wrapper.library.file, path))
+    return {row.name: _CFunction(library, row).call for row in wrapper.functions}
 
 
 def main(file: str) -> int:
     """Answer calls until the input ends."""
     calls, answers = sys.stdin.fileno(), os.dup(sys.stdout.fileno())
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what the library prints must not get among the answers
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of the library must not mix with the answers
     try:
-        functions = functions_of(file)
+        functions = _functions_of(file)
     except (ValueError, OSError) as err:
         print(err, file=sys.stderr)
         return 1

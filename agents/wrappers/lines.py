@@ -1,4 +1,4 @@
-"""Programs that talk in lines of text, as people do with them; and those that talk in JSON, one object a line."""
+"""Protocols of lines: text for programs that people use as well, or one JSON object a line."""
 
 import json
 import math
@@ -14,7 +14,7 @@ LONGEST_LINE = 64 * 1024  # bytes
 
 
 class _Splitter:
-    """Portions of bytes in, whole lines out."""
+    """Splits portions of bytes into lines."""
 
     def __init__(self) -> None:
         self._rest = b""
@@ -27,7 +27,7 @@ class _Splitter:
 
 
 class LinesCodec(ProgramCodec):
-    """What is said and what it means is in the wrapper's file."""
+    """Lines of text, which the wrapper's file defines."""
 
     def __init__(self, requests: Sequence[RequestRow], results: Sequence[ResultRow]) -> None:
         self._requests = {row.name: row for row in requests}
@@ -46,11 +46,11 @@ class LinesCodec(ProgramCodec):
         return said.encode() + b"\n"
 
     def receive(self, data: bytes) -> list[Event]:
-        """Judge each line: an answer, a no, a result; others are chatter."""
+        """Decode each line: an answer, a refusal or a result; others are ignored."""
         return [event for line in self._splitter.lines(data) if (event := self._judged(line)) is not None]
 
     def wants_answer(self, name: str) -> bool:
-        """Only where the file says what an answer looks like."""
+        """Whether the file defines an answer."""
         return bool(self._requests[name].answer)
 
     def _judged(self, line: str) -> Event | None:
@@ -76,14 +76,14 @@ class JsonLinesCodec(ProgramCodec):
         self._is_under_way = False
 
     def ask(self, name: str, arguments: Mapping[str, Any]) -> bytes:
-        """One object on one line."""
+        """Encode one object on one line."""
         if "request" in arguments:
             raise ValueError("an argument cannot be called 'request' in this language; call it otherwise")
         self._is_under_way = True
         return json.dumps({"request": name, **arguments}).encode() + b"\n"
 
     def receive(self, data: bytes) -> list[Event]:
-        """Judge each object."""
+        """Decode each object."""
         return [event for line in self._splitter.lines(data) if line and (event := self._judged(line)) is not None]
 
     def _judged(self, line: str) -> Event | None:
@@ -107,7 +107,7 @@ def _said(value: Any) -> str:
 
 
 def _values(found: re.Match[str]) -> dict[str, Any]:
-    """Named groups, as numbers where they are written like numbers."""
+    """Return the named groups, as numbers where they are written like numbers."""
     return {name: _value(text) for name, text in found.groupdict().items() if text is not None}
 
 

@@ -1,4 +1,4 @@
-"""A program at work for an agent: started, spoken to over its standard streams or TCP, and ended with the agent."""
+"""A program that works for an agent: started with it, used over standard streams or TCP, and ended with it."""
 
 import asyncio
 import contextlib
@@ -23,11 +23,11 @@ _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux's prctl
 
 
 class ProgramEnded(Exception):
-    """The program is not there any more, or cannot be spoken to; in one sentence."""
+    """The program has ended, or cannot be reached."""
 
 
 class NotAnswered(Exception):
-    """The program says no, or has not answered; in one sentence."""
+    """The program refuses, or has not answered."""
 
 
 class ProgramRun:
@@ -41,14 +41,14 @@ class ProgramRun:
         codec: ProgramCodec,
         on_told: Callable[[dict[str, Any]], None],
     ) -> None:
-        """Make ready.
+        """Prepare a run.
 
         Args:
-            command: What to start; nothing where the server is somebody else's.
-            folder: Where it is started.
-            address: HOST:PORT, or nothing for standard streams.
-            codec: Its language; fresh for each run.
-            on_told: Hears what it says of its own accord.
+            command: What to start; empty for a server that runs already.
+            folder: Its working folder.
+            address: HOST:PORT, or empty for standard streams.
+            codec: Its protocol; new for each run.
+            on_told: Called with results without a request.
         """
         self._command = command
         self._folder = folder
@@ -65,11 +65,11 @@ class ProgramRun:
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Its name, for messages."""
         return Path(self._command[0]).name if self._command else self._address
 
     async def start(self, within: float) -> None:
-        """Start it and reach it.
+        """Start it and connect to it.
 
         Args:
             within: s, for both.
@@ -89,7 +89,7 @@ class ProgramRun:
             raise
 
     async def run(self) -> None:
-        """Hear it until it ends.
+        """Read its output until it ends.
 
         Raises:
             ProgramEnded: It has; always.
@@ -101,19 +101,18 @@ class ProgramRun:
         raise self._lost(await self._how_it_ended())
 
     async def ask(self, name: str, arguments: Mapping[str, Any], within: float) -> dict[str, Any]:
-        """Put one request, after those that came before it.
+        """Send one request, after earlier ones.
 
-        A caller who is cancelled leaves the request to come to its end, since an answer that nobody fetched would be
-        taken for that of the next one.
+        A cancelled call leaves the request to its end, since its answer would be taken for that of the next one.
 
         Raises:
-            NotAnswered: It says no, or the arguments cannot be said in its language.
+            NotAnswered: It refuses, or the arguments cannot be encoded.
             ProgramEnded: It ended meanwhile, or has not answered in time.
         """
         return await asyncio.shield(asyncio.ensure_future(self._ask(name, arguments, within)))
 
     async def end(self) -> None:
-        """Let go of it; what was started here ends."""
+        """Disconnect from it; a process that was started here ends."""
         if self._writer is not None:
             self._writer.close()
         if self._process is not None and self._process.returncode is None:
@@ -173,7 +172,7 @@ class ProgramRun:
             self._on_told(event.value)
         elif self._answer is not None and not self._answer.done():
             self._answer.set_result(event)
-        # An answer to nothing is not worth more than a missing one.
+        # An answer without a request is ignored.
 
     async def _ask(self, name: str, arguments: Mapping[str, Any], within: float) -> dict[str, Any]:
         async with self._turn:
@@ -194,7 +193,7 @@ class ProgramRun:
             except ConnectionError as error:
                 raise ProgramEnded(f"{self.name} does not listen any more") from error
             except TimeoutError as error:
-                # Its answer may still come, and would be taken for that of the next request: begin anew.
+                # Its answer may still come, and would be taken for that of the next request: restart.
                 self._writer.close()
                 raise ProgramEnded(f"{self.name} has not answered {name} within {within:g} s") from error
             finally:
@@ -204,7 +203,7 @@ class ProgramRun:
             return answer.value
 
     def _lost(self, why: str) -> ProgramEnded:
-        """Whoever waits for an answer is told as well."""
+        """Report the end, also to calls that wait for an answer."""
         error = ProgramEnded(why)
         if self._answer is not None and not self._answer.done():
             self._answer.set_exception(error)
@@ -241,7 +240,7 @@ _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
 def _die_with(parent: int) -> None:
-    """Have Linux end this program with the one that started it, even if that one is killed."""
+    """Let Linux end this program with the one that started it, even if that one is killed."""
     assert _LIBC is not None
     _LIBC.prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
     if os.getppid() != parent:  # it was gone before the line above

@@ -1,4 +1,4 @@
-"""An agent made of a program or a library, as a file says: requests go to it, what it tells becomes results."""
+"""An agent for a program or a library by a wrapper file: it passes on requests, and publishes results."""
 
 import asyncio
 import base64
@@ -18,11 +18,11 @@ from agents.wrappers import acts
 from agents.wrappers.codec import ProgramCodec
 from agents.wrappers.frames import FramesCodec
 from agents.wrappers.lines import JsonLinesCodec, LinesCodec
-from agents.wrappers.pictures import compressed, pixels
 from agents.wrappers.program import NotAnswered, ProgramEnded, ProgramRun
 from agents.wrappers.wrapper_file import (
     ArgumentKind,
     Codec,
+    Colours,
     FunctionArgument,
     FunctionRow,
     PictureRow,
@@ -32,14 +32,11 @@ from agents.wrappers.wrapper_file import (
 from bus import Refused
 from bus.messages import CompressedImage, stamp_ns
 from configs import ConfigError
+from configs.extras import missing, needs
 
-KINDS: Mapping[ArgumentKind, type] = {
-    ArgumentKind.NUMBER: float,
-    ArgumentKind.INTEGER: int,
-    ArgumentKind.TEXT: str,
-    ArgumentKind.BOOLEAN: bool,
-    ArgumentKind.BYTES: str,
-}
+QUALITY = 90  # of JPEG, percent
+
+
 C_KINDS = {
     "float": ArgumentKind.NUMBER,
     "double": ArgumentKind.NUMBER,
@@ -52,18 +49,17 @@ IMAGE = "image/compressed"
 
 
 class Wrapped(Agent):
-    """Lives as long as its container wants; its program is started with it, ended with it, and started again when it
-    ends by itself. While it is not there, requests are refused."""
+    """Starts and ends a program with itself, and restarts it when it ends by itself. Otherwise requests are refused."""
 
     def __init__(self, name: AgentName | str, wrapper: WrapperFile, file: Path) -> None:
-        """Make it ready.
+        """Prepare it.
 
         Args:
             name: The agent's.
-            wrapper: What the file says.
-            file: Where it is; paths in it are relative to its folder.
+            wrapper: The contents of the file.
+            file: Its path; paths in it are relative to its folder.
         Raises:
-            ConfigError: The file asks for something that its language has not.
+            ConfigError: The file demands something that its protocol does not have.
         """
         super().__init__(name, {"about": wrapper.about, "wrapper": file.stem})
         self._wrapper = wrapper
@@ -75,19 +71,19 @@ class Wrapped(Agent):
 
     @property
     def image_key(self) -> str:
-        """Where the pictures appear that a function made."""
+        """The key of the pictures that a function makes."""
         return f"{self.name.platform}/agents/{self.name.local}/{IMAGE}"
 
     def describe(self) -> dict[str, Any]:
-        """Its services are the file's."""
+        """Return the description with the services of the file."""
         return {**super().describe(), "services": list(self._wrapper.services)}
 
     async def setup(self) -> None:
-        """Start the program; where that fails, it is tried again later, and requests are refused until then."""
+        """Start the program; after a failure this is repeated, and requests are refused until then."""
         for row in self._wrapper.requests:
             self.answer(row.name, self._handler(row), agrees_itself=True)
         for function in self._wrapper.functions:
-            self.answer(function.name, self._handler(as_request(function)), agrees_itself=True)
+            self.answer(function.name, self._handler(_as_request(function)), agrees_itself=True)
         self.add(OneShot(self._keep, "keep its program running"), AGAIN)
         await self._tried.wait()
         for result in self._wrapper.results:
@@ -102,7 +98,7 @@ class Wrapped(Agent):
             await self._program.end()
 
     async def ask(self, name: str, arguments: Mapping[str, Any], within: float) -> dict[str, Any]:
-        """Put a request to the program.
+        """Send a request to the program.
 
         Raises:
             NotAnswered, ProgramEnded: It was not done.
@@ -112,7 +108,7 @@ class Wrapped(Agent):
         return await self._program.ask(name, arguments, within)
 
     async def _keep(self) -> None:
-        """One run of the program."""
+        """Keep one run of the program."""
         part, library = self._wrapper.program, self._wrapper.library
         command = list(part.command) if part else [sys.executable, "-m", "agents.wrappers.library_process"]
         if library is not None:
@@ -120,7 +116,7 @@ class Wrapped(Agent):
         elif command and "/" in command[0]:
             command[0] = str(self._file.parent / command[0])
         program = ProgramRun(
-            command, self._file.parent, part.address if part else "", codec_of(self._wrapper), self._told
+            command, self._file.parent, part.address if part else "", _codec_of(self._wrapper), self._told
         )
         try:
             await program.start(part.ready_within_s if part else LIBRARY_READY_WITHIN)
@@ -139,7 +135,7 @@ class Wrapped(Agent):
         self.publish(_without_bytes(value))
 
     def _handler(self, row: RequestRow) -> Callable[..., Any]:
-        """A function that the platform can check arguments against."""
+        """Return a handler whose signature has the arguments of a request."""
 
         async def serve(**given: Any) -> dict[str, Any]:
             arguments = {**row.defaults, **given}
@@ -163,14 +159,14 @@ class Wrapped(Agent):
         return serve
 
     async def _poll(self, name: str) -> None:
-        """Ask for what is published; while the program is not there, there is nothing to tell."""
+        """Request what is published; nothing while the program does not run."""
         row = next(row for row in self._requests() if row.name == name)
         if self._program is not None:
             with contextlib.suppress(ProgramEnded):  # that is told by whoever keeps it running
                 self._told(await self.ask(name, row.defaults, row.within_s))
 
     def _requests(self) -> list[RequestRow]:
-        return [*self._wrapper.requests, *map(as_request, self._wrapper.functions)]
+        return [*self._wrapper.requests, *map(_as_request, self._wrapper.functions)]
 
     def _watch(self, row: PictureRow) -> None:
         function = next(each for each in self._wrapper.functions if each.name == row.function)
@@ -178,10 +174,10 @@ class Wrapped(Agent):
         async def look(message: CompressedImage) -> None:
             if self._program is None:
                 return
-            given = await asyncio.to_thread(pixels, bytes(message.data), row.colours)
+            given = await asyncio.to_thread(_pixels, bytes(message.data), row.colours)
             found = await self.ask(row.function, {**function.defaults, **given}, function.within_s)
             if row.out:
-                picture = await asyncio.to_thread(compressed, found.pop(row.out), given["width"], given["height"])
+                picture = await asyncio.to_thread(_compressed, found.pop(row.out), given["width"], given["height"])
                 data = np.frombuffer(picture, np.uint8)
                 self.bus.put(self.image_key, CompressedImage(message.header, format="jpeg", data=data))
             stamp = stamp_ns(message.header) * 1e-9
@@ -191,10 +187,10 @@ class Wrapped(Agent):
 
 
 def check(wrapper: WrapperFile, file: Path) -> None:
-    """See that the language has what the file asks for.
+    """Check that the protocol has what the file demands.
 
     Raises:
-        ConfigError: It has not.
+        ConfigError: It does not.
     """
     part = wrapper.program
     if part is None:
@@ -210,8 +206,8 @@ def check(wrapper: WrapperFile, file: Path) -> None:
         raise ConfigError(f"{file}: there is no version {part.version!r} of ACTS; there are {known}")
 
 
-def codec_of(wrapper: WrapperFile) -> ProgramCodec:
-    """The language of one run."""
+def _codec_of(wrapper: WrapperFile) -> ProgramCodec:
+    """Return the protocol for one run."""
     if wrapper.program is None:
         return FramesCodec()
     match wrapper.program.codec:
@@ -223,8 +219,8 @@ def codec_of(wrapper: WrapperFile) -> ProgramCodec:
             return LinesCodec(wrapper.requests, wrapper.results)
 
 
-def as_request(row: FunctionRow) -> RequestRow:
-    """A function as a request: what it writes is no argument of it."""
+def _as_request(row: FunctionRow) -> RequestRow:
+    """Return a function as a request: its outputs are no arguments."""
     takes = {each.name: _kind(each) for each in row.arguments if each.kind != "out"}
     return RequestRow(name=row.name, takes=takes, defaults=row.defaults, within_s=row.within_s)
 
@@ -241,5 +237,60 @@ def _bytes(name: str, value: str) -> bytes:
 
 
 def _without_bytes(value: Mapping[str, Any]) -> dict[str, Any]:
-    """As JSON can hold it: bytes become base64."""
+    """Return values for JSON: bytes become base64."""
     return {key: base64.b64encode(each).decode() if isinstance(each, bytes) else each for key, each in value.items()}
+
+
+class PicturesNotPossible(RuntimeError):
+    """OpenCV is missing, or these bytes are no picture."""
+
+
+def _pixels(picture: bytes, colours: Colours) -> dict[str, Any]:
+    """Return arguments for a function: `image` (bytes, row by row from the top left), `width` and `height` in pixels.
+
+    Raises:
+        PicturesNotPossible: OpenCV is missing, or these bytes are no picture.
+    """
+    cv2, numpy = _opencv()
+    how = cv2.IMREAD_GRAYSCALE if colours is Colours.GREY else cv2.IMREAD_COLOR
+    image = cv2.imdecode(numpy.frombuffer(picture, numpy.uint8), how) if picture else None
+    if image is None:
+        raise PicturesNotPossible(f"{len(picture)} bytes are no picture that OpenCV can read")
+    if colours is Colours.RGB:
+        image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+    return {"image": image.tobytes(), "width": image.shape[1], "height": image.shape[0]}
+
+
+def _compressed(image: bytes, width: int, height: int) -> bytes:
+    """Return a JPEG picture of pixels, grey or in colour by their number.
+
+    Raises:
+        PicturesNotPossible: OpenCV is missing, or there are not as many pixels as there should be.
+    """
+    cv2, numpy = _opencv()
+    channels = len(image) // (width * height) if width * height else 0
+    if channels not in (1, 3) or len(image) != width * height * channels:
+        raise PicturesNotPossible(f"{len(image)} bytes are no picture of {width} by {height}, grey or in colour")
+    array = numpy.frombuffer(image, numpy.uint8).reshape((height, width, channels))
+    if channels == 3:
+        array = cv2.cvtColor(array, cv2.COLOR_RGB2BGR)
+    _, coded = cv2.imencode(".jpg", array, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return bytes(coded)
+
+
+def _opencv() -> tuple[Any, Any]:
+    if missing("vision"):
+        raise PicturesNotPossible(needs("a wrapper with pictures", "vision"))
+    import cv2  # late: only wrappers with pictures need it
+    import numpy
+
+    return cv2, numpy
+
+
+KINDS: Mapping[ArgumentKind, type] = {
+    ArgumentKind.NUMBER: float,
+    ArgumentKind.INTEGER: int,
+    ArgumentKind.TEXT: str,
+    ArgumentKind.BOOLEAN: bool,
+    ArgumentKind.BYTES: str,
+}

@@ -1,1 +1,1 @@
-"""The container: the process that agents live in, what it gives them, and how it is controlled from outside."""
+"""The container: the process that hosts agents, its interface for them, and its control over the bus."""

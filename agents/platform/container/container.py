@@ -1,4 +1,4 @@
-"""Where agents live: one event loop, one participant on the bus, any number of agents."""
+"""The container: one event loop and one participant on the bus for any number of agents."""
 
 import asyncio
 import contextlib
@@ -13,8 +13,8 @@ from typing import Any, Self
 
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
+from agents.platform.container.context import AgentEnd
 from agents.platform.container.control import Control
-from agents.platform.container.ends import AgentEnd
 from agents.platform.conversations.askers import Askers
 from agents.platform.directory import check_free
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words
@@ -35,10 +35,10 @@ log = logging.getLogger("agents")
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Something went wrong with an agent.
+    """An error of an agent.
 
-    what: in one sentence.
-    error: what was raised, if anything was.
+    what: one sentence.
+    error: the exception, if there was one.
     """
 
     agent: AgentName
@@ -52,10 +52,10 @@ def log_report(report: Report) -> None:
 
 
 class Container:
-    """Hosts agents. What one of them does wrong is reported and hurts no other.
+    """Hosts agents. An error of one agent is reported and does not affect the others.
 
     All methods are for the event loop in which it was made. As a context manager it stops all its agents at the end.
-    It is seen on the bus, and can be controlled from there, from the beginning of its block or from the first start of
+    It is announced on the bus, and can be controlled from there, from the start of its block or from the first start of
     an agent until it is closed.
     """
 
@@ -72,13 +72,13 @@ class Container:
         """Make an empty one.
 
         Args:
-            bus: Where its agents hear and speak; stays open when the container is closed.
-            name: What tools call it, as no other on the bus; by default one that nobody else has.
-            report: Told of everything that goes wrong, beside whoever listens to the reports on the bus.
-            wall_time: s since 1970; only ever written into messages.
-            platform: The robot or team to which it belongs, under whose keys it is found; by default its name, or the
-                only one under which the bus lets it speak.
-            kinds: Which agents it may be told to start; by default those of the packages `agents` and `apps`.
+            bus: The bus of its agents; stays open when the container is closed.
+            name: Its name, unique on the bus; a unique one by default.
+            report: Called with each error, which is also published on the bus.
+            wall_time: Returns s since 1970; used in messages only.
+            platform: The robot or team to which it belongs, the first chunk of its keys; by default its name, or the
+                only one that the bus permits.
+            kinds: The agents that it can be told to start; by default those of the packages `agents` and `apps`.
         Raises:
             NameNotValid: Name or platform is not one chunk of a key.
             TypeError: `bus` is not a bus.
@@ -102,49 +102,49 @@ class Container:
 
     @property
     def bus(self) -> Bus:
-        """Where its agents hear and speak."""
+        """The bus of its agents."""
         return self._bus
 
     @property
     def name(self) -> str:
-        """What tools call it."""
+        """Its name."""
         return self._called.name
 
     @property
     def called(self) -> ContainerName:
-        """Its name with its platform, and its keys."""
+        """Its name and platform, and its keys."""
         return self._called
 
     @property
     def identity(self) -> str:
-        """What tells it from another container that has taken the same name."""
+        """A unique identifier, which differs from that of a container with the same name."""
         return self._control.identity
 
     @property
     def process(self) -> BusProgram:
-        """Where it runs, and since when."""
+        """Its process, host and start time."""
         return self._control.process
 
     @property
     def kinds(self) -> Kinds:
-        """Which agents it may be told to start."""
+        """The agents that it can be told to start."""
         return self._kinds
 
     @property
     def folders(self) -> Sequence[Path]:
-        """Where the programs of these lie."""
+        """The folders with the programs of these agents."""
         return self._kinds.folders
 
     @property
     def agents(self) -> list[Agent]:
-        """Those that live here, the eldest first."""
+        """Its agents, the oldest first."""
         return list(self._agents.values())
 
     def agent(self, name: AgentName | str) -> Agent:
-        """One that lives here.
+        """Return one of its agents.
 
         Raises:
-            UnknownAgent: It does not.
+            UnknownAgent: It has none of this name.
         """
         wanted = AgentName.parse(name) if isinstance(name, str) else name
         if wanted not in self._agents:
@@ -152,12 +152,12 @@ class Container:
         return self._agents[wanted]
 
     async def start(self, agent: Agent) -> bool:
-        """Let an agent live here; returns when it is active.
+        """Start an agent, and wait until it is active.
 
         Returns:
-            False when it is not, because its setup raised or took too long; that has been reported.
+            False when its setup raised or took too long, which has been reported.
         Raises:
-            AlreadyThere: One of this name lives here or in another container.
+            AlreadyThere: This or another container has an agent of this name.
         """
         await check_free(self._bus, agent.name)
         try:
@@ -167,11 +167,11 @@ class Container:
         return agent.state is AgentState.ACTIVE
 
     async def bring_up(self, agent: Agent, begin: Callable[["Container"], Awaitable[None]]) -> None:
-        """Let an agent live here that begins in a way of its own.
+        """Start an agent by a function of the caller.
 
         Raises:
-            AlreadyThere: One of this name lives here.
-            SetupFailed: It raised or took too long; that has been reported, and it lives here no more.
+            AlreadyThere: This container has an agent of this name.
+            SetupFailed: It raised or took too long, which has been reported; the agent is removed.
         """
         self.show()
         if agent.name in self._agents:
@@ -185,23 +185,23 @@ class Container:
             await self._end(agent.name, AgentEnd.NOT_SET_UP)
             why = f"failed: {in_words(error)}" if not limit.expired() else f"took longer than {SETUP_TIME:g} s"
             raise SetupFailed(f"the setup of {agent.name} {why}") from error
-        except BaseException:  # whoever starts it is cancelled: nothing half begun stays behind
+        except BaseException:  # the caller is cancelled, and no agent remains that is partly set up
             await self._end(agent.name)
             raise
 
     async def stop(self, name: AgentName | str, end: AgentEnd = AgentEnd.STOPPED) -> None:
-        """End an agent: out of the directory, answers ended, behaviours cancelled, then its `take_down`.
+        """Stop an agent: withdraw it, end its conversations and behaviours, then call its `take_down`.
 
         Args:
-            name: Whom.
-            end: Why, for whoever looks after agents: one that has failed is told of when it can be started again, any
-                other before it goes, so that nobody misses it.
+            name: The agent.
+            end: The reason, which is published for the monitor: for a failure after the agent can be started again,
+                otherwise before it ends.
         Raises:
-            UnknownAgent: It does not live here.
+            UnknownAgent: It is not in this container.
         """
         agent = self.agent(name)
         if agent.state is AgentState.DELETED:
-            return  # somebody is at it
+            return  # it is being stopped already
         agent.mark_deleted()
         if not end.is_failure:
             self._tell_end(agent, end)
@@ -217,25 +217,25 @@ class Container:
                 self._tell_end(agent, end)
 
     def suspend(self, name: AgentName | str) -> None:
-        """Make an agent rest.
+        """Suspend an agent.
 
         Raises:
-            UnknownAgent: It does not live here.
+            UnknownAgent: It is not in this container.
             IllegalTransition: It is not at work.
         """
         self.agent(name).suspend()
 
     def resume(self, name: AgentName | str) -> None:
-        """Let a suspended agent go on.
+        """Resume a suspended agent.
 
         Raises:
-            UnknownAgent: It does not live here.
+            UnknownAgent: It is not in this container.
             IllegalTransition: It is not suspended.
         """
         self.agent(name).resume()
 
     def show(self) -> None:
-        """Be seen on the bus, and obey whoever controls this container from there; once is enough.
+        """Announce this container on the bus, and serve its control; further calls have no effect.
 
         Raises:
             BusUnavailable: The bus is closed.
@@ -250,7 +250,7 @@ class Container:
             self._shown.append(LoopWatchdog(lambda: self.agents, self._tell_blocked))
 
     async def close(self) -> None:
-        """Stop all agents, together, and be seen no more."""
+        """Stop all agents at the same time, and withdraw from the bus."""
         await self._control.close()
         await asyncio.gather(*(self._end(name, AgentEnd.CLOSED) for name in list(self._agents)))
         await asyncio.gather(*self._ending)
@@ -261,34 +261,34 @@ class Container:
             self._shown.pop().close()
 
     def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
-        """Make known that something went wrong: to whoever listens on the bus, and as this container was told to."""
+        """Report an error on the bus and to the `report` function."""
         text = None if error is None else sentence(f"{type(error).__name__}: {error}")
         self._tell({"agent": str(agent), "what": sentence(what), "error": text})
         self._report(Report(agent, what, error))
 
     def end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
-        """Stop an agent soon; one that has gone already does no harm."""
+        """Stop an agent soon; one that has ended already is ignored."""
         task = asyncio.ensure_future(self._end(agent, end))
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
 
     def trace(self, message: AclMessage) -> None:
-        """Pass on what an agent here says to whoever listens on the bus; on any thread. It costs nothing otherwise."""
+        """Publish a message that an agent here sends, if a program subscribes to them; on any thread."""
         if self._said is not None and self._said.has_listeners:
             said = {"time": self.wall_time(), "container": self.name, "message": message.to_dict()}
-            with contextlib.suppress(BusUnavailable):  # who listens loses nothing but this trace
+            with contextlib.suppress(BusUnavailable):  # only this trace is lost
                 self._said.put(said)
 
     def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
-        """Have `gone` called if one who asks an agent here dies, until what is returned is called."""
+        """Call `gone` when the initiator of a conversation dies; call the returned function to stop watching."""
         return self._askers.attend(asker, gone)
 
     def beating(self, agent: AgentName) -> contextlib.AbstractContextManager[None]:
-        """Let an agent's heartbeat beat during a block."""
+        """Publish an agent's heartbeat during a block."""
         return self._heartbeats.beating(agent)
 
     def wall_time(self) -> float:
-        """s since 1970."""
+        """Return s since 1970."""
         return self._wall_time()
 
     async def _end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
@@ -296,12 +296,12 @@ class Container:
             await self.stop(agent, end)
 
     def _tell_end(self, agent: Agent, end: AgentEnd) -> None:
-        """Say on the bus why an agent ends, with what is needed to start it again."""
+        """Publish why an agent ends, with what is needed to start it again."""
         told = {"agent": str(agent.name), "what": f"it has ended: {end}", "ended": end, "kind": kind_of(agent)}
         self._tell({**told, "properties": agent.properties})
 
     def _tell_blocked(self, agent: AgentName | None, what: str) -> None:
-        """Say that the loop is held up; on the watchdog's thread, since the loop cannot."""
+        """Publish that the loop is blocked; on the watchdog's thread."""
         if agent is not None:
             self.report(agent, what)
         else:

@@ -1,22 +1,37 @@
-"""What a container is to its agents."""
+"""The interface of a container for its agents."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from enum import StrEnum
 from pathlib import Path
 from typing import Protocol
 
 from agents.platform.acl import AclMessage
-from agents.platform.container.ends import AgentEnd
 from agents.platform.names import AgentName
 from bus import Bus
 
 
+class AgentEnd(StrEnum):
+    """Why an agent is no longer in its container."""
+
+    STOPPED = "stopped"  # on purpose, by itself or by another program
+    CLOSED = "closed"  # with its container, on purpose
+    MOVED = "moved"  # it continues in another container
+    FAILED = "failed"  # a behaviour failed that it cannot do without
+    NOT_SET_UP = "not set up"  # its setup raised or took too long
+
+    @property
+    def is_failure(self) -> bool:
+        """Whether it is a failure."""
+        return self in (AgentEnd.FAILED, AgentEnd.NOT_SET_UP)
+
+
 class ContainerContext(Protocol):
-    """Where an agent lives."""
+    """The container of an agent."""
 
     @property
     def bus(self) -> Bus:
-        """Where its agents hear and speak."""
+        """The bus of its agents."""
         ...
 
     @property
@@ -26,29 +41,29 @@ class ContainerContext(Protocol):
 
     @property
     def folders(self) -> Sequence[Path]:
-        """Where the programs lie whose agents the container may be told to start."""
+        """The folders with the programs whose agents the container can be told to start."""
         ...
 
     def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
-        """Make known that something went wrong."""
+        """Report an error."""
         ...
 
     def end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
-        """Stop an agent soon, and say why."""
+        """Stop an agent soon, and publish why."""
         ...
 
     def trace(self, message: AclMessage) -> None:
-        """Told of each message once, by who says it; called on any thread, so it must be quick."""
+        """Take each message that an agent sends; called on any thread, so it must be quick."""
         ...
 
     def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
-        """Have `gone` called if one who asks dies; what is returned is called when that does not matter any more."""
+        """Call `gone` when the initiator of a conversation dies; call the returned function to stop watching."""
         ...
 
     def beating(self, agent: AgentName) -> AbstractContextManager[None]:
-        """Let an agent's heartbeat beat during a block."""
+        """Publish an agent's heartbeat during a block."""
         ...
 
     def wall_time(self) -> float:
-        """s since 1970."""
+        """Return s since 1970."""
         ...

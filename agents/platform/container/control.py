@@ -1,4 +1,4 @@
-"""A container's control: what it can be told and asked from outside, by anyone on the bus who may.
+"""A container's control: the commands and queries that it serves on the bus.
 
 A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what goes with it:
 
@@ -10,11 +10,11 @@ A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what
 | `introspect` | `name` | what the agent holds and does (introspection.py) |
 | `move` | `name`, `to` | name, state and container of the agent, once it lives in the other |
 
-`list`, which is also meant by nothing, and `introspect` are answered on `<platform>/containers/<name>/description` too,
-for those who may look and not control. `adopt`, `settle`, `deliver`, `begin` and `forsake` are what containers say to
-each other when an agent moves (departures.py).
+`list`, which is the default there, and `introspect` are answered on `<platform>/containers/<name>/description` too, for
+programs that may read but not control. Containers send each other `adopt`, `settle`, `deliver`, `begin` and `forsake`
+when an agent moves (departures.py).
 
-A no is an error reply with one sentence.
+A refusal is an error reply with one sentence.
 """
 
 import asyncio
@@ -34,7 +34,7 @@ from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
 from agents.platform.mobility.arrivals import Arrivals
 from agents.platform.mobility.departures import Departures
-from agents.platform.mobility.migration_state import opened, unpacked
+from agents.platform.mobility.migration_state import MigrationState, decode_queued
 from agents.platform.names import AgentName
 from bus import BusError, BusUnavailable, Conversation, Subscription
 from bus.aio import hand_over
@@ -47,15 +47,15 @@ log = logging.getLogger("agents")
 Given = Mapping[str, Any]
 Order = Callable[[Given], Awaitable[dict[str, Any]]]
 
-READING = ("list", "introspect")  # what changes nothing
+READING = ("list", "introspect")  # orders that change nothing
 
 
 class OrderNotValid(AgentError, ValueError):
-    """A container is told something that is no order, or not the whole of one."""
+    """An order to a container is unknown or incomplete."""
 
 
 class Control:
-    """Does for a container what it is told from outside. Orders run side by side, in the container's event loop."""
+    """Carries out the orders to a container, concurrently, in the container's event loop."""
 
     def __init__(self, container: ControlledContainer) -> None:
         self._container = container
@@ -80,16 +80,16 @@ class Control:
 
     @property
     def identity(self) -> str:
-        """What tells this container from another that has taken the same name."""
+        """A unique identifier of this container."""
         return self._process.identity
 
     @property
     def process(self) -> BusProgram:
-        """Where the container runs, and since when."""
+        """The process, host and start time."""
         return self._process
 
     def serve(self) -> list[Subscription]:
-        """Obey and answer from now on; needs a running event loop."""
+        """Serve orders and queries; needs a running event loop."""
         loop, called, bus = asyncio.get_running_loop(), self._container.called, self._container.bus
 
         def take(arguments: dict[str, Any], conversation: Conversation) -> None:
@@ -107,7 +107,7 @@ class Control:
         ]
 
     async def close(self) -> None:
-        """Give up what is under way, whoever waits for it is told; an agent that is being stopped ends as it is to."""
+        """Refuse the orders under way, except those that stop an agent."""
         for task in self._tasks - self._stopping:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -121,10 +121,10 @@ class Control:
         task = asyncio.ensure_future(self._answer(arguments, conversation, orders))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
-        task.add_done_callback(lambda task: conversation.close())  # one that was cancelled first has not done so
+        task.add_done_callback(lambda task: conversation.close())  # also if the task was cancelled before it began
 
     async def _answer(self, arguments: dict[str, Any], conversation: Conversation, orders: Mapping[str, Order]) -> None:
-        with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
+        with contextlib.suppress(BusUnavailable):  # the sender cannot be reached any more
             try:
                 conversation.reply(await self._do(arguments, orders))
             except asyncio.CancelledError:
@@ -137,16 +137,16 @@ class Control:
                 conversation.refuse(f"the container {self._container.name} failed with {in_words(err)}")
 
     def _call(self, given: Given, conversation: Conversation) -> None:
-        """Hand a conversation to an agent that has moved here: its replies are the agent's own."""
+        """Pass a conversation to an agent that has moved here, and that replies itself."""
         try:
-            agent = self._container.agent(named_in(given))
-            agent.migration.gate.caller(table_of(given, "message"), conversation)
+            agent = self._container.agent(_name_in(given))
+            agent.migration.gate.caller(_table_of(given, "message"), conversation)
         except AgentError as err:
-            with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
+            with contextlib.suppress(BusUnavailable):  # the sender cannot be reached any more
                 conversation.refuse(str(err))
 
     async def _do(self, given: Given, orders: Mapping[str, Order]) -> dict[str, Any]:
-        order = text_of(given, "do")
+        order = _text_of(given, "do")
         if order not in orders:
             near = meant(order, orders)
             advice = f"did you mean {near}?" if near else f"it obeys {', '.join(orders)}"
@@ -167,13 +167,13 @@ class Control:
         }
 
     async def _start(self, given: Given) -> dict[str, Any]:
-        agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
+        agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))
         await check_free(self._container.bus, agent.name)
         await self._container.bring_up(agent, agent.begin)
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _stop(self, given: Given) -> dict[str, Any]:
-        agent, task = self._container.agent(named_in(given)), asyncio.current_task()
+        agent, task = self._container.agent(_name_in(given)), asyncio.current_task()
         assert task is not None
         self._stopping.add(task)
         try:
@@ -183,60 +183,62 @@ class Control:
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _suspend(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
+        agent = self._container.agent(_name_in(given))
         if agent.state is AgentState.SUSPENDED:
             raise OrderNotValid(f"{agent.name} is suspended already")
         agent.suspend()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _resume(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
+        agent = self._container.agent(_name_in(given))
         if agent.state is not AgentState.SUSPENDED:
             raise OrderNotValid(f"{agent.name} is not suspended; it is {agent.state}")
         agent.resume()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _introspect(self, given: Given) -> dict[str, Any]:
-        return introspect(self._container.agent(named_in(given)))
+        return introspect(self._container.agent(_name_in(given)))
 
     async def _move(self, given: Given) -> dict[str, Any]:
-        agent = self._container.agent(named_in(given))
-        there, state = await self._departures.send(agent, text_of(given, "to"))
+        agent = self._container.agent(_name_in(given))
+        there, state = await self._departures.send(agent, _text_of(given, "to"))
         return {"name": str(agent.name), "state": str(state), "container": there.name}
 
     async def _adopt(self, given: Given) -> dict[str, Any]:
-        agent = self._container.kinds.make(text_of(given, "kind"), named_in(given), table_of(given, "properties"))
-        await self._arrivals.adopt(agent, unpacked(table_of(given, "luggage")), text_of(given, "from"))
+        agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))
+        await self._arrivals.adopt(
+            agent, MigrationState.from_dict(_table_of(given, "luggage")), _text_of(given, "from")
+        )
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _settle(self, given: Given) -> dict[str, Any]:
-        self._arrivals.settle(named_in(given), opened(given.get("letters")))
+        self._arrivals.settle(_name_in(given), decode_queued(given.get("letters")))
         return {}
 
     async def _deliver(self, given: Given) -> dict[str, Any]:
-        self._container.agent(named_in(given)).migration.gate.bring(opened(given.get("letters")))
+        self._container.agent(_name_in(given)).migration.gate.bring(decode_queued(given.get("letters")))
         return {}
 
     async def _forsake(self, given: Given) -> dict[str, Any]:
-        await self._arrivals.forsake(named_in(given), text_of(given, "from"))
+        await self._arrivals.forsake(_name_in(given), _text_of(given, "from"))
         return {}
 
 
-def named_in(given: Given) -> AgentName:
-    """The agent that an order is about.
+def _name_in(given: Given) -> AgentName:
+    """Return the name of the agent in an order.
 
     Raises:
-        OrderNotValid: It names none.
-        NameNotValid: What it names cannot be an agent.
+        OrderNotValid: There is none.
+        NameNotValid: It is not the name of an agent.
     """
-    return AgentName.parse(text_of(given, "name"))
+    return AgentName.parse(_text_of(given, "name"))
 
 
-def text_of(given: Given, field: str) -> str:
-    """A text that an order must have.
+def _text_of(given: Given, field: str) -> str:
+    """Return a text that an order must have.
 
     Raises:
-        OrderNotValid: It is missing or something else.
+        OrderNotValid: It is missing or of another type.
     """
     value = given.get(field)
     if not isinstance(value, str):
@@ -244,11 +246,11 @@ def text_of(given: Given, field: str) -> str:
     return value
 
 
-def table_of(given: Given, field: str) -> dict[str, Any]:
-    """A JSON object that an order may have.
+def _table_of(given: Given, field: str) -> dict[str, Any]:
+    """Return a JSON object that an order may have.
 
     Raises:
-        OrderNotValid: It is something else.
+        OrderNotValid: It is of another type.
     """
     value = given.get(field, {})
     if not isinstance(value, dict):

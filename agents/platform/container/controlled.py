@@ -1,11 +1,10 @@
-"""A container as its control and the moves of its agents see it."""
+"""The interface of a container for its control and for the moves of its agents."""
 
 from collections.abc import Awaitable, Callable
 from typing import Any, Protocol
 
 from agents.platform.agent import Agent
-from agents.platform.container.context import ContainerContext
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.kinds import Kinds
 from agents.platform.names import AgentName, ContainerName
 
@@ -15,33 +14,33 @@ class ControlledContainer(ContainerContext, Protocol):
 
     @property
     def called(self) -> ContainerName:
-        """Its name with its platform, and its keys."""
+        """Its name and platform, and its keys."""
         ...
 
     @property
     def kinds(self) -> Kinds:
-        """Which agents it may be told to start."""
+        """The agents that it can be told to start."""
         ...
 
     @property
     def agents(self) -> list[Agent]:
-        """Those that live here, the eldest first."""
+        """Its agents, the oldest first."""
         ...
 
     def agent(self, name: AgentName | str) -> Agent:
-        """One that lives here.
+        """Return one of its agents.
 
         Raises:
-            UnknownAgent: It does not.
+            UnknownAgent: It has none of this name.
         """
         ...
 
     async def bring_up(self, agent: Agent, begin: Callable[[Any], Awaitable[None]]) -> None:
-        """Let an agent live here that begins in a way of its own.
+        """Start an agent by a function of the caller.
 
         Raises:
-            AlreadyThere: One of this name lives here.
-            SetupFailed: It raised or took too long; that has been reported, and it lives here no more.
+            AlreadyThere: This container has an agent of this name.
+            SetupFailed: It raised or took too long, which has been reported; the agent is removed.
         """
         ...
 

@@ -1,7 +1,7 @@
-"""Where messages and conversations reach an agent: open, or shut while it moves from one container into another.
+"""The gate through which messages and conversations reach an agent; it is closed while the agent moves.
 
-During a move both containers hear what is meant for the agent. So what has come through one door is remembered for a
-while by the other, by a label that every message carries, and comes in once.
+During a move both containers receive the messages to the agent. Each message carries a label, by which the gate in the
+new container recognizes those that the old container has forwarded, so that each is delivered once.
 """
 
 import itertools
@@ -15,22 +15,22 @@ from typing import Any
 
 from bus import Conversation, Sample
 
-MOST_CALLERS = 100  # that wait before a shut door; more are passed on, to be refused
-ENTER_TIME = 1.0  # s; beginning one takes no longer than a thread waits for its turn
-MOST_LETTERS = 10_000  # messages that wait before a shut door; more are lost and counted
+MOST_CALLERS = 100  # queued conversations; further ones are delivered, to be refused
+ENTER_TIME = 1.0  # s for conversations that are being begun
+MOST_LETTERS = 10_000  # queued messages; further ones are lost and counted
 
 _process = os.urandom(6)
 _numbers = itertools.count()
 
 
 def new_label() -> bytes:
-    """What tells one message from all others, as the attachment with which it travels."""
+    """Return a unique label for a message, which is sent as its attachment."""
     return _process + next(_numbers).to_bytes(6, "big")
 
 
 @dataclass(frozen=True, slots=True)
 class QueuedMessage:
-    """A one-way message, as it came."""
+    """A one-way message, as received."""
 
     label: str
     payload: bytes
@@ -38,7 +38,7 @@ class QueuedMessage:
 
 @dataclass(frozen=True, slots=True)
 class Caller:
-    """Someone who begins a conversation."""
+    """A conversation that an initiator begins."""
 
     label: str
     message: dict[str, Any]
@@ -46,9 +46,9 @@ class Caller:
 
 
 class DeliveryGate:
-    """Passes on what comes, or keeps it.
+    """Delivers messages and conversations, or queues them.
 
-    lost: messages for which there was no room while it was shut.
+    lost: number of messages for which the queue had no room.
     """
 
     def __init__(
@@ -57,8 +57,8 @@ class DeliveryGate:
         """Make an open one.
 
         Args:
-            take: What becomes of a message; called on the bus's thread, and must not use the bus.
-            begin: What becomes of a conversation.
+            take: Called with each message, on the bus's thread; must not use the bus.
+            begin: Called with each conversation.
         """
         self.lost = 0
         self._take = take
@@ -73,7 +73,7 @@ class DeliveryGate:
     # On the bus's thread.
 
     def queued(self, sample: Sample) -> None:
-        """A message has come."""
+        """Deliver or queue a message."""
         with self._lock:
             if not self._keeps_letters and self._known is None:
                 self._take(sample.payload)
@@ -89,7 +89,7 @@ class DeliveryGate:
                 self.lost += 1
 
     def caller(self, message: dict[str, Any], conversation: Conversation) -> None:
-        """A conversation begins."""
+        """Deliver or queue a conversation."""
         with self._lock:
             caller = Caller(_label_of_opening(message), message, conversation) if self._looks_at_callers else None
             is_new = caller is None or self._is_new(caller.label)
@@ -101,7 +101,7 @@ class DeliveryGate:
             if is_new:
                 self._begin(message, conversation)
             else:
-                conversation.close()  # it is being answered where it came in first
+                conversation.close()  # the first copy is being answered
         finally:
             with self._lock:
                 self._entering -= 1
@@ -110,33 +110,33 @@ class DeliveryGate:
     # In the loop.
 
     def wait_for_the_rest(self) -> None:
-        """Shut before anything has come, and let in nothing twice until `forget`."""
+        """Close the gate of a new agent, and deliver nothing twice until `forget`."""
         self._known = set()
         self._keeps_callers = self._keeps_letters = True
 
     def forget(self) -> None:
-        """Look at what comes no more: the other door is not there any more."""
+        """Stop checking for duplicates, since the other gate has gone."""
         with self._lock:
             self._known = None
 
     def keep_callers(self) -> None:
-        """Let conversations wait. Those that came before have been begun when this returns."""
+        """Queue conversations from now on. Earlier ones have begun when this returns."""
         with self._lock:
             self._keeps_callers = True
             self._lock.wait_for(lambda: not self._entering, ENTER_TIME)
 
     def keep_letters(self) -> None:
-        """Let messages wait as well. Those that came before have been taken when this returns."""
+        """Queue messages as well from now on. Earlier ones have been delivered when this returns."""
         with self._lock:
             self._keeps_letters = True
 
     def waiting(self) -> list[QueuedMessage]:
-        """The messages that wait, which go on waiting."""
+        """Return the queued messages, and keep them."""
         with self._lock:
             return [each for each in self._kept if isinstance(each, QueuedMessage)]
 
     def kept(self) -> tuple[list[QueuedMessage], list[Caller]]:
-        """Hand out all that waits."""
+        """Remove and return all that is queued."""
         with self._lock:
             kept, self._kept = self._kept, []
         return [each for each in kept if isinstance(each, QueuedMessage)], [
@@ -144,7 +144,7 @@ class DeliveryGate:
         ]
 
     def bring(self, waiting: Iterable[QueuedMessage]) -> None:
-        """Let in messages that came to the other door."""
+        """Deliver messages that came to the other gate."""
         for queued in waiting:
             with self._lock:
                 is_new = self._is_new(queued.label)
@@ -152,7 +152,7 @@ class DeliveryGate:
                 self._take(queued.payload)
 
     def open(self) -> None:
-        """Let in what waits, in the order in which it came, and then whatever comes."""
+        """Deliver what is queued, in the order of arrival, and everything that comes later."""
         while True:
             with self._lock:
                 kept, self._kept = self._kept, []
@@ -182,12 +182,12 @@ class DeliveryGate:
 
 
 def _label_of(sample: Sample) -> str:
-    """A message's label; what a foreign program sends without one is known by its content."""
+    """Return a message's label; without one, as from a foreign program, a digest of its content."""
     return sample.attachment.hex() or _digest(sample.payload)
 
 
 def _label_of_opening(message: dict[str, Any]) -> str:
-    """The label of a conversation: it is known by its id and who begins it."""
+    """Return the label of a conversation: its id and its initiator."""
     match message:
         case {"conversation_id": str(identity), "sender": str(sender)} if identity:
             return f"{identity} {sender}"

@@ -1,4 +1,4 @@
-"""What a live agent holds and does, for those who look into it from outside."""
+"""Introspection: the state of a running agent as a JSON object."""
 
 import json
 from typing import Any
@@ -10,16 +10,16 @@ from agents.platform.kinds import kind_of
 from agents.platform.schedule import Running
 from agents.platform.stream import Stream
 
-MOST_MESSAGES = 20  # of those that wait in the mailbox, the oldest
+MOST_MESSAGES = 20  # the oldest ones in the mailbox
 LONGEST_CONTENT = 200  # characters of a content that are shown
 
 
 def introspect(agent: Agent) -> dict[str, Any]:
-    """All that can be seen of an agent, as a JSON object.
+    """Return the state of an agent as a JSON object.
 
-    `mailbox` counts what waits, was delivered and was dropped, and shows the heads of the oldest messages that wait;
-    `behaviours` are those that have not ended, with how often each has raised; `in_flight` are the conversations that
-    it is answering; `streams` are what it hears, with the messages that it left out because newer ones came.
+    `mailbox` counts waiting, delivered and dropped messages, and holds the headers of the oldest ones that wait;
+    `behaviours` are those that have not ended, with the number of their failures; `in_flight` are the conversations
+    that it answers; `streams` are its subscriptions, with the number of messages skipped for newer ones.
     """
     box = agent.mailbox.state
     return {

@@ -1,4 +1,4 @@
-"""Whether those who ask the agents of one container still live: nobody works for a dead one."""
+"""Watches the liveliness of initiators, so that agents stop working for one that has died."""
 
 import asyncio
 import contextlib
@@ -8,34 +8,34 @@ from agents.platform.names import AgentName
 from bus import Bus, BusError, Subscription
 from bus.aio import hand_over
 
-UNSEEN_TIME = 40.0  # s; longer than a setup, in which an agent may ask and shows no token yet
+UNSEEN_TIME = 40.0  # s; longer than a setup, in which an agent can be an initiator and has no token yet
 
 
 class Askers:
-    """Watches the tokens of all agents, so that one who asks is known before it does. It works in the event loop."""
+    """Watches the tokens of all agents, so that an initiator is known before its first request; in the event loop."""
 
     def __init__(self, bus: Bus) -> None:
-        """Watch nobody yet."""
+        """Watch no token yet."""
         self._bus = bus
-        self._alive: set[str] = set()  # by the keys of their tokens
+        self._alive: set[str] = set()  # the keys of their tokens
         self._calls: dict[str, dict[object, Callable[[], None]]] = {}
         self._watching: Subscription | None = None
 
     def watch(self) -> None:
-        """Begin, in the running event loop."""
+        """Start watching, in the running event loop."""
         loop = asyncio.get_running_loop()
 
         def changed(key: str, is_alive: bool) -> None:
             hand_over(loop, self._note, key, is_alive)
 
-        with contextlib.suppress(BusError):  # the bus does not let us look
+        with contextlib.suppress(BusError):  # the bus does not permit it
             self._watching = self._bus.watch_alive("*/agents/*/alive", changed)
 
     def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
-        """Have `gone` called when an asker dies, or shows no token for longer than any setup takes.
+        """Call `gone` when an initiator dies, or has no token for longer than any setup takes.
 
         Returns:
-            What to call when it does not matter any more.
+            A function that ends this.
         """
         key, ticket = asker.alive_key, object()
         self._calls.setdefault(key, {})[ticket] = gone
@@ -49,12 +49,12 @@ class Askers:
             calls = self._calls.get(key, {})
             calls.pop(ticket, None)
             if not calls:
-                self._calls.pop(key, None)  # a forged name leaves no trace
+                self._calls.pop(key, None)  # a forged name does not leave an entry
 
         return release
 
     def close(self) -> None:
-        """Watch nobody any more."""
+        """Stop watching."""
         if self._watching is not None:
             self._watching.close()
 
@@ -67,6 +67,6 @@ class Askers:
                 gone()
 
     def _look(self, key: str, ticket: object) -> None:
-        """Whether it has been seen by now."""
+        """Call `gone` if the initiator has no token by now."""
         if key not in self._alive and ticket in self._calls.get(key, {}):
             self._calls[key][ticket]()

@@ -1,7 +1,8 @@
 """FIPA's contract net (SC00029H), both ends: cfp, propose or refuse, accept or reject the proposal, inform or failure.
 
-A call is one conversation with each peer. A proposal that comes too late is rejected unread; who dies has made none.
-The bidder computes a proposal in what `proposes` marks, and once that is accepted does the request of the same name.
+A call is one conversation with each peer. A proposal that comes too late is rejected unread; a peer that dies makes
+none. The bidder computes a proposal in the method that `proposes` marks, and does the request of the same name once the
+proposal is accepted.
 """
 
 import asyncio
@@ -20,13 +21,13 @@ from agents.platform.names import AgentName
 from bus import Refused
 
 PROTOCOL = "fipa-contract-net"
-BIDS_WITHIN = 2.0  # s for proposals, unless the one who calls for them says otherwise
-PROPOSAL_TIME = 60.0  # s that a bidder is bound by its proposal
+BIDS_WITHIN = 2.0  # s for proposals, unless the initiator sets another time
+PROPOSAL_TIME = 60.0  # s for which a bidder is bound by its proposal
 
 
 @dataclass(frozen=True, slots=True)
 class Bid:
-    """A proposal: what `bidder` would do it for."""
+    """A proposal of an agent, `bidder`."""
 
     bidder: AgentName
     proposal: Any
@@ -36,9 +37,10 @@ class Bid:
 class Tender:
     """The end of a call for proposals.
 
-    bids: what was proposed in time, in the order of arrival.
-    outcomes: how it ended with each peer: `DONE` or not, of those whose proposals were accepted, `REJECTED` of the
-        others, and of who proposed nothing why not: `REFUSED`, `DIED`, `TIMED_OUT`, `NOT_UNDERSTOOD`.
+    bids: the proposals that came in time, in the order of arrival.
+    outcomes: how it ended with each peer: `DONE` or not for accepted proposals, `REJECTED` for the others, and the
+        reason
+        for no proposal: `REFUSED`, `DIED`, `TIMED_OUT`, `NOT_UNDERSTOOD`.
     """
 
     bids: Sequence[Bid]
@@ -46,7 +48,7 @@ class Tender:
 
     @property
     def done(self) -> dict[AgentName, Any]:
-        """The results of those who have done it."""
+        """The results of the peers that have done it."""
         return {peer: outcome.result for peer, outcome in self.outcomes.items() if outcome.is_done}
 
 
@@ -57,8 +59,8 @@ async def call_for(dialogues: Sequence[InitiatorConversation], choose: Choose, b
     """Call for proposals, accept some, and wait until those who made them have done it.
 
     Args:
-        dialogues: One with each peer.
-        choose: Says which bids to accept; not called when there are none.
+        dialogues: One conversation with each peer.
+        choose: Returns the bids to accept; not called when there are none.
         bids_within: s to wait for them.
     Raises:
         ValueError: `choose` has returned what is not one of the bids.
@@ -79,7 +81,7 @@ async def call_for(dialogues: Sequence[InitiatorConversation], choose: Choose, b
 
 
 async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
-    with contextlib.suppress(TimeoutError):  # who has not answered by then makes no offer
+    with contextlib.suppress(TimeoutError):  # a peer that has not answered by then makes no proposal
         async with asyncio.timeout(within):
             for caller in callers:
                 await caller.answered.wait()
@@ -102,7 +104,7 @@ async def propose(conversation: ResponderConversation, opening: ParsedRequest) -
 class _Caller:
     """The call to one peer.
 
-    bid: what it has proposed. answered: set once it has, or will not.
+    bid: its proposal. answered: set once it has made one, or will not.
     """
 
     def __init__(self, initiated: InitiatorConversation, bids: list[Bid]) -> None:
@@ -116,7 +118,7 @@ class _Caller:
         self._hearing = asyncio.ensure_future(self._hear())
 
     def decide(self, accept: bool, within: float) -> None:
-        """Accept or reject its proposal, or what it may still propose."""
+        """Accept or reject its proposal, or one that may still come."""
         if self._hearing.done():
             return
         if accept:
@@ -133,11 +135,11 @@ class _Caller:
         )
 
     async def outcome(self) -> Outcome:
-        """How it has ended."""
+        """Return how it has ended."""
         return self._turned_down or await self._hearing
 
     async def leave(self) -> None:
-        """Hear no more; a conversation that has not ended is cancelled."""
+        """Leave the conversation; it is cancelled unless it has ended."""
         self._hearing.cancel()
         await asyncio.gather(self._hearing, return_exceptions=True)
 
@@ -164,16 +166,16 @@ class _Caller:
         self.answered.set()
 
     def _withdraw(self) -> None:
-        """Who has gone has proposed nothing, if nothing has been decided yet."""
+        """Remove the bid of a peer that has gone, unless it has been accepted."""
         if self.bid is not None and not self._is_accepted:
             self._bids.remove(self.bid)
 
 
 def _accepted(choose: Choose, bids: Sequence[Bid]) -> list[Bid]:
-    """The bids that are chosen.
+    """Return the bids that are chosen.
 
     Raises:
-        ValueError: One that is chosen has not been made.
+        ValueError: A chosen bid has not been made.
     """
     chosen = choose(list(bids)) if bids else None
     accepted = [] if chosen is None else [chosen] if isinstance(chosen, Bid) else list(chosen)

@@ -21,14 +21,14 @@ from agents.platform.conversations.responder_conversation import ResponderConver
 
 PROTOCOL = "fipa-request"
 QUERY_PROTOCOL = "fipa-query"
-CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended
+CANCEL_TIME = 2.0  # s to wait for the confirmation of a cancel
 
 
 class Request:
     """A request under way. Awaiting it gives its outcome."""
 
     def __init__(self, initiated: InitiatorConversation) -> None:
-        """Begin it, in a running event loop."""
+        """Begin the request, in a running event loop."""
         self._initiated = initiated
         self._asking = asyncio.ensure_future(initiated.outcome())
         self._unconfirmed: Outcome | None = None
@@ -37,12 +37,12 @@ class Request:
         return self.outcome().__await__()
 
     async def outcome(self) -> Outcome:
-        """Wait for its end; who is cancelled meanwhile does not cancel it."""
+        """Wait for its end, and return it; a cancelled wait does not cancel the request."""
         await asyncio.wait([self._asking])
         return self._unconfirmed or self._asking.result()
 
     async def cancel(self) -> Outcome:
-        """Tell the other to leave it, and wait until it has: `CANCELLED`, or whatever came first."""
+        """Cancel the request, and wait for the end: `CANCELLED`, or another that came first."""
         if not self._asking.done():
             self._initiated.cancel()
             _, late = await asyncio.wait([self._asking], timeout=CANCEL_TIME)

@@ -1,7 +1,7 @@
 """FIPA's subscribe protocol (SC00035H), both ends: subscribe, then refuse, or agree and then any number of informs.
 
-Each inform carries `{"value": value}`. The subscriber ends it with `cancel`, to which the answer is a failure that says
-so; the publisher ends it with a failure, or with an inform of `{"done": true}` when there is nothing more to come.
+Each inform carries `{"value": value}`. The subscriber ends the subscription with `cancel`, and gets a failure as the
+reply; the publisher ends it with a failure, or with an inform of `{"done": true}` after the last value.
 """
 
 import asyncio
@@ -18,28 +18,28 @@ from agents.platform.conversations.outcome import Outcome
 from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-subscribe"
-FOREVER = 1e8  # s, three years: the bus wants to know until when a conversation lasts
+FOREVER = 1e8  # s, three years: a query of the bus needs a timeout
 KEEP = 1000  # values that wait for a subscriber
 
 
 class Values:
-    """What is subscribed to, while the block lasts.
+    """The values of a subscription, during a block.
 
         async with agent.subscribe("laser@happy", "nearest") as values:
             async for value in values:
                 ...
 
-    The loop ends when there is nothing more to come; a refusal, a failure and the peer's death raise `RequestNotDone`.
+    The loop ends after the last value; a refusal, a failure and the peer's death raise `RequestNotDone`.
 
-    skipped: values that were left out because too many waited already.
+    skipped: number of values that were dropped because too many waited.
     """
 
     def __init__(self, initiated: InitiatorConversation, keep: int) -> None:
-        """Prepare it; it begins with the block.
+        """Prepare the subscription; it begins with the block.
 
         Args:
             initiated: The conversation.
-            keep: How many values wait while one is being dealt with; the oldest are left out.
+            keep: How many values wait while one is processed; the oldest are dropped.
         """
         self.skipped = 0
         self._initiated = initiated
@@ -77,7 +77,7 @@ class Values:
             await self._called.wait()
 
     def _raise_end(self) -> None:
-        """Say how it ended: quietly when all has come.
+        """Raise the end of the subscription.
 
         Raises:
             StopAsyncIteration, RequestNotDone: In every case one of them, unless the bus raised something.
@@ -101,7 +101,7 @@ class Values:
             asyncio.get_running_loop().call_soon(self._called.set)  # once this task is done
 
     def _is_last(self, reply: AclMessage) -> bool:
-        """Take one reply; whether it was the last."""
+        """Take one reply; return whether it was the last."""
         match reply.performative, reply.content:
             case Performative.AGREE, _:
                 return False

@@ -1,4 +1,4 @@
-"""A function of an agent's that answers others, and the arguments that it takes."""
+"""Handlers: the functions of an agent that answer others, and the requests that are parsed for them."""
 
 import inspect
 from collections.abc import Awaitable, Callable, Mapping, Sequence
@@ -11,13 +11,13 @@ from configs.suggestion import hint, not_taken
 
 
 class NotUnderstood(Exception):
-    """A conversation cannot begin as it does: an unknown action, or arguments that do not fit."""
+    """The first message of a conversation is not valid: an unknown action, or arguments that do not fit."""
 
 
 class Handler:
-    """A function that does what others ask for, and the arguments it takes.
+    """A function that carries out requests, and the arguments that it takes.
 
-    `given`: parameters that do not come from whoever asks.
+    given: parameters that do not come from the initiator.
     """
 
     def __init__(
@@ -37,7 +37,8 @@ class Handler:
         """Refuse arguments that the function does not take.
 
         Raises:
-            NotUnderstood: One is unknown, missing or of the wrong type; the message names it, and what may be meant.
+            NotUnderstood: One is unknown, missing or of the wrong type; the message names it, and suggests a
+                correction.
         """
         takes_any = any(each.kind is Parameter.VAR_KEYWORD for each in self._parameters.values())
         known = [each.name for each in self._parameters.values() if each.kind in _BY_NAME]
@@ -52,7 +53,7 @@ class Handler:
                 raise NotUnderstood(f"{self.name} takes {name} as {expected.__name__}, not {type(value).__name__}")
 
     def _kind(self, name: str) -> str:
-        """The type that an argument is annotated with, in brackets."""
+        """Return the annotated type of an argument, in brackets."""
         expected = self._hints.get(name)
         return f" ({expected.__name__})" if isinstance(expected, type) and expected in _PLAIN else ""
 
@@ -79,9 +80,9 @@ _PLAIN: dict[Any, Callable[[Any], bool]] = {
 
 @dataclass(frozen=True, slots=True)
 class ParsedRequest:
-    """A conversation that may begin.
+    """A valid request: its handler and arguments.
 
-    task: what does it, when the handler only says what it would do it for.
+    task: the handler of the task, where `handler` only makes a proposal for it.
     """
 
     handler: Handler
@@ -90,15 +91,15 @@ class ParsedRequest:
 
 
 def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mapping[str, Handler]) -> ParsedRequest:
-    """The handler that a message calls for, and its arguments.
+    """Return the handler for a message, and its arguments.
 
     Args:
-        message: What has come.
-        protocol: The rules that go with its performative.
-        noun: What it asks for, for people.
+        message: The first of a conversation.
+        protocol: The protocol of its performative.
+        noun: What the initiator asks for, for messages.
         handlers: By name.
     Raises:
-        NotUnderstood: It is not one that any of the handlers can answer.
+        NotUnderstood: None of the handlers can answer it.
     """
     if message.protocol not in ("", protocol):
         raise NotUnderstood(f"{message.performative} does not begin {message.protocol!r} here; it begins {protocol}")

@@ -1,4 +1,4 @@
-"""How a conversation ended, for the one who began it."""
+"""The outcome of a conversation, for its initiator."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -12,23 +12,23 @@ class Ending(StrEnum):
     """How a conversation ended."""
 
     DONE = "done"
-    REFUSED = "refused"  # the other said no, and has done nothing
-    FAILED = "failed"  # it tried, in vain
-    CANCELLED = "cancelled"  # it was told to leave it, and has
-    REJECTED = "rejected"  # it made a proposal, which was not accepted
-    NOT_UNDERSTOOD = "not-understood"  # one of the two does not understand the other
-    TIMED_OUT = "timed out"  # no end in time; the other has been told to leave it, and may have done it
-    NOT_ALLOWED = "not allowed"  # the role of one's certificate does not permit to ask; the other knows nothing of it
-    DIED = "peer died"  # nobody of this name is there, or not any more; what was asked may have been done
+    REFUSED = "refused"  # the peer has refused, and has done nothing
+    FAILED = "failed"  # the peer has tried without success
+    CANCELLED = "cancelled"  # the peer has stopped on request
+    REJECTED = "rejected"  # the peer made a proposal that was not accepted
+    NOT_UNDERSTOOD = "not-understood"  # one of the two could not read a message of the other
+    TIMED_OUT = "timed out"  # no end in time; a cancel was sent, but the peer may have done it
+    NOT_ALLOWED = "not allowed"  # by the role of the own certificate; the peer has not received it
+    DIED = "peer died"  # there is no agent of this name, or no longer; it may have done what was requested
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """The end of a conversation.
 
-    result: what the other returned; None unless done.
-    why: the reason in one sentence; empty if done.
-    agreed: whether the other had agreed before.
+    result: what the peer returned; None unless done.
+    why: the reason as one sentence; empty if done.
+    agreed: whether the peer had agreed before.
     """
 
     ending: Ending
@@ -42,7 +42,7 @@ class Outcome:
         return self.ending is Ending.DONE
 
     def value(self) -> Any:
-        """The result.
+        """Return the result.
 
         Raises:
             RequestNotDone: It was not done; says how it ended and why.
@@ -53,7 +53,7 @@ class Outcome:
 
 
 def why_of(message: AclMessage) -> str:
-    """The reason that a no carries, in one sentence."""
+    """Return the reason in a refusal or failure, as one sentence."""
     match message.content:
         case {"why": str(why)} if why.strip():
             return why

@@ -1,6 +1,6 @@
-"""Where the conversations begin that others have with an agent: read, admitted, handed to its event loop.
+"""Dispatches incoming ACL requests to an agent's handlers: checks them, limits them, runs them in the event loop.
 
-A conversation that an agent answers is known by its id and its initiator; what comes later under both belongs to it.
+A conversation is identified by its id and its initiator; a later message with both belongs to it.
 """
 
 import asyncio
@@ -25,24 +25,24 @@ from bus import Conversation, Refused
 from bus.aio import hand_over
 from bus.validation import sentence
 
-# How many conversations of one protocol an agent answers at a time. It refuses more, so that a flood costs no memory.
-MOST_REQUESTS = 100  # of one asker, so that one who floods does not keep the others out
+# How many conversations of one protocol an agent answers at a time. Further ones are refused; a flood costs no memory.
+MOST_REQUESTS = 100  # of one initiator, so that a flood of one does not exclude the others
 MOST_AT_ALL = 400
 AT_WORK = (AgentState.ACTIVE, AgentState.WAITING)
 FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJECT_PROPOSAL)
 
 
 class RequestDispatcher:
-    """Answers those who talk to one agent.
+    """Answers the conversations that others begin with one agent.
 
-    malformed: what came and began no conversation.
+    malformed: number of first messages that were not valid.
     """
 
     def __init__(self, me: AgentName, life: Life, rouse: Callable[[], None]) -> None:
         """Make one that is not open yet.
 
         Args:
-            me: Whose it is.
+            me: The agent.
             life: The state of the agent.
             rouse: Called on the bus's thread when a conversation begins.
         """
@@ -56,26 +56,26 @@ class RequestDispatcher:
         self._lock = threading.Lock()  # for what is under way
         self._under_way: dict[tuple[str, AgentName], ResponderConversation] = {}
         self._in_flight: Counter[str] = Counter()  # by protocol
-        self._of_one: Counter[tuple[str, AgentName]] = Counter()  # by protocol and asker
+        self._of_one: Counter[tuple[str, AgentName]] = Counter()  # by protocol and initiator
         self._unnamed = itertools.count()
         self._has_ended = asyncio.Event()  # a conversation
 
     def add(self, protocol: str, handler: Handler) -> None:
-        """Let a function answer conversations of a protocol about its name."""
+        """Register a handler for a protocol."""
         self.handlers.setdefault(protocol, {})[handler.name] = handler
 
     def names(self, protocol: str = REQUESTS) -> list[str]:
-        """What others may ask for by a protocol."""
+        """Return the names of the handlers of a protocol."""
         return sorted(self.handlers.get(protocol, ()))
 
     @property
     def under_way(self) -> list[ResponderConversation]:
-        """The conversations that have not ended, oldest first."""
+        """The conversations that have not ended, the oldest first."""
         with self._lock:
             return list(self._under_way.values())
 
     def open(self, home: ContainerContext) -> None:
-        """Begin, in the running event loop."""
+        """Start, in the running event loop."""
         self._home, self._loop = home, asyncio.get_running_loop()
 
     async def rest(self, within: float) -> None:
@@ -105,7 +105,7 @@ class RequestDispatcher:
     # On the bus's thread.
 
     def begin(self, arguments: dict[str, Any], conversation: Conversation) -> None:
-        """A conversation begins."""
+        """Begin a conversation, or refuse it."""
         message = None
         try:
             message = AclMessage.from_dict(arguments)
@@ -140,7 +140,7 @@ class RequestDispatcher:
             responder.close()
 
     def hear(self, message: AclMessage) -> bool:
-        """Take a one-way message if it belongs to a conversation under way; whether it does."""
+        """Take a one-way message if it belongs to a conversation under way; return whether it does."""
         if message.performative not in FURTHER:
             return False
         with self._lock:
@@ -172,7 +172,7 @@ class RequestDispatcher:
     def _turn_away(
         self, message: AclMessage | None, performative: Performative, why: str, conversation: Conversation
     ) -> None:
-        """End a conversation with a no before anything was done; without a message when it could not be read."""
+        """Refuse a conversation before anything was done; `message` is None when it could not be read."""
         content = {"why": sentence(why)}
         no = (
             AclMessage(performative=performative, sender=self._me, protocol=REQUESTS, content=content)
@@ -204,6 +204,6 @@ class RequestDispatcher:
             self._in_flight[protocol.name] -= 1
             self._of_one[one] -= 1
             if not self._of_one[one]:
-                del self._of_one[one]  # a forged name leaves no trace
+                del self._of_one[one]  # a forged name does not leave an entry
             del self._under_way[key]
         self._has_ended.set()

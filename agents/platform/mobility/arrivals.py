@@ -1,4 +1,4 @@
-"""How an agent moves, seen from the container where it arrives; see departures.py for the whole."""
+"""The part of the new container in the move of an agent; departures.py describes the whole."""
 
 import asyncio
 import contextlib
@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.agent import Agent
-from agents.platform.container.context import ContainerContext
+from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import QueuedMessage
-from agents.platform.container.ends import AgentEnd
 from agents.platform.errors import NotMoved, UnknownAgent
 from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState
@@ -18,18 +17,18 @@ from agents.platform.names import AgentName
 from bus import BusError
 from bus.aio import query
 
-ANSWER_TIME = 5.0  # s for the other container to say who lives in it
-LOOK = 1.0  # s between two looks at what has become of the container from which an agent came
-SETTLE_TIME = 8.0  # s after which it is not waited any more that an agent is settled
-FORGET_TIME = 5.0  # s after which nothing comes twice any more, and nobody takes it back
+ANSWER_TIME = 5.0  # s for the other container to list its agents
+LOOK = 1.0  # s between two checks of the old container
+SETTLE_TIME = 8.0  # s to wait until an agent is settled
+FORGET_TIME = 5.0  # s after which no message comes twice, and `forsake` cannot come any more
 
 
 @dataclass
 class _Arrival:
-    """An agent that arrives, or has just done so.
+    """An agent that arrives, or has just arrived.
 
-    origin: the key of the control of the container where it was.
-    is_awaiting: whether it is here, and waits for being settled.
+    origin: the key of the control of the old container.
+    is_awaiting: whether it has arrived, and waits for `settle`.
     """
 
     agent: Agent
@@ -39,7 +38,7 @@ class _Arrival:
 
 
 class Arrivals:
-    """Takes agents of other containers into one."""
+    """Takes in agents from other containers."""
 
     def __init__(self, container: ControlledContainer) -> None:
         self._container = container
@@ -47,22 +46,22 @@ class Arrivals:
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def close(self) -> None:
-        """Wait for nobody any more."""
+        """Stop waiting for agents to be settled."""
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
     async def adopt(self, agent: Agent, migration: MigrationState, origin: str) -> None:
-        """Let an agent arrive, and wait until it is settled.
+        """Start an agent that arrives; it waits until it is settled.
 
         Args:
-            agent: It, just made.
+            agent: The agent, just constructed.
             migration: What it takes along.
-            origin: The key of the control of the container where it was.
+            origin: The key of the control of the old container.
         Raises:
-            AlreadyThere: One of this name lives here.
+            AlreadyThere: This container has an agent of this name.
             SetupFailed: Its setup failed, or it cannot unpack.
-            NotMoved: It was forsaken or stopped before it was here.
+            NotMoved: It was forsaken or stopped before it had arrived.
         """
         arrival = _Arrival(agent, migration, origin)
 
@@ -82,10 +81,10 @@ class Arrivals:
         self._begin(self._judge(arrival))
 
     def settle(self, name: AgentName, waiting: list[QueuedMessage]) -> None:
-        """Let an agent that has arrived begin to live here.
+        """Continue an agent that has arrived.
 
         Raises:
-            NotMoved: None of this name waits for it.
+            NotMoved: No agent of this name waits for it.
         """
         arrival = self._arrivals.get(name)
         if arrival is None or not arrival.is_awaiting:
@@ -93,7 +92,7 @@ class Arrivals:
         self._settle(arrival, waiting)
 
     async def forsake(self, name: AgentName, origin: str) -> None:
-        """Let an agent go that lives on where it was, whether it is settled already or not yet here."""
+        """Remove an agent that continues in the old container, whether it is settled or has not arrived yet."""
         arrival = self._arrivals.get(name)
         if arrival is not None and arrival.origin == origin:
             await self._let_go(arrival)
@@ -110,7 +109,7 @@ class Arrivals:
                 await self._container.stop(arrival.agent.name, AgentEnd.MOVED)
 
     async def _judge(self, arrival: _Arrival) -> None:
-        """See what has become of an agent that nobody settles: it lives on where it was, or else here."""
+        """Decide about an agent that is not settled: remove it if it is in the old container, else continue it here."""
         loop = asyncio.get_running_loop()
         until = loop.time() + SETTLE_TIME
         while arrival.is_awaiting:
@@ -124,7 +123,7 @@ class Arrivals:
                 await self._let_go(arrival)
 
     async def _lives_on(self, arrival: _Arrival) -> bool:
-        with contextlib.suppress(BusError, TimeoutError):  # where nobody answers it does not live
+        with contextlib.suppress(BusError, TimeoutError):  # without an answer the agent is not there
             asked = query(self._container.bus, arrival.origin, {"do": "list"}, ANSWER_TIME)
             return any(row["name"] == str(arrival.agent.name) for row in (await asked)[0].value["agents"])
         return False

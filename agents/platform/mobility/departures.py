@@ -1,15 +1,19 @@
-"""How an agent moves from one container into another, and the side of the one that it leaves.
+"""The move of an agent from one container into another, and the part of the old container.
 
-1. Here it takes no more requests, finishes those under way, and packs. What comes from now on waits before its door.
-2. There (arrivals.py) it is made anew (`adopt`): it sets up, unpacks, appears on the bus, and what comes waits as well.
-3. Here the messages that came since are handed over (`settle`); with that it begins to live there, and its door opens.
-4. Here, for a while, whatever still comes follows it: messages are handed over (`deliver`), conversations are passed on
-   word by word (`begin`). Then what was left here ends.
+1. In the old container the agent takes no more requests, finishes those under way, and packs. From now on messages and
+   conversations wait in its delivery gate.
+2. In the new container (arrivals.py) it is constructed again (`adopt`): it sets up, unpacks, and appears on the bus;
+   its gate is closed as well.
+3. The old container sends the messages that came since (`settle`); with that the agent continues in the new one, and
+   the gate opens there.
+4. For a while the old container forwards whatever still comes: messages (`deliver`) and conversations (`begin`). Then
+   the agent ends there.
 
-Both hear what is said to the agent between 2 and 4, so each thing is let in once (door.py). If anything fails before 3
-it goes on here as though nothing had been, and the other is told (`forsake`). If this container dies between 2 and 3,
-the other finds that out and keeps the agent. If the other does not answer, it is asked whether the agent lives there;
-only when it is frozen or cut off for longer than that takes can both have the agent, until the other hears `forsake`.
+Both containers receive the messages to the agent between 2 and 4, and each is delivered once (delivery_gate.py). If a
+step fails before 3, the agent continues in the old container, and the new one is notified (`forsake`). If the old
+container dies between 2 and 3, the new one notices it and keeps the agent. If the new one does not answer, the old one
+asks whether the agent is there. Only when the new container is frozen or cut off for longer can both have the agent,
+until the new one receives `forsake`.
 """
 
 import asyncio
@@ -18,26 +22,26 @@ from collections.abc import Mapping
 from typing import Any
 
 from agents.platform.agent import Agent
+from agents.platform.container.context import AgentEnd
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import Caller, QueuedMessage
-from agents.platform.container.ends import AgentEnd
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
-from agents.platform.mobility.migration_state import MigrationState, enveloped, packed
+from agents.platform.mobility.migration_state import MigrationState, encode_queued
 from agents.platform.names import AgentName, ContainerName
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
 from bus.aio import query
 
-DRAIN_TIME = 5.0  # s for what is under way to end
+DRAIN_TIME = 5.0  # s for conversations under way to end
 ADOPT_TIME = 35.0  # s for the other container; longer than a setup may take
-ORDER_TIME = 5.0  # s for what it does at once
-MEET_TIME = 0.1  # s in which who speaks to it hears of its new door, so that what is said keeps its order
-MEET_AGAIN_TIME = 3.0  # s in which a container that was cut off, or frozen, meets the others again
+ORDER_TIME = 5.0  # s for orders that it carries out at once
+MEET_TIME = 0.1  # s in which senders learn of its new subscription, so that messages keep their order
+MEET_AGAIN_TIME = 3.0  # s in which a container that was cut off or frozen reconnects
 ASK_AGAIN = 0.2  # s
-LINGER = 0.5  # s in which all on the bus have heard where the agent lives
-LOOK = 0.02  # s between two looks at what has come meanwhile
-LONGEST_CONVERSATION = 24 * 3600.0  # s that one may be passed on
+LINGER = 0.5  # s in which all on the bus have learned the new container
+LOOK = 0.02  # s between two checks for messages
+LONGEST_CONVERSATION = 24 * 3600.0  # s for which one is forwarded at most
 
 Order = dict[str, Any]
 
@@ -50,7 +54,7 @@ class Departures:
         self._passed_on: dict[Conversation, Subscription] = {}
 
     def close(self) -> None:
-        """Pass on nothing more; who has begun a conversation here hears that nobody answers any more."""
+        """Stop forwarding; the initiators of forwarded conversations see that the agent has gone."""
         for conversation, asking in list(self._passed_on.items()):
             asking.close()
             conversation.close()
@@ -59,18 +63,18 @@ class Departures:
         """Move an agent; returns when nothing of it is left here.
 
         Args:
-            agent: One that lives here and is at work, or suspended.
+            agent: An agent of this container that is active, waiting or suspended.
             to: The name of a container.
         Returns:
-            Where it lives now, and in which state.
+            Its new container, and its state.
         Raises:
-            NotMoved: It lives here as before; says why.
-            IllegalTransition: It is not at work.
+            NotMoved: It is still in this container; the message says why.
+            IllegalTransition: It is in another state.
         """
         there = await self._find(to)
         if agent.state is AgentState.TRANSIT:
             raise NotMoved(f"{agent.name} is moving already")
-        migration = await self._packed(agent)
+        migration = await self._pack(agent)
         try:
             await self._hand_over(agent, migration, there)
         except BaseException as err:
@@ -94,7 +98,7 @@ class Departures:
             raise NotMoved(f"{len(found)} containers are called {to}")
         return ContainerName.of_key(found[0].key)
 
-    async def _packed(self, agent: Agent) -> MigrationState:
+    async def _pack(self, agent: Agent) -> MigrationState:
         try:
             return await agent.migration.depart(DRAIN_TIME, agent.pack)
         except AgentError:
@@ -103,7 +107,7 @@ class Departures:
             raise NotMoved(f"{agent.name} cannot pack: {in_words(err)}") from err
 
     async def _hand_over(self, agent: Agent, migration: MigrationState, there: ContainerName) -> None:
-        """Have it begin to live there; what goes wrong has not happened, as far as can be known."""
+        """Continue the agent in the new container; undo the move after an error."""
         try:
             known = await self._settle(agent, migration, there)
         except BaseException:
@@ -113,10 +117,10 @@ class Departures:
         await self._follow(agent, there, waiting[known:], callers)
 
     async def _settle(self, agent: Agent, migration: MigrationState, there: ContainerName) -> int:
-        """Have it arrive and begin to live there.
+        """Have it adopted and settled in the new container.
 
         Returns:
-            How many of the letters that wait here have come there for certain.
+            How many of the queued messages have certainly arrived there.
         """
         is_adopted = False
         try:
@@ -126,7 +130,7 @@ class Departures:
             if agent.state is not AgentState.TRANSIT:
                 raise NotMoved("it has been ended meanwhile")
             waiting = agent.migration.gate.waiting()
-            settle: Order = {"do": "settle", "name": str(agent.name), "letters": enveloped(waiting)}
+            settle: Order = {"do": "settle", "name": str(agent.name), "letters": encode_queued(waiting)}
             await self._tell(there, settle, ORDER_TIME)
             return len(waiting)
         except (BusError, TimeoutError) as err:
@@ -143,17 +147,17 @@ class Departures:
             "kind": kind_of(agent),
             "properties": agent.properties,
             "from": self._container.called.control_key,
-            "luggage": packed(migration),
+            "luggage": migration.to_dict(),
         }
 
     async def _linger(self, agent: Agent, there: ContainerName) -> None:
-        """Let follow what still comes, and end what is left here."""
+        """Forward what still comes, and end the agent in this container."""
         loop = asyncio.get_running_loop()
         until = loop.time() + LINGER
         while loop.time() < until:
             await asyncio.sleep(LOOK)
             await self._follow(agent, there, *agent.migration.gate.kept())
-        with contextlib.suppress(UnknownAgent):  # somebody has stopped it here meanwhile
+        with contextlib.suppress(UnknownAgent):  # it has been stopped here meanwhile
             await self._container.stop(agent.name, AgentEnd.MOVED)
         await self._follow(agent, there, *agent.migration.gate.kept())
 
@@ -164,18 +168,18 @@ class Departures:
             self._pass_on(agent.name, there, caller)
         if waiting:
             try:
-                order: Order = {"do": "deliver", "name": str(agent.name), "letters": enveloped(waiting)}
+                order: Order = {"do": "deliver", "name": str(agent.name), "letters": encode_queued(waiting)}
                 await self._tell(there, order, ORDER_TIME)
             except (BusError, TimeoutError) as err:
                 self._container.report(agent.name, f"{len(waiting)} messages could not follow it to {there}", err)
 
     def _pass_on(self, name: AgentName, there: ContainerName, caller: Caller) -> None:
-        """Be the way between someone who began a conversation here and the agent, until it ends."""
+        """Forward a conversation that began here to the agent, until it ends."""
         conversation = caller.conversation
         has_ended = False
 
         def hear(answer: Answer) -> None:
-            with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
+            with contextlib.suppress(BusUnavailable):  # the initiator cannot be reached any more
                 conversation.reply(answer.value)
 
         def end(error: BusError | None) -> None:
@@ -194,15 +198,15 @@ class Departures:
             self._passed_on.pop(conversation, None)
 
     def _forsake(self, name: AgentName, there: ContainerName) -> None:
-        """Tell the other container that the agent does not come, if it is there to hear it."""
+        """Notify the new container that the agent does not come."""
         order: Order = {"do": "forsake", "name": str(name), "from": self._container.called.control_key}
-        with contextlib.suppress(BusError):  # it is not there, and waits for nobody
+        with contextlib.suppress(BusError):  # it has gone, and does not wait
             self._container.bus.ask(there.control_key, order, lambda answer: None, lambda error: None, ORDER_TIME)
 
     async def _lives(self, name: AgentName, there: ContainerName) -> bool:
-        """Whether an agent lives there already, although the answer that says so was lost.
+        """Return whether an agent is in the new container although the answer was lost.
 
-        Asked again for a while, since it may be this container that was cut off, and still is.
+        The query is repeated for a while, since this container may be cut off.
         """
         loop = asyncio.get_running_loop()
         until = loop.time() + MEET_AGAIN_TIME

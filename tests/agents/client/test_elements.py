@@ -12,9 +12,9 @@ import pytest
 
 from agents import RobotError, Team
 from agents.client.element import numbered
-from agents.client.picture import Picture
 from agents.client.readings import OtherReading
 from agents.client.robot import ELEMENTS
+from agents.client.sensors import Picture
 from agents.components.all_components import COMPONENTS, component_for
 from agents.platform import AgentName
 from tests.agents.client.conftest import Part, World

@@ -2,8 +2,7 @@
 
 import pytest
 
-from agents.components.headway import Headway
-from agents.components.pose_control import Velocity
+from agents.components.pose_control import Headway, Velocity
 from geometry import Pose2D, Twist2D, integrate
 
 STEP = 0.1  # s between two odometries

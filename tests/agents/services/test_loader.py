@@ -8,7 +8,7 @@ import pytest
 
 from agents.client.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Container, Directory, Ending, Kinds, Outcome
-from agents.platform.container.ends import AgentEnd
+from agents.platform.container.context import AgentEnd
 from agents.services.loaded import KIND
 from agents.services.loader import Loader
 from bus import MemoryBus, Refused
