@@ -53,7 +53,7 @@ exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopp
 """
 
 
-class Terminated(BaseException):
+class _Terminated(BaseException):
     """SIGTERM came: unwind, so that terminals are restored and sessions closed."""
 
 
@@ -83,7 +83,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
-    except Terminated:
+    except _Terminated:
         return 128 + signal.SIGTERM
     except BrokenPipeError:  # the reader, `head` for example, has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -125,7 +125,7 @@ def _terminable() -> Iterator[None]:
     """Let SIGTERM unwind the stack as Ctrl-C does."""
 
     def terminate(number: int, frame: FrameType | None) -> None:
-        raise Terminated
+        raise _Terminated
 
     before = signal.signal(signal.SIGTERM, terminate)
     try:

@@ -38,7 +38,7 @@ class KeysError(BusError):
 
 
 @dataclass(frozen=True, slots=True)
-class Issued:
+class _Issued:
     """A certificate that was made.
 
     owner: ROLE.NAME.
@@ -155,7 +155,7 @@ def owners(folder: Path) -> list[str]:
     return sorted(path.parent.name for path in folder.glob(f"*.*/{CERTIFICATE}"))
 
 
-def issued(folder: Path) -> list[Issued]:
+def issued(folder: Path) -> list[_Issued]:
     """The certificates in a folder, by owner.
 
     Raises:
@@ -163,7 +163,7 @@ def issued(folder: Path) -> list[Issued]:
     """
     _authority(folder)
     found = [(owner, _certificate(folder / owner / CERTIFICATE)) for owner in owners(folder)]
-    return [Issued(owner, each.not_valid_after_utc, _hosts(each)) for owner, each in found]
+    return [_Issued(owner, each.not_valid_after_utc, _hosts(each)) for owner, each in found]
 
 
 def _authority(folder: Path) -> Path:

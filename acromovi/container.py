@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
-        check_may_serve(bus, ContainerName(name, platform or bus.own_name or name))
+        _check_may_serve(bus, ContainerName(name, platform or bus.own_name or name))
         await_name(bus, name, end, forces=arguments.force)
         if end.code:
             return end.code
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     return end.code
 
 
-def check_may_serve(bus: "Bus", called: "ContainerName") -> None:
+def _check_may_serve(bus: "Bus", called: "ContainerName") -> None:
     """See that the key of a secure bus allows this container, before anything is said of its name.
 
     Raises:
@@ -232,7 +232,7 @@ async def live(container: "Container", arguments: argparse.Namespace, end: EndRe
     async with container:
         tasks = [asyncio.ensure_future(leave_if_second(container, end))]
         if arguments.robot:
-            tasks.append(asyncio.ensure_future(follow_robot(container, arguments.robot, end)))
+            tasks.append(asyncio.ensure_future(_follow_robot(container, arguments.robot, end)))
         if arguments.services:
             await start_services(container, arguments.services, dict(arguments.property))
         if arguments.json:
@@ -245,7 +245,7 @@ async def live(container: "Container", arguments: argparse.Namespace, end: EndRe
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-async def follow_robot(container: "Container", robot: str, end: EndRequest) -> None:
+async def _follow_robot(container: "Container", robot: str, end: EndRequest) -> None:
     """Keep the container's agents the same as the robot's elements."""
     from agents.components.robot_agents import RobotAgents
     from agents.platform.errors import in_words

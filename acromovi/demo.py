@@ -7,16 +7,20 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
 from apps.waypoints import Follower
 from bus import Bus, BusError, Sample, ZenohBus, keys, messages
 from configs.extras import require
-from geometry import Pose2D
+from geometry import Polygon, Pose2D
+
+if TYPE_CHECKING:
+    from p2os_emu.world import WorldSpec
 
 EPILOG = """\
 example:
@@ -28,13 +32,15 @@ MODEL = "powerbot"
 ROBOT = "powerbot"
 WORLD = "office"
 ROUTE = "round"
+TRUE_COLOUR = "#1f6f4a"
+BELIEVED_COLOUR = "#c2571a"
 PERIOD_S = 0.1
 CONNECT_TIMEOUT_S = 10.0
 DRIVE_TIMEOUT_S = 90.0
 
 
 @dataclass
-class StreamCounts:
+class _StreamCounts:
     """What the robot has said on the bus, and how often."""
 
     pose: Pose2D | None = None
@@ -96,7 +102,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the demo: 0 when the whole route was driven, 1 otherwise."""
     require("the demo", "emu", "plots")
-    from acromovi.picture import draw_drive
     from p2os_emu.world import load_world
 
     world = load_world(WORLD)
@@ -112,13 +117,13 @@ def run(options: argparse.Namespace) -> int:
         return 1
     options.out.mkdir(parents=True, exist_ok=True)
     picture = options.out / "drive.png"
-    draw_drive(picture, world, drive.true_path, drive.odometry_path)
+    _draw(picture, world, drive.true_path, drive.odometry_path)
     print(_summary(drive, heard, picture))
     return 0
 
 
-def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, StreamCounts]:
-    heard = StreamCounts()
+def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, _StreamCounts]:
+    heard = _StreamCounts()
     bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
     bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
     bus.subscribe(keys.BATTERY.key(ROBOT), heard.on_battery)
@@ -142,7 +147,7 @@ def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive,
     raise TimeoutError(f"the robot passed {follower.passed} waypoints in {DRIVE_TIMEOUT_S:.0f} s and then no more")
 
 
-def _wait_for_odometry(heard: StreamCounts) -> None:
+def _wait_for_odometry(heard: _StreamCounts) -> None:
     for _ in _every(PERIOD_S / 4, until=time.monotonic() + CONNECT_TIMEOUT_S):
         if heard.pose is not None:
             return
@@ -183,7 +188,7 @@ def _table() -> Iterator[Callable[[str], None]]:
         print()
 
 
-def _row(drive: Drive, heard: StreamCounts, follower: Follower) -> str:
+def _row(drive: Drive, heard: _StreamCounts, follower: Follower) -> str:
     pose = drive.odometry_path[-1]
     return (
         f"{drive.seconds:5.1f}s {pose.x:6.2f}m {pose.y:6.2f}m {math.degrees(pose.heading):5.0f}° {heard.speed:6.2f} "
@@ -191,7 +196,7 @@ def _row(drive: Drive, heard: StreamCounts, follower: Follower) -> str:
     )
 
 
-def _summary(drive: Drive, heard: StreamCounts, picture: Path) -> str:
+def _summary(drive: Drive, heard: _StreamCounts, picture: Path) -> str:
     return (
         f"\ndrove {drive.length:.1f} m in {drive.seconds:.0f} s; heard {heard.odometry_count} poses and "
         f"{heard.sonar_count} sonar ranges; odometry ends {drive.drift:.2f} m from the truth; picture: {picture}\n"
@@ -200,3 +205,47 @@ def _summary(drive: Drive, heard: StreamCounts, picture: Path) -> str:
         "  .venv/bin/p2os-gateway /tmp/powerbot\n"
         "  .venv/bin/acromovi teleop powerbot"
     )
+
+
+def _draw(path: Path, world: "WorldSpec", true_path: Sequence[Pose2D], odometry_path: Sequence[Pose2D]) -> None:
+    """Draw a PNG or SVG, by the ending of `path`.
+
+    Args:
+        path: Where to write.
+        world: What stands where.
+        true_path: Poses in the world, m.
+        odometry_path: Likewise, as the robot's odometry has them.
+    """
+    from matplotlib.figure import Figure  # slow to import
+
+    page = Figure(figsize=(11, 7.5), layout="constrained")
+    axes = page.subplots()
+    _fill(axes, (block.footprint for block in world.walls), "#3d4248", "walls")
+    _fill(axes, (block.footprint for block in world.furniture), "#b9b2a3", "furniture")
+    axes.plot([p.x for p in true_path], [p.y for p in true_path], color=TRUE_COLOUR, linewidth=2.2, label="true path")
+    axes.plot(
+        [p.x for p in odometry_path],
+        [p.y for p in odometry_path],
+        color=BELIEVED_COLOUR,
+        linewidth=1.4,
+        linestyle="--",
+        label="odometry",
+    )
+    for pose, mark, what in ((true_path[0], "o", "start"), (true_path[-1], "s", "end")):
+        axes.plot(pose.x, pose.y, mark, color=TRUE_COLOUR, markersize=8, label=what)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+    axes.set_title(f"World '{world.name}': where the robot drove, and where its odometry has it", loc="left")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    axes.spines[["top", "right"]].set_visible(False)
+    page.savefig(path, dpi=110)
+
+
+def _fill(axes: object, polygons: Iterable[Polygon], colour: str, label: str) -> None:
+    from matplotlib.axes import Axes
+
+    assert isinstance(axes, Axes)
+    for number, polygon in enumerate(polygons):
+        outline = [x for x, _ in polygon], [y for _, y in polygon]
+        axes.fill(*outline, color=colour, linewidth=0, label=label if number == 0 else None)

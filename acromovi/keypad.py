@@ -30,7 +30,7 @@ class Action(StrEnum):
     QUIT = "quit"
 
 
-class KeypadAxis(Enum):
+class _KeypadAxis(Enum):
     """What a key moves: forward or round."""
 
     LINEAR = "linear"
@@ -38,14 +38,14 @@ class KeypadAxis(Enum):
 
 
 MOVES = {
-    "up": (KeypadAxis.LINEAR, 1),
-    "w": (KeypadAxis.LINEAR, 1),
-    "down": (KeypadAxis.LINEAR, -1),
-    "s": (KeypadAxis.LINEAR, -1),
-    "left": (KeypadAxis.ANGULAR, 1),
-    "a": (KeypadAxis.ANGULAR, 1),
-    "right": (KeypadAxis.ANGULAR, -1),
-    "d": (KeypadAxis.ANGULAR, -1),
+    "up": (_KeypadAxis.LINEAR, 1),
+    "w": (_KeypadAxis.LINEAR, 1),
+    "down": (_KeypadAxis.LINEAR, -1),
+    "s": (_KeypadAxis.LINEAR, -1),
+    "left": (_KeypadAxis.ANGULAR, 1),
+    "a": (_KeypadAxis.ANGULAR, 1),
+    "right": (_KeypadAxis.ANGULAR, -1),
+    "d": (_KeypadAxis.ANGULAR, -1),
 }
 ACTIONS = {" ": Action.STOP, "e": Action.ENABLE, "x": Action.ESTOP, "c": Action.CLEAR, "q": Action.QUIT}
 HELP = "arrows or w a s d drive · space stops · e motors on or off · x e-stop · c clears it · q quits"
@@ -94,8 +94,8 @@ class Keypad:
 
     def __init__(self, linear_speed: float, angular_speed: float) -> None:
         """Drive with these speeds, m/s and rad/s."""
-        self._speeds = {KeypadAxis.LINEAR: linear_speed, KeypadAxis.ANGULAR: angular_speed}
-        self._held = {axis: Held() for axis in KeypadAxis}
+        self._speeds = {_KeypadAxis.LINEAR: linear_speed, _KeypadAxis.ANGULAR: angular_speed}
+        self._held = {axis: Held() for axis in _KeypadAxis}
         self._next = 0.0
         self._is_driving = False
 
@@ -109,7 +109,7 @@ class Keypad:
             return None
         action = ACTIONS.get(key)
         if action is not None:
-            self._held = {axis: Held() for axis in KeypadAxis}
+            self._held = {axis: Held() for axis in _KeypadAxis}
         return action
 
     def twist(self, now: float) -> tuple[float, float]:

@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json and arguments.diagram:
         print("acromovi sniff: --json and --diagram both print; --svg FILE goes with --json", file=sys.stderr)
         return 2
-    transcript = Transcript(wanted(arguments.agents, arguments.conversation), arguments.json)
+    transcript = _Transcript(wanted(arguments.agents, arguments.conversation), arguments.json)
     is_drawn = True
     with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known, Listener(bus) as ear:
 
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if is_drawn else 1
 
 
-class Transcript:
+class _Transcript:
     """Prints what is heard, and remembers the last of it for the diagrams.
 
     count: messages that were printed and can be drawn.
@@ -124,7 +124,7 @@ class Transcript:
         return diagram_of(self._last, self.count - len(self._last))
 
 
-def follow(ear: "Listener", transcript: Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
+def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
     """Print what is said for so many seconds, or for ever; tell once when nobody says anything."""
     begun = time.monotonic()
     quiet_until = begun + min(SILENCE, duration or SILENCE)
@@ -162,7 +162,7 @@ def line(heard: "Heard") -> str:
     return f"{clock(heard.time)}  {mark:<{SHORT_ID}}  {who:<{WHO}}  {message.performative:<8} {text}".rstrip()
 
 
-def draw(transcript: Transcript, as_text: bool, picture: Path | None) -> bool:
+def draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
     """Print or write the diagram, as is wanted; False when the file cannot be written."""
     from acromovi.sniffer.svg import svg
     from acromovi.sniffer.text import lines

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 @dataclass
-class Flow:
+class _Flow:
     """What has been heard on one key; times in s on one steady clock."""
 
     type_name: str
@@ -64,7 +64,7 @@ class Tally:
     """Counts messages by key; the bus's thread counts while another reads."""
 
     def __init__(self) -> None:
-        self._flows: dict[str, Flow] = {}
+        self._flows: dict[str, _Flow] = {}
         self._lock = Lock()
 
     def add(self, sample: "Sample", now: float) -> None:
@@ -74,7 +74,7 @@ class Tally:
         with self._lock:
             flow = self._flows.get(sample.key)
             if flow is None:
-                self._flows[sample.key] = Flow(type_of(sample) or sample.encoding, now, now)
+                self._flows[sample.key] = _Flow(type_of(sample) or sample.encoding, now, now)
             else:
                 flow.count += 1
                 flow.last = now

@@ -73,10 +73,10 @@ def open_source(where: str) -> CameraSource:
         CameraLost: It is not there, or gives no pictures.
     """
     parts = urlsplit(where)
-    return UrlSource(parts) if parts.scheme else DeviceSource(where)
+    return _UrlSource(parts) if parts.scheme else _DeviceSource(where)
 
 
-class UrlSource:
+class _UrlSource:
     """An IP camera; its pictures are passed on as they are."""
 
     def __init__(self, url: SplitResult) -> None:
@@ -134,7 +134,7 @@ class UrlSource:
         return self._socket.fileno() >= 0 and bool(select.select([self._socket], (), (), 0.0)[0])
 
 
-class DeviceSource:
+class _DeviceSource:
     """A camera of this computer."""
 
     def __init__(self, where: str) -> None:

@@ -24,7 +24,6 @@ from p2os_emu.emulator import Emulator
 from p2os_emu.factory import Factory
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
-from p2os_emu.faults.file import schedule_file
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import HUNG_UP, Poller
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
 _ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-class PhysicsError(Exception):
+class _PhysicsError(Exception):
     """There is no physics engine, or it cannot start."""
 
 
@@ -66,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, EXIT_CONFIG)
     except PortError as error:
         return _fail(error, EXIT_PORT)
-    except PhysicsError as error:
+    except _PhysicsError as error:
         return _fail(error, EXIT_PHYSICS)
     except BrokenPipeError:
         # Whoever was to read this is gone, and so is the reason to go on. What is still buffered goes nowhere.
@@ -112,7 +111,7 @@ def _emulate(options: EmulatorOptions) -> None:
         for spec in options.faults:
             faults.schedule(spec, emulator.time)
         for path in options.fault_files:
-            schedule_file(faults, path, emulator.time)
+            faults.schedule_file(path, emulator.time)
         runner = Runner(emulator, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
         requests = ControlRequestHandler(team, faults, runner)
         control = ControlSocket(_control_path(options, stack), poller, requests.answer)
@@ -163,7 +162,7 @@ def _make_world(options: EmulatorOptions) -> "World":
     try:
         from p2os_emu.world import World, WorldError, load_world
     except ExtraMissing as error:
-        raise PhysicsError(str(error)) from error
+        raise _PhysicsError(str(error)) from error
     try:
         spec = load_world(options.world)
     except WorldError as error:
@@ -173,7 +172,7 @@ def _make_world(options: EmulatorOptions) -> "World":
     try:
         return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
     except WorldError as error:
-        raise PhysicsError(str(error)) from error
+        raise _PhysicsError(str(error)) from error
 
 
 def _open_cameras(emulator: Emulator, world: "World", team: EmulatedTeam) -> "Cameras":

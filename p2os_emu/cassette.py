@@ -150,7 +150,7 @@ class Recorder:
 
 
 @dataclass(slots=True)
-class RecordedExchange:
+class _RecordedExchange:
     """A frame of the host's, and what the robot said between it and the host's next.
 
     name: what the host meant, see `Talk`. answers: (s after the frame, payload), without the SIPs.
@@ -164,10 +164,10 @@ class RecordedExchange:
     sips: list[tuple[float, bytes]] = field(default_factory=list)
 
 
-def exchanges(cassette: Cassette) -> list[RecordedExchange]:
+def exchanges(cassette: Cassette) -> list[_RecordedExchange]:
     """Take a recording apart; the first exchange has no command and holds what the robot said before any."""
     talk, decoders = Talk(), {source: FrameDecoder() for source in FrameSource}
-    current = session = RecordedExchange(0.0, "", b"")
+    current = session = _RecordedExchange(0.0, "", b"")
     found = [current]
     for time, source, data in cassette.moments:
         for event in decoders[source].receive(data, time):
@@ -175,7 +175,7 @@ def exchanges(cassette: Cassette) -> list[RecordedExchange]:
                 continue
             payload = event.payload
             if source is FrameSource.HOST:
-                current = RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
+                current = _RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
                 session = current if current.name == ConnectionCommand.OPEN else session
                 found.append(current)
                 continue
@@ -199,8 +199,8 @@ class Player:
 
     def __init__(self, cassette: Cassette) -> None:
         start, *recorded = exchanges(cassette)
-        self._same: dict[tuple[str, bytes], deque[RecordedExchange]] = {}
-        self._similar: dict[str, deque[RecordedExchange]] = {}
+        self._same: dict[tuple[str, bytes], deque[_RecordedExchange]] = {}
+        self._similar: dict[str, deque[_RecordedExchange]] = {}
         for each in recorded:
             self._same.setdefault((each.name, each.command), deque()).append(each)
             self._similar.setdefault(each.name, deque()).append(each)
@@ -243,7 +243,7 @@ class Player:
             self._begin(recorded.popleft() if len(recorded) > 1 else recorded[0])
 
     def _name(self, payload: bytes) -> str:
-        """As `RecordedExchange.name`; empty for a SYNC out of turn, which no robot answers."""
+        """As `_RecordedExchange.name`; empty for a SYNC out of turn, which no robot answers."""
         number, was_open = payload[0], self._connection.state is ConnectionState.OPEN
         if self._connection.receive(payload) is not None:
             return f"SYNC{number}"
@@ -252,7 +252,7 @@ class Player:
         is_open = self._connection.state is ConnectionState.OPEN
         return CONNECTION_COMMANDS[number] if is_open or was_open else ""
 
-    def _begin(self, exchange: RecordedExchange) -> None:
+    def _begin(self, exchange: _RecordedExchange) -> None:
         self._answers += [(self._now + delay, answer) for delay, answer in exchange.answers]
         if exchange.sips:
             self._stream = deque((self._now + delay, sip) for delay, sip in exchange.sips)

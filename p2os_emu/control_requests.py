@@ -11,9 +11,8 @@ from geometry import Pose2D
 from p2os_emu.control import RequestError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
-from p2os_emu.faults.board import Fault, FaultBoard
+from p2os_emu.faults.board import FAULTS, Fault, FaultBoard
 from p2os_emu.faults.kind import FaultKind
-from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
 from p2os_emu.pacing import FASTEST, SLOWEST

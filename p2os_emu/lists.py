@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 import configs
 from configs.team_file import TeamFile
 from p2os import RobotModel
-from p2os_emu.faults.table import FAULTS
+from p2os_emu.faults.board import FAULTS
 from p2os_emu.fit import PARTS, REMOVABLE
 from p2os_emu.links.line import LinkProfile
 

@@ -12,7 +12,7 @@ _LONGEST_WAIT = 0.1  # s; ports and requests are heard so often at any speed
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
 
 
-class Stepped(Protocol):
+class _Stepped(Protocol):
     """What a runner moves: an emulator."""
 
     @property
@@ -37,7 +37,7 @@ class Runner:
 
     def __init__(
         self,
-        emulator: Stepped,
+        emulator: _Stepped,
         poller: Poller,
         *,
         clock: Callable[[], float],

@@ -62,7 +62,7 @@ class Recording:
             recorder.close()
 
 
-class ServedRobot:
+class _ServedRobot:
     """A player on a line; a runner moves it as it moves an emulator.
 
     time: s since the start.
@@ -96,7 +96,7 @@ def serve(path: Path, options: EmulatorOptions) -> None:
         link = stack.enter_context(
             contextlib.closing(Ports(poller, pty=options.pty, tcp=options.tcp).open(cassette.name))
         )
-        robot = ServedRobot(Player(cassette), EmulatedLine(link, profile, options.seed))
+        robot = _ServedRobot(Player(cassette), EmulatedLine(link, profile, options.seed))
         runner = Runner(robot, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
         _announce(cassette, link.port, path, options)
         runner.run(options.duration)

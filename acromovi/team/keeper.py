@@ -59,13 +59,13 @@ def main() -> None:
         stage, pid = map(int, line.split())
         with suppress(ProcessLookupError):  # it has ended before it could be kept
             kept.append(Kept(stage, pid))
-    end_in_order(kept)
+    _end_in_order(kept)
     shutil.rmtree(Path(sys.argv[1]), ignore_errors=True)
     if os.getpgrp() == os.getpid():  # the group is the team's, and not that of a person's shell
         os.killpg(os.getpgrp(), signal.SIGKILL)
 
 
-def end_in_order(kept: Iterable[Kept]) -> None:
+def _end_in_order(kept: Iterable[Kept]) -> None:
     """End the processes stage by stage, each within its deadline."""
     processes = list(kept)
     begun = time.monotonic()

@@ -1,4 +1,4 @@
-"""Real processes for the supervisor: in one group, kept by a keeper that ends them in order."""
+"""Processes of a team: started a few at a time, in one process group, and ended in order by a keeper."""
 
 import asyncio
 import os
@@ -6,6 +6,8 @@ import re
 import signal
 import sys
 from asyncio.subprocess import DEVNULL, PIPE
+from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,13 +15,47 @@ from acromovi.team.keeper import DEADLINES, Kept
 from acromovi.team.plan import PlannedProcess, ProcessKind
 from acromovi.team.supervisor import Hear
 
+AT_ONCE = (os.cpu_count() or 1) + 1
+"""How many programs start at the same time. All at once would keep gateways that drive already from running for half a
+second, and a gateway that was kept so long must stop its robot."""
+
+
+class StartQueue:
+    """Starts programs, a few at a time."""
+
+    def __init__(self, begin: Callable[[PlannedProcess], object], at_once: int = AT_ONCE) -> None:
+        self._begin = begin
+        self._at_once = at_once
+        self._waiting: deque[PlannedProcess] = deque()
+        self._starting: set[str] = set()
+        self._added: set[str] = set()
+
+    def add(self, program: PlannedProcess) -> None:
+        """Begin a program as soon as there is room; one that was added before is left alone."""
+        if program.name not in self._added:
+            self._added.add(program.name)
+            self._waiting.append(program)
+            self._go_on()
+
+    def has_started(self, program: PlannedProcess) -> None:
+        """It is at work now, or waits for something itself, or has ended."""
+        self._starting.discard(program.name)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        while self._waiting and len(self._starting) < self._at_once:
+            program = self._waiting.popleft()
+            self._starting.add(program.name)
+            self._begin(program)
+
+
 LONGEST_LINE = 1 << 20  # bytes
 LAST_WORDS = 0.5  # s for what a process has said to arrive; a child of its own may hold the pipe open much longer
 SWITCHES = re.compile(r"voluntary_ctxt_switches:\s+(\d+)")  # both kinds, of one thread
 KEEPER_TIME = DEADLINES[-1] + 0.3  # s
 
 
-class TeamProcess:
+class _TeamProcess:
     """One process and what it says."""
 
     def __init__(
@@ -88,7 +124,7 @@ class Processes:
         )
         return cls(keeper)
 
-    async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> TeamProcess:
+    async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> _TeamProcess:
         """Start a program; it is out of reach of the terminal's Ctrl-C, since all end in order."""
         process = await asyncio.create_subprocess_exec(
             *program.command,
@@ -104,7 +140,7 @@ class Processes:
         assert process.stderr is not None
         self._keeper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
         reading = [_read(process.stdout, heard), _read(process.stderr, complained)]
-        return TeamProcess(
+        return _TeamProcess(
             process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid)
         )
 

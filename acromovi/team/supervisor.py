@@ -15,7 +15,7 @@ HEALTHY_AFTER = 20.0  # s after which an end is the first one again
 GRACE = 0.5  # s for a process that is to be started again, before it is killed
 
 
-class Child(Protocol):
+class _Child(Protocol):
     """A process that runs."""
 
     @property
@@ -42,7 +42,7 @@ class Child(Protocol):
 
 
 Hear = Callable[[str], None]
-Start = Callable[[PlannedProcess, Hear, Hear], Awaitable[Child]]
+Start = Callable[[PlannedProcess, Hear, Hear], Awaitable[_Child]]
 """Starts a program; each line of its standard output goes to the first listener, of standard error to the second."""
 
 
@@ -66,7 +66,7 @@ class ProcessRow:
 
     program: PlannedProcess
     state: ProcessState = ProcessState.STARTING
-    child: Child | None = None
+    child: _Child | None = None
     ends: int = 0
     restarts: int = 0
     why: str = ""

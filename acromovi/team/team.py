@@ -10,8 +10,8 @@ from acromovi.team import plan
 from acromovi.team.causes import cause, cause_of_services, plain
 from acromovi.team.host_control import HostControl
 from acromovi.team.plan import Choices, PlannedProcess, ProcessKind, TeamPlan
+from acromovi.team.processes import StartQueue
 from acromovi.team.progress import ProgressLines
-from acromovi.team.queue import StartQueue
 from acromovi.team.readiness import PATIENCE, Readiness
 from acromovi.team.supervisor import ProcessRow, Start, Supervisor
 from agents.platform.conversations.talk import hand_over

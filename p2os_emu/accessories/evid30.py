@@ -23,7 +23,7 @@ ELEVATIONS: Mapping[int, int] = {visca.UP: 1, visca.DOWN: -1, visca.STAY: 0}
 _ZOOMS: Mapping[int, int] = {visca.ZOOM_STOP: 0, visca.NARROWER: 1, visca.WIDER: -1}
 
 
-class Busy(Enum):
+class _Busy(Enum):
     """What a command keeps busy."""
 
     TURNING = auto()
@@ -35,7 +35,7 @@ class Busy(Enum):
 class _SocketCommand:
     """A command in a socket. time_left: s, where it is not the mechanics that say when it is over."""
 
-    busy: Busy
+    busy: _Busy
     time_left: float
 
 
@@ -53,15 +53,15 @@ class EviD30:
         self._decoder = ViscaDecoder()
         self._out = bytearray()
         self._sockets: dict[int, _SocketCommand] = {}
-        self._commands: Mapping[bytes, tuple[Busy, Callable[[bytes], None]]] = {
-            visca.MOVE: (Busy.TURNING, self._move),
-            visca.DRIVE: (Busy.TURNING, self._drive),
-            visca.HOME: (Busy.TURNING, self._home),
-            visca.RESET: (Busy.TURNING, self._home),
-            visca.ZOOM_TO: (Busy.ZOOMING, self._zoom),
-            visca.ZOOM_DRIVE: (Busy.ZOOMING, self._drive_zoom),
-            visca.BACKLIGHT: (Busy.SWITCHING, self._set_backlight),
-            visca.POWER: (Busy.SWITCHING, self._switch),
+        self._commands: Mapping[bytes, tuple[_Busy, Callable[[bytes], None]]] = {
+            visca.MOVE: (_Busy.TURNING, self._move),
+            visca.DRIVE: (_Busy.TURNING, self._drive),
+            visca.HOME: (_Busy.TURNING, self._home),
+            visca.RESET: (_Busy.TURNING, self._home),
+            visca.ZOOM_TO: (_Busy.ZOOMING, self._zoom),
+            visca.ZOOM_DRIVE: (_Busy.ZOOMING, self._drive_zoom),
+            visca.BACKLIGHT: (_Busy.SWITCHING, self._set_backlight),
+            visca.POWER: (_Busy.SWITCHING, self._switch),
         }
         self._inquiries: Mapping[bytes, Callable[[], bytes]] = {
             visca.ASK_DIRECTION: self._direction,
@@ -94,11 +94,11 @@ class EviD30:
 
     def _goes_on(self, motion: _SocketCommand) -> bool:
         match motion.busy:
-            case Busy.TURNING:
+            case _Busy.TURNING:
                 return self.head.is_turning
-            case Busy.ZOOMING:
+            case _Busy.ZOOMING:
                 return self.head.lens.is_moving
-            case Busy.SWITCHING:
+            case _Busy.SWITCHING:
                 return motion.time_left > 0.0
 
     def _take(self, message: ViscaMessage) -> None:
@@ -161,9 +161,9 @@ class EviD30:
         if motion is None:
             self._refuse(Error.NO_SOCKET, socket)
             return
-        if motion.busy is Busy.TURNING:
+        if motion.busy is _Busy.TURNING:
             self.head.stop()
-        elif motion.busy is Busy.ZOOMING:
+        elif motion.busy is _Busy.ZOOMING:
             self.head.lens.drive(0)
         self._refuse(Error.CANCELLED, socket)
 

@@ -69,7 +69,7 @@ class ScannerModel:
 
 
 @dataclass(frozen=True, slots=True)
-class BeamSegment:
+class _BeamSegment:
     """The beams that are sent: index of the first, how many; whether as a partial scan."""
 
     first: int
@@ -108,7 +108,7 @@ class Lms200:
         self._ready_at = model.boot_s
         self._is_new = True  # it has not yet said that it is there
         self._is_installing = False
-        self._segment: BeamSegment | None = None  # while scans are sent unasked
+        self._segment: _BeamSegment | None = None  # while scans are sent unasked
         self._scan_at = 0.0
         self._answers: deque[bytes] = deque()
         self._free_at = 0.0  # when the line has taken everything sent so far
@@ -197,7 +197,7 @@ class Lms200:
                 self._measure(None, is_installing=True)
         elif mode == bytes((LmsMode.CONTINUOUS,)):
             result = ModeResult.OK
-            self._measure(BeamSegment(0, self.variant.beams, is_partial=False))
+            self._measure(_BeamSegment(0, self.variant.beams, is_partial=False))
         elif mode == bytes((LmsMode.ON_REQUEST,)):
             result = ModeResult.OK
             self._measure(None)
@@ -205,13 +205,13 @@ class Lms200:
             segment = read_segment(rest)
             if segment is not None and segment.stop <= self.variant.beams:
                 result = ModeResult.OK
-                self._measure(BeamSegment(segment.start, len(segment), is_partial=True))
+                self._measure(_BeamSegment(segment.start, len(segment), is_partial=True))
         elif mode and mode[0] in BAUD_MODES:
             result = ModeResult.OK
             self._next_baud = BAUD_MODES[mode[0]]
         self._say(LmsAnswerCode.MODE, bytes((result,)))
 
-    def _measure(self, segment: BeamSegment | None, *, is_installing: bool = False) -> None:
+    def _measure(self, segment: _BeamSegment | None, *, is_installing: bool = False) -> None:
         """Send these beams from now on; whoever asks for scans leaves the installation mode."""
         self._segment = segment
         self._is_installing = is_installing
@@ -228,7 +228,7 @@ class Lms200:
         if wanted in VARIANTS:
             self.variant = wanted
             if self._segment is not None:
-                self._segment = BeamSegment(0, wanted.beams, is_partial=False)
+                self._segment = _BeamSegment(0, wanted.beams, is_partial=False)
         self._say(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
 
     def _wanted_variant(self, inside: bytes) -> Variant:
@@ -271,7 +271,7 @@ class Lms200:
         self._free_at = max(self._free_at, self._time) + len(telegram) * BITS_PER_BYTE / self.baud
         return telegram
 
-    def _send_scan(self, segment: BeamSegment) -> bytes:
+    def _send_scan(self, segment: _BeamSegment) -> bytes:
         values, unit = self._values(segment), self.configuration.unit
         if segment.is_partial:
             telegram = encode_answer(
@@ -285,7 +285,7 @@ class Lms200:
         self._scan_at = max(self._scan_at + period, self._time)
         return self._send(telegram)
 
-    def _values(self, segment: BeamSegment) -> bytes:
+    def _values(self, segment: _BeamSegment) -> bytes:
         """Measure: distances and flags as they are sent."""
         model = self._model
         echoes = self._body.scan(self._beams(segment))
@@ -305,7 +305,7 @@ class Lms200:
             return np.zeros(len(shines), np.uint16)
         return np.where(shines, np.ceil(strongest * echoes.cosines), 0).astype(np.uint16)
 
-    def _beams(self, segment: BeamSegment) -> ScanBeams:
+    def _beams(self, segment: _BeamSegment) -> ScanBeams:
         mount, variant, model = self._mount, self.variant, self._model
         turn = -1.0 if mount.flipped else 1.0
         first = variant.first_bearing + segment.first * variant.resolution

@@ -39,7 +39,7 @@ FAULTS = CubeState.ERROR | CubeState.HALTED | CubeState.LAGS | CubeState.SILENCE
 
 
 @dataclass(frozen=True, slots=True)
-class ModuleLimits:
+class _ModuleLimits:
     """Of one module: rad and rad/s, or m and m/s. lag: at which it gives up."""
 
     lower: float
@@ -50,13 +50,13 @@ class ModuleLimits:
     lag: float
 
 
-class Cube:
+class _Cube:
     """One module.
 
     state: as it reports it. setpoint: where the joint should be now, along its ramp.
     """
 
-    def __init__(self, joint: int, limits: ModuleLimits, most_current: float) -> None:
+    def __init__(self, joint: int, limits: _ModuleLimits, most_current: float) -> None:
         self.state = CubeState.BRAKED
         self.setpoint = limits.home
         self._joint = joint
@@ -219,7 +219,7 @@ class PowerCubeArm:
             raise ValueError(f"the arm {model.name!r} is not made of modules; give its file a table [cubes]")
         self.baud = model.cubes.baud
         limits = _limits(model, model.cubes)
-        self.cubes = tuple(Cube(joint, each, model.cubes.most_current_a) for joint, each in enumerate(limits))
+        self.cubes = tuple(_Cube(joint, each, model.cubes.most_current_a) for joint, each in enumerate(limits))
         self._arm = arm
         self._patience = model.cubes.watchdog_s
         self._silence = 0.0
@@ -262,9 +262,9 @@ class PowerCubeArm:
                 cube.advance(self._arm, position, dt)
 
 
-def _limits(model: ArmModel, cubes: CubeModel) -> list[ModuleLimits]:
+def _limits(model: ArmModel, cubes: CubeModel) -> list[_ModuleLimits]:
     joints = [
-        ModuleLimits(
+        _ModuleLimits(
             joint.lower,
             joint.upper,
             joint.home,
@@ -276,4 +276,7 @@ def _limits(model: ArmModel, cubes: CubeModel) -> list[ModuleLimits]:
     ]
     gripper = model.gripper
     acceleration = gripper.speed_m_s / cubes.acceleration_s
-    return [*joints, ModuleLimits(0.0, gripper.opening_m, gripper.home_m, gripper.speed_m_s, acceleration, cubes.lag_m)]
+    return [
+        *joints,
+        _ModuleLimits(0.0, gripper.opening_m, gripper.home_m, gripper.speed_m_s, acceleration, cubes.lag_m),
+    ]

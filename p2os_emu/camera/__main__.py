@@ -27,7 +27,7 @@ LEAST_OFTEN = 1.0
 """
 
 
-class SceneInbox:
+class _SceneInbox:
     """What the emulator has said since one looked last, put together."""
 
     def __init__(self, channel: socket.socket) -> None:
@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     image = read_format(image_format)
     mirror = Mirror(choose_renderer())
     channel = socket.socket(fileno=int(channel_fd))
-    inbox = SceneInbox(channel)
+    inbox = _SceneInbox(channel)
     feed = Feed(partial(report_watched, channel))
     server = CameraServer(socket.socket(fileno=int(listener_fd)), feed, title)
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -91,7 +91,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         time.sleep(due - now)
 
 
-def _take(inbox: SceneInbox, mirror: Mirror, view: View | None) -> View | None:
+def _take(inbox: _SceneInbox, mirror: Mirror, view: View | None) -> View | None:
     """Bring the mirror up to date; returns the view now."""
     moment = inbox.take()
     if moment is None:

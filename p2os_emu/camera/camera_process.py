@@ -3,12 +3,33 @@
 import socket
 import subprocess
 import sys
+from dataclasses import dataclass
+from math import radians
 from zlib import crc32
 
-from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.image_format import ImageFormat
 from p2os_emu.camera.news import SceneMoment, send, watched_reports
 from p2os_emu.world.sight import MOST_NEW
+
+
+@dataclass(frozen=True, slots=True)
+class CameraModel:
+    """An emulated camera, from `configs/accessories/camera.toml`: its place, its view without a head, its pictures.
+
+    forward_m: of the eye, ahead of the axle. height_m: above the floor. wide_deg: horizontal field of view.
+    quality: of the JPEG, 1 to 95.
+    """
+
+    forward_m: float
+    height_m: float
+    wide_deg: float
+    quality: int
+
+    @property
+    def field_of_view(self) -> float:
+        """Horizontal, rad."""
+        return radians(self.wide_deg)
+
 
 FAREWELL = 2.0
 """Seconds for a process to end by itself."""

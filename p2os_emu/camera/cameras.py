@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import configs
-from p2os_emu.camera.camera_model import CameraModel
-from p2os_emu.camera.camera_process import CameraProcess
+from p2os_emu.camera.camera_process import CameraModel, CameraProcess
 from p2os_emu.camera.image_format import read_format
 from p2os_emu.camera.news import SceneMoment
 from p2os_emu.fitting import plugged_head

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 
-class JpegPicture(NamedTuple):
+class _JpegPicture(NamedTuple):
     """number: counts from 1. jpeg: the file."""
 
     number: int
@@ -23,14 +23,14 @@ class Feed:
             on_watched: Told when the first viewer comes, and when the last one goes; must not wait.
         """
         self._on_watched = on_watched
-        self._newest = JpegPicture(0, b"")
+        self._newest = _JpegPicture(0, b"")
         self._viewers = 0
         self._changed = threading.Condition()
 
     def put(self, jpeg: bytes) -> None:
         """There is a new picture."""
         with self._changed:
-            self._newest = JpegPicture(self._newest.number + 1, jpeg)
+            self._newest = _JpegPicture(self._newest.number + 1, jpeg)
             self._changed.notify_all()
 
     @property
@@ -61,7 +61,7 @@ class Feed:
                 if self._viewers == 0:
                     self._on_watched(False)
 
-    def after(self, number: int, timeout: float) -> JpegPicture | None:
+    def after(self, number: int, timeout: float) -> _JpegPicture | None:
         """Wait for a picture newer than one; None when none has come within so many s."""
         with self._changed:
             has_come = self._changed.wait_for(lambda: self._newest.number > number, timeout)

@@ -1,15 +1,21 @@
-"""The board of faults: it lets them begin and end at their time."""
+"""All faults, and the board that starts and ends them at their time."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from p2os_emu.emulator import STEP, EmulatedRobot
-from p2os_emu.fault_spec import FaultError, FaultSpec
+from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
+from p2os_emu.faults import accessories, lines, machine, power
 from p2os_emu.faults.kind import Arguments, FaultKind
-from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
+
+FAULTS: Mapping[str, FaultKind] = {
+    kind.name: kind for kind in (*machine.KINDS, *power.KINDS, *accessories.KINDS, *lines.KINDS)
+}
+"""All faults, by name."""
 
 _ROUNDING = 1e-9  # s; times are sums of steps
 
@@ -74,6 +80,34 @@ class FaultBoard:
         fault = Fault(self._last_number, spec, kind, start, start + duration, victims)
         self._faults[fault.number] = fault
         return fault
+
+    def schedule_file(self, path: Path, now: float) -> None:
+        """Schedule the faults of a file, one a line as on the command line; `#` begins a comment.
+
+            # In the tenth second the cable fails for five seconds, and at last somebody presses stop.
+            line-cut:robot=happy@10+5
+            stop-pressed@30
+
+        Args:
+            path: The file.
+            now: Emulated time from which starts count, s.
+        Raises:
+            FaultError: The file cannot be read, or a line is wrong; the message names file and line.
+        """
+        try:
+            lines = path.read_text(encoding="utf-8").splitlines()
+        except OSError as error:
+            raise FaultError(f"{path}: the file of faults cannot be read: {error.strerror}") from error
+        except UnicodeDecodeError as error:
+            raise FaultError(f"{path}: the file of faults cannot be read: it is no text") from error
+        for number, line in enumerate(lines, 1):
+            text = line.partition("#")[0].strip()
+            if not text:
+                continue
+            try:
+                self.schedule(parse_fault(text), now)
+            except FaultError as error:
+                raise FaultError(f"{path}, line {number}: {error}") from error
 
     def advance(self, now: float) -> None:
         """Let begin and end what is due at emulated time `now`, s."""

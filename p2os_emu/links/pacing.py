@@ -11,7 +11,7 @@ from p2os_emu.links.stage import Rates
 _ROUNDING = 1e-6
 
 
-class Clock:
+class _Clock:
     """How many bytes a rate lets through.
 
     fixed_baud: bit/s; None follows the robot's rate.
@@ -42,7 +42,7 @@ class HostQueue:
     def __init__(self, capacity: int, fixed_baud: int | None = None) -> None:
         self.dropped = 0
         self._capacity = capacity
-        self._clock = Clock(fixed_baud)
+        self._clock = _Clock(fixed_baud)
         self._waiting = bytearray()
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
@@ -73,7 +73,7 @@ class RobotQueue:
     def __init__(self, capacity: int, fixed_baud: int | None = None) -> None:
         self.dropped = 0
         self._capacity = capacity
-        self._clock = Clock(fixed_baud)
+        self._clock = _Clock(fixed_baud)
         self._sending = bytearray()  # the rest of a frame that was begun
         self._urgent: deque[bytes] = deque()
         self._waiting: deque[bytes] = deque()
