@@ -12,12 +12,10 @@ from typing import Self, TypeVar
 import configs
 from bus import Bus, MemoryBus, MemoryNetwork
 from bus.messages import NS_PER_S
-from gateway.cables.all_cables import CABLES
-from gateway.cables.cable import ElementDriver
+from gateway.cables.cable import ElementDriver, IsWanted, PublishEvents
+from gateway.cables.cable_thread import SerialCable
 from gateway.driver import Driver
-from gateway.elements.all_adapters import CABLE_ADAPTERS
-from gateway.elements.cable_adapter import CableAdapter
-from gateway.events import Event
+from gateway.elements.all_elements import cable_kinds
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import LaserSettings, Settings
 from geometry import Pose2D
@@ -167,19 +165,30 @@ class Lockstep:
 
 
 class _Element:
-    """The host's end of the cable of an accessory that has one of its own."""
+    """The host's end of the cable of an accessory that has one of its own; implements `ElementCable`."""
 
-    def __init__(self, part: str, link: MemoryLink, clock: Callable[[], float], settings: Settings) -> None:
-        self.driver = CABLES[part].make(False, settings)
+    def __init__(self, kind: SerialCable, link: MemoryLink, clock: Callable[[], float], settings: Settings) -> None:
+        self.name = kind.name
+        self.driver = kind.make_driver(False, settings)
+        self.bridge = self
         self._link = link
         self._clock = clock
+        self._publish: PublishEvents = lambda events, stamp_ns: None
         self.driver.port_opened(clock())
 
-    def step(self) -> list[Event]:
+    def step(self, stamp_ns: int) -> None:
         """What the thread of this cable does when it wakes."""
         events = self.driver.receive(self._link.client_read(), self._clock())
         self._flush()
-        return events
+        self._publish(events, stamp_ns)
+
+    def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
+        """Publish the driver's events from now on."""
+        self._publish = publish
+
+    def halt(self) -> None:
+        """Stop everything that moves."""
+        self.command(lambda driver, now: driver.halt(now))
 
     def command(self, give: Callable[[ElementDriver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
@@ -187,10 +196,6 @@ class _Element:
             return give(self.driver, self._clock())
         finally:
             self._flush()
-
-    def post(self, give: Callable[[ElementDriver, float], object]) -> None:
-        """The same; nobody waits in lockstep."""
-        self.command(give)
 
     def _flush(self) -> None:
         self._link.client_write(self.driver.bytes_due(self._clock()))
@@ -212,8 +217,11 @@ class _Host:
     ) -> None:
         self._name = name
         self._settings = settings
-        self._elements = {part: _Element(part, cables[part], clock, settings) for part in cables if part in CABLES}
-        self._adapters: dict[str, CableAdapter[ElementDriver]] = {}
+        self._elements = [
+            _Element(kind, cables[kind.name], clock, settings)
+            for kind in cable_kinds()
+            if isinstance(kind, SerialCable) and kind.name in cables
+        ]
         self.heard = bytearray()
         self._link = link
         self._bus = bus
@@ -235,23 +243,19 @@ class _Host:
         if self._robot is None:
             if self._driver.model is None:
                 return
-            self._adapters = {
-                part: CABLE_ADAPTERS[part](self._name, self._driver.model, self._settings, element.driver, element)
-                for part, element in self._elements.items()
-            }
             self._robot = RobotOnBus(
                 self._name,
                 self._bus,
                 self._driver,
                 self,
                 self._settings,
-                cable_adapters=list(self._adapters.values()),
+                cables=self._elements,
                 new_token=lambda: f"{self._name}-{next(self._tokens)}",
                 wall_clock=self._stamp_ns,
             )
         self._robot.on_events(events, now, self._stamp_ns())
-        for part, element in self._elements.items():
-            self._robot.on_element_events(self._adapters[part], element.step(), self._stamp_ns())
+        for element in self._elements:
+            element.step(self._stamp_ns())
 
     def command(self, give: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""

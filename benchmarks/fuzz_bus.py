@@ -18,8 +18,9 @@ from bus import MemoryBus, NoAnswer, Refused, Sample, keys
 from bus.exchange import RawReply, key_expression
 from bus.messages import TwistStamped, encode, header, twist
 from gateway.command_server import LEASE_ARGUMENTS
-from gateway.commands import COMMANDS, TOKEN, CommandRow
-from gateway.elements.all_adapters import ADAPTERS
+from gateway.commands import TOKEN, CommandRow
+from gateway.elements.adapter import adapter_types
+from gateway.elements.all_elements import ELEMENTS
 from p2os_emu.world import load_world
 
 PAYLOADS = 1_000_000
@@ -173,7 +174,7 @@ class _FailureWatch(logging.Handler):
 
 def rows() -> list[CommandRow]:
     """Every command that such a robot takes."""
-    return [*COMMANDS, *(row for adapter in ADAPTERS for row in adapter.commands)]
+    return [command for row in ELEMENTS for adapter in adapter_types(row) for command in adapter.commands]
 
 
 def requests() -> list[tuple[str, dict[str, Any]]]:

@@ -4,7 +4,7 @@ import argparse
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -15,17 +15,16 @@ from configs import ConfigError
 from configs.command_line import CommandParser, add_version
 from configs.default_bus import VARIABLE, default_bus
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
-from gateway.cables.all_cables import CABLES
-from gateway.cables.cable import ElementDriver, ElementThread
-from gateway.cables.cable_thread import CableThread
+from gateway.cables.cable_thread import CableKind
 from gateway.driver import Driver
-from gateway.errors import CameraNotOpened, GatewayError, NoSuchPort, PortBusy
+from gateway.elements.all_elements import cable_kinds
+from gateway.errors import GatewayError, NoSuchPort, PortBusy
 from gateway.gateway import Gateway, GatewayOptions, tell, tell_problem
 from gateway.line import RADIO_BAUD
 from gateway.link_diagnosis import LinkDiagnosis, LinkReports
 from gateway.local_ports import holders
 from gateway.search import model_finder, rates_to_probe, rates_to_try
-from gateway.serial_port import Port, has_rate, open_port
+from gateway.serial_port import Port, open_port
 from gateway.settings import Settings, load_settings
 from p2os import BAUD_CODES
 
@@ -67,12 +66,12 @@ def main(argv: Sequence[str] | None = None) -> int:
             is_quiet=arguments.quiet,
             is_json=arguments.json,
         )
-        ports = {name: port for name in CABLES if (port := getattr(arguments, name)) is not None}
-        if "laser" in ports:  # one laser for each robot: that on the cable
-            settings = replace(settings, fitted=replace(settings.fitted, simulated_laser=False))
-        cameras = [] if arguments.camera is None else [_camera(arguments.camera)]
+        cables = [(kind, address) for kind in cable_kinds() if (address := getattr(arguments, kind.name)) is not None]
+        for kind, address in cables:
+            kind.check(address)
+            settings = replace(settings, fitted=replace(settings.fitted, **kind.fitted))
         with _signals(_end):
-            _serve(options, settings, arguments.baud, ports, cameras)
+            _serve(options, settings, arguments.baud, cables)
     except _EndedEarly:
         return EXIT_OK
     except ConfigError as error:
@@ -89,12 +88,11 @@ def _serve(
     options: GatewayOptions,
     settings: Settings,
     baud: int | None,
-    ports: Mapping[str, str],
-    cameras: Sequence[ElementThread],
+    addresses: Sequence[tuple[CableKind, str]],
 ) -> None:
     find_model = model_finder(settings)
     port = _open_first(options)
-    cables = [*(_cable(name, at, settings, options.waits) for name, at in ports.items()), *cameras]
+    cables = [kind.open(address, settings, options.waits) for kind, address in addresses]
     rates = rates_to_try(port, RADIO_BAUD if settings.radio else baud)
     driver = Driver(find_model, rates, settings, probe_rates=rates_to_probe(port, settings, rates))
     bridge = Bridge(driver, port, lambda: open_port(options.port))
@@ -129,30 +127,6 @@ def _signals(handler: Callable[[int, FrameType | None], object]) -> Iterator[Non
             signal.signal(number, earlier)
 
 
-def _cable(name: str, port_name: str, settings: Settings, waits: bool) -> CableThread[ElementDriver]:
-    """Begin to talk to an element on a cable of its own; its port may come later only if asked to wait."""
-    try:
-        port: Port | None = open_port(port_name)
-    except NoSuchPort:
-        if not waits:
-            raise
-        port = None
-    driver = CABLES[name].make(has_rate(port_name), settings)
-    return CableThread(name, driver, port, lambda: open_port(port_name))
-
-
-def _camera(where: str) -> ElementThread:
-    """A camera that is opened by its own thread, now or whenever it is there."""
-    import cameras  # here and not at the top: a gateway without one starts sooner
-    from gateway.cables.camera_thread import CameraThread
-
-    try:
-        cameras.check_source(where)
-    except cameras.CameraNotUsable as error:
-        raise CameraNotOpened(str(error)) from error
-    return CameraThread(where)
-
-
 def _open_first(options: GatewayOptions) -> Port:
     """Open the port; wait for it only if asked to."""
     is_told = False
@@ -184,11 +158,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--name", help="the robot's name on the bus (default: what the robot says)")
     parser.add_argument("--baud", type=_baud, metavar="auto|N", help="connect at this rate only, bit/s (default: auto)")
     parser.add_argument("--radio", action="store_true", help="dial a radio modem, and ask no more than it carries")
-    for name, part in CABLES.items():
-        parser.add_argument(f"--{name}", metavar="PORT", help=part.help)
-    parser.add_argument(
-        "--camera", metavar="URL|DEVICE", help="its camera: http://HOST/PATH of an MJPEG stream, or a device (OpenCV)"
-    )
+    for kind in cable_kinds():
+        parser.add_argument(f"--{kind.name}", metavar=kind.metavar, help=kind.help)
     parser.add_argument("--config", type=Path, metavar="FILE", help="settings of this robot, TOML")
     parser.add_argument(
         "--bus",

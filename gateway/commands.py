@@ -1,7 +1,7 @@
-"""The queryables under `<robot>/command/`: what each takes, and what it asks of the driver.
+"""The form of the commands under `<robot>/command/`, and the check of their arguments.
 
-Every one carries a JSON object; a key that a command does not know, a missing one and a wrong type are refused with a
-sentence. `token` is always allowed: the lease's.
+A command carries a JSON object. A key that the command does not know, a missing one or a wrong type is refused with a
+sentence. `token`, that of a lease, is always allowed.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,15 +9,11 @@ from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import Any
 
-from bus import MessageError, keys
+from bus import MessageError
 from bus.keys import Topic
 from bus.validation import check_line, quoted
 from configs.suggestion import not_taken
-from gateway.driver import Driver
-from gateway.elements.ports import UserPorts
-from gateway.elements.sonar import SonarElement
 from gateway.errors import CommandRefused
-from geometry import wrap_angle
 
 TOKEN = "token"
 BASE = "base"
@@ -33,87 +29,26 @@ Arguments = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class CommandRow:
-    """One command.
+    """One command of an element.
 
-    topic: its key. takes: argument to type (a type of JSON). may_take: those that may be left out. give: to the driver;
-    what it returns goes into the answer. moves: the element whose lease it needs while somebody holds that,
-    or `NOTHING`. duration: of a motion that goes on by itself, its expected duration, s; such a command may be bound to
-    a heartbeat. None where nothing goes on.
+    topic: its key. takes: argument to JSON type. may_take: arguments that may be left out. perform: the method of the
+    element's bus adapter that carries it out; its result becomes part of the reply. moves: the element whose lease the
+    command needs while somebody holds that lease, or `NOTHING`. duration: the method that returns the expected duration
+    of a motion that continues by itself, s; such a command may be bound to a heartbeat. None where nothing continues.
     """
 
     topic: Topic
     takes: Mapping[str, type]
-    give: Callable[[Driver, Arguments, float], dict[str, Any] | None]
+    perform: Callable[[Any, Arguments, float], dict[str, Any] | None]
     moves: str
     may_take: Mapping[str, type] = field(default_factory=dict)
-    duration: Callable[[Driver, Arguments, float], float] | None = None
+    duration: Callable[[Any, Arguments, float], float] | None = None
 
     @property
     def optional(self) -> dict[str, type]:
-        """All arguments that may be left out, with their types."""
+        """Return the arguments that may be left out, with their types."""
         return {TOKEN: str, **(BINDING if self.duration else {}), **self.may_take}
 
-
-def _stop(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.stop(now)
-
-
-def _estop(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
-    driver.emergency_stop(arguments["on"], now)
-    return {"estop": driver.is_estopped}
-
-
-def _enable(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.enable(arguments["on"], now)
-
-
-def _drive(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.set_velocity(arguments["linear"], arguments["angular"], now)
-
-
-def _move(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
-    return {"id": driver.move(arguments["distance"], now)}
-
-
-def _turn(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
-    return {"id": driver.turn(arguments["angle"], now)}
-
-
-def _heading(driver: Driver, arguments: Arguments, now: float) -> dict[str, Any]:
-    return {"id": driver.turn_to(arguments["heading"], now)}
-
-
-def _sonar(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.element(SonarElement, now).switch(arguments["on"])
-
-
-def _output(driver: Driver, arguments: Arguments, now: float) -> None:
-    driver.element(UserPorts, now).set_outputs(arguments["mask"], arguments["value"])
-
-
-def _move_time(driver: Driver, arguments: Arguments, now: float) -> float:
-    return driver.time_to_move(arguments["distance"])
-
-
-def _turn_time(driver: Driver, arguments: Arguments, now: float) -> float:
-    return driver.time_to_turn(arguments["angle"])
-
-
-def _heading_time(driver: Driver, arguments: Arguments, now: float) -> float:
-    return driver.time_to_turn(wrap_angle(arguments["heading"] - driver.odometry.pose.heading))
-
-
-COMMANDS = (
-    CommandRow(keys.ENABLE, {"on": bool}, _enable, BASE),
-    CommandRow(keys.STOP, {}, _stop, NOTHING),  # anyone may stop a robot
-    CommandRow(keys.ESTOP, {"on": bool}, _estop, NOTHING),
-    CommandRow(keys.DRIVE, {"linear": float, "angular": float}, _drive, BASE),
-    CommandRow(keys.MOVE, {"distance": float}, _move, BASE, duration=_move_time),
-    CommandRow(keys.TURN, {"angle": float}, _turn, BASE, duration=_turn_time),
-    CommandRow(keys.HEADING, {"heading": float}, _heading, BASE, duration=_heading_time),
-    CommandRow(keys.SONAR_POWER, {"on": bool}, _sonar, NOTHING),
-    CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _output, NOTHING),
-)
 
 _KINDS = {
     bool: "true or false",
@@ -126,7 +61,7 @@ _KINDS = {
 
 
 def check_arguments(name: str, given: Arguments, takes: Mapping[str, type], optional: Mapping[str, type]) -> Arguments:
-    """Give back the arguments with whole numbers made floats where floats are meant.
+    """Return the arguments, with whole numbers converted to floats where floats are expected.
 
     Raises:
         CommandRefused: One is unknown, missing, of the wrong type, not finite, or text that is not one printable line.

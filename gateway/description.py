@@ -1,21 +1,17 @@
 """What a robot is, as JSON: model, elements, geometry, versions. Agents are made from it."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import version
 from math import inf
 from typing import Any
 
 from bus import keys
-from bus.keys import Topic
 from bus.messages import encode_json
 from bus.name_holder import BusProgram
 from bus.validation import printable
 from gateway.driver import Driver
-from gateway.elements.adapter import BusAdapter
-from gateway.elements.all_adapters import ADAPTERS
-from gateway.elements.cable_adapter import CableAdapter
-from gateway.settings import Settings
+from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.telemetry import SONAR_CONE
 from p2os import Configuration, RobotModel
 
@@ -59,20 +55,14 @@ def _version() -> str:
     return version("acromovi")  # read from files at each call
 
 
-def describe(
-    name: str,
-    driver: Driver,
-    settings: Settings,
-    cable_adapters: Sequence[CableAdapter[Any]] = (),
-    process: BusProgram | None = None,
-) -> dict[str, Any]:
+def describe(robot: RobotContext, adapters: Iterable[BusAdapter], process: BusProgram | None = None) -> dict[str, Any]:
     """Describe one robot.
 
     Lengths in m, angles in rad, in `<name>/base_link`. The limits of acceleration are there once they are known.
     `emulated` is false unless the settings say that it is true: what is not known is treated as real.
     """
-    model, identity = driver.model, driver.identity
-    if model is None or identity is None:
+    name, model, driver, identity = robot.name, robot.model, robot.driver, robot.driver.identity
+    if identity is None:
         raise ValueError("the robot has not said who it is yet")
     configuration = driver.configuration or Configuration()
     return {
@@ -80,9 +70,9 @@ def describe(
         "robot_name": printable(identity.name),
         "model": model.name,
         "class": identity.robot_type,
-        "emulated": bool(settings.emulated),
+        "emulated": bool(robot.settings.emulated),
         "connected": driver.is_connected,
-        "elements": [*_elements(name, driver, model, settings), *_cabled(name, cable_adapters)],
+        "elements": [_describe_element(name, adapter) for adapter in adapters if adapter.is_present()],
         "geometry": _geometry(name, model),
         "limits": {"linear": driver.max_linear, "angular": driver.max_angular, **(driver.accelerations or {})},
         "battery": {"nominal": model.battery_nominal, "low": configuration.low_battery or None},
@@ -97,82 +87,14 @@ def describe(
     }
 
 
-def present(
-    driver: Driver,
-    model: RobotModel,
-    settings: Settings,
-    adapters: Sequence[BusAdapter],
-    cable_adapters: Sequence[CableAdapter[Any]],
-) -> Iterator[str]:
-    """The names of the elements that the robot is known to have; one that has two adapters comes twice.
-
-    A robot that is out of touch keeps its elements, since it comes back with them. What is on a cable of its own is
-    there as long as it answers.
-    """
-    yield from ("base", "battery", "io")
-    if model.sonar:
-        yield "sonar"
-    if model.front_bumpers or model.rear_bumpers:
-        yield "bumpers"
-    if settings.encoders:
-        yield "encoders"
-    yield from (adapter.name for adapter in adapters if adapter.is_present(driver))
-    yield from (adapter.name for adapter in cable_adapters if adapter.driver.is_connected)
-
-
-def _elements(name: str, driver: Driver, model: RobotModel, settings: Settings) -> list[dict[str, Any]]:
-    """Every element that the robot has, with the keys of its streams and of its commands."""
-    elements = [
-        _element(
-            name,
-            "base",
-            (keys.ODOM, keys.TF, keys.STATE),
-            (
-                keys.CMD_VEL,
-                keys.CMD_VEL_STAMPED,
-                keys.DRIVE,
-                keys.ENABLE,
-                keys.STOP,
-                keys.ESTOP,
-                keys.MOVE,
-                keys.TURN,
-                keys.HEADING,
-            ),
-        ),
-        _element(name, "battery", (keys.BATTERY,)),
-        _element(name, "io", (keys.IO,), (keys.OUTPUT,)),
-    ]
-    if model.sonar:
-        elements.append(_element(name, "sonar", (keys.SONAR, keys.SONAR_POINTS), (keys.SONAR_POWER,)))
-    if model.front_bumpers or model.rear_bumpers:
-        elements.append(_element(name, "bumpers", (keys.BUMPERS,)))
-    if settings.encoders:
-        elements.append(_element(name, "encoders", (keys.JOINT_STATES,)))
-    for kind in ADAPTERS:
-        adapter = kind(name, model)
-        if adapter.is_present(driver):
-            commands = tuple(row.topic for row in kind.commands)
-            elements.append({**_element(name, kind.name, kind.streams, commands), **adapter.describe(driver)})
-    return elements
-
-
-def _cabled(name: str, adapters: Sequence[CableAdapter[Any]]) -> list[dict[str, Any]]:
-    """Elements on cables of their own, as long as they answer."""
-    return [
-        {
-            **_element(name, adapter.name, adapter.streams, tuple(row.topic for row in adapter.commands)),
-            **adapter.describe(),
-        }
-        for adapter in adapters
-        if adapter.driver.is_connected
-    ]
-
-
-def _element(name: str, kind: str, streams: tuple[Topic, ...], commands: tuple[Topic, ...] = ()) -> dict[str, Any]:
+def _describe_element(name: str, adapter: BusAdapter) -> dict[str, Any]:
+    """Describe one element, with the keys of its streams and of its commands."""
+    commands = (*adapter.subscriptions, *(row.topic for row in adapter.commands))
     return {
-        "name": kind,
-        "streams": [topic.key(name) for topic in streams],
+        "name": adapter.name,
+        "streams": [topic.key(name) for topic in adapter.streams],
         "commands": [topic.key(name) for topic in commands],
+        **adapter.describe(),
     }
 
 

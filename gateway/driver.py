@@ -16,9 +16,9 @@ from math import inf
 from gateway import accelerations
 from gateway.connector import CLOSE, STOP, Connector
 from gateway.durations import travel_time
-from gateway.elements.configuration import ControllerConfiguration
 from gateway.elements.element import Element
 from gateway.elements.gyro.element import Gyro
+from gateway.elements.standard.element import ControllerConfiguration
 from gateway.errors import CommandRefused, GatewayError, WrongRobot
 from gateway.events import (
     ConfigurationReceived,

@@ -221,24 +221,14 @@ class Gateway:
     def _join_robot(self, bus: "Bus", process: "BusProgram") -> "RobotOnBus":
         """Bring the robot to the bus, and the elements on cables of their own with it."""
         from bus import NotAllowed
-        from gateway.elements.all_adapters import CABLE_ADAPTERS
         from gateway.robot_on_bus import RobotOnBus
 
-        model = self._driver.model
-        assert model is not None  # known with the identity
-        adapters = [
-            CABLE_ADAPTERS[cable.name](self._name, model, self._settings, cable.driver, cable.bridge)
-            for cable in self._cables
-        ]
         try:
-            robot = RobotOnBus(
-                self._name, bus, self._driver, self._bridge, self._settings, cable_adapters=adapters, process=process
+            return RobotOnBus(
+                self._name, bus, self._driver, self._bridge, self._settings, cables=self._cables, process=process
             )
         except NotAllowed as error:
             raise RobotNameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
-        for cable, adapter in zip(self._cables, adapters, strict=True):
-            cable.join(robot, adapter)
-        return robot
 
     @property
     def _name(self) -> str:

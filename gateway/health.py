@@ -5,14 +5,13 @@ from typing import Any
 
 from bus.keys import frame
 from bus.messages import DiagnosticArray, DiagnosticStatus, KeyValue, RobotState, header
-from gateway.cables.cable import ElementDriver
+from gateway.cables.cable import ElementCable, ElementDriver
 from gateway.driver import Driver
-from gateway.elements.cable_adapter import CableAdapter
 from p2os import StandardSip
 
 
 def faults(
-    driver: Driver, sip: StandardSip | None, refusal: str | None, cable_adapters: Sequence[CableAdapter[Any]] = ()
+    driver: Driver, sip: StandardSip | None, refusal: str | None, cables: Sequence[ElementCable] = ()
 ) -> list[str]:
     """What is wrong, a sentence each.
 
@@ -20,7 +19,7 @@ def faults(
         driver: Of the robot.
         sip: The last one, None while the robot is not connected.
         refusal: Why a command was just refused.
-        cable_adapters: Of the elements on cables of their own.
+        cables: Elements on cables of their own.
     """
     found = [] if driver.is_connected else ["the robot is not connected"]
     if driver.link_problem is not None:
@@ -39,8 +38,8 @@ def faults(
         }
         found += [claim for claim, is_so in claims.items() if is_so]
         found += driver.faults
-    for adapter in cable_adapters:
-        found += adapter.driver.faults()
+    for cable in cables:
+        found += cable.driver.faults()
     if refusal is not None:
         found.append(refusal)
     return found
@@ -66,7 +65,7 @@ def diagnostics(
     found: Sequence[str],
     refused: Mapping[str, int],
     stamp: int,
-    cable_adapters: Sequence[CableAdapter[Any]] = (),
+    cables: Sequence[ElementCable] = (),
     unpublished: Mapping[str, int] | None = None,
 ) -> DiagnosticArray:
     """Counters since the gateway's start.
@@ -98,7 +97,7 @@ def diagnostics(
             f"{sum(unpublished.values())} messages not published because of errors",
             _labelled("error", unpublished),
         ),
-        **{adapter.name: _element_status(adapter.driver) for adapter in cable_adapters},
+        **{cable.name: _element_status(cable.driver) for cable in cables},
     }
     return DiagnosticArray(
         header=header(stamp, ""),

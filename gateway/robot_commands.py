@@ -41,8 +41,8 @@ class RobotCommands(ABC):
         self._events: list[Event] = []
         self._motion = MotionTracker(self._outbox, self._events.append, settings.enable_motors)
         self._elements = {
-            kind: kind(self._outbox, self._events.append, settings) for kind in ELEMENTS
-        }  # asked for by their class
+            kind: kind(self._outbox, self._events.append, settings) for row in ELEMENTS for kind in row.elements
+        }
         self._motion_ids = itertools.count(1)
         self.odometry = OdometryTracker(settings.calibration, settings.odometry_errors)
         self.is_connected = False

@@ -11,16 +11,22 @@ from functools import partial
 from typing import Any
 
 from bus import Bus, BusUnavailable, Subscription, keys
-from bus.keys import Topic
 from bus.name_holder import BusProgram
+from gateway.cables.cable import ElementCable
 from gateway.command_server import Commander, CommandServer
-from gateway.description import CachedDescription, describe, present
+from gateway.description import CachedDescription, describe
 from gateway.driver import Driver
-from gateway.elements.all_adapters import ADAPTERS
-from gateway.elements.cable_adapter import CableAdapter
+from gateway.elements.adapter import BusAdapter, RobotContext, adapter_types
+from gateway.elements.all_elements import ELEMENTS
 from gateway.events import Event
 from gateway.settings import Settings
 from gateway.streams import RobotPublishers
+
+STAMPS_APART = 1000
+"""ns between the stamps of two packets that were read at once: readers take equal stamps for a repetition."""
+
+_ON_ROBOTS_LINE = [kind for row in ELEMENTS if row.cable is None for kind in adapter_types(row)]
+"""Loaded with this module, so that a robot that is found comes to the bus without delay."""
 
 
 class ElementTokens(Subscription):
@@ -50,8 +56,11 @@ class ElementTokens(Subscription):
         self.follow(())
 
 
-STAMPS_APART = 1000
-"""ns between the stamps of two packets that were read at once: readers take equal stamps for a repetition."""
+def _adapter_on(cable: ElementCable, robot: RobotContext) -> BusAdapter:
+    """Make the bus adapter of an element on a cable of its own."""
+    (row,) = (row for row in ELEMENTS if row.cable is not None and row.cable.name == cable.name)
+    (kind,) = adapter_types(row)
+    return kind(robot, cable)
 
 
 class RobotOnBus(Subscription):
@@ -68,7 +77,7 @@ class RobotOnBus(Subscription):
         commander: Commander,
         settings: Settings,
         *,
-        cable_adapters: Sequence[CableAdapter[Any]] = (),
+        cables: Sequence[ElementCable] = (),
         new_token: Callable[[], str] = lambda: secrets.token_hex(16),
         wall_clock: Callable[[], int] = time.time_ns,
         steady_clock: Callable[[], float] = time.monotonic,
@@ -82,7 +91,7 @@ class RobotOnBus(Subscription):
             driver: Of a robot that has said who it is.
             commander: The way to the driver from the bus's threads.
             settings: What the robot's description says besides.
-            cable_adapters: Of the elements on cables of their own.
+            cables: Elements on cables of their own; from now on their events are published.
             new_token: Makes a lease's token.
             wall_clock: ns since the epoch; judges the age of stamped commands.
             steady_clock: s; judges the age of the description.
@@ -95,17 +104,14 @@ class RobotOnBus(Subscription):
             raise ValueError("the robot has not said who it is yet")
         self.name = name
         self._driver = driver
-        self._settings = settings
-        self._cable_adapters = cable_adapters
-        self._server = CommandServer(name, bus, commander, new_token, wall_clock, cable_adapters)
-        self._streams = RobotPublishers(name, bus, driver, model, cable_adapters)
+        robot = RobotContext(name, model, settings, driver)
+        cabled = [(cable, _adapter_on(cable, robot)) for cable in cables]
+        self._adapters = [*(kind(robot) for kind in _ON_ROBOTS_LINE), *(adapter for _, adapter in cabled)]
+        self._server = CommandServer(robot, bus, commander, new_token, wall_clock, self._adapters)
+        self._streams = RobotPublishers(robot, bus, self._adapters)
         self._elements = ElementTokens(name, bus)
         self._has_answered = False  # and takes orders; before its first SIP it refuses them
-        adapters = [kind(name, model) for kind in ADAPTERS]
-        self._present = partial(present, driver, model, settings, adapters, cable_adapters)
-        self._description = CachedDescription(
-            lambda: describe(name, driver, settings, cable_adapters, process), driver, steady_clock
-        )
+        self._description = CachedDescription(lambda: describe(robot, self._adapters, process), driver, steady_clock)
         self._lease_state = bus.publisher(keys.LEASE_STATE.key(name), keys.LEASE_STATE.type_name)
         self._declared: list[Subscription] = [
             self._server,
@@ -115,6 +121,8 @@ class RobotOnBus(Subscription):
             bus.serve(keys.DESCRIPTION.key(name), self._on_description, urgent=True),
             bus.declare_alive(keys.ALIVE.key(name)),
         ]
+        for cable, adapter in cabled:
+            cable.join(partial(self._publish_element, adapter), partial(self._streams.is_wanted, adapter))
 
     @property
     def deadline(self) -> float:
@@ -154,26 +162,23 @@ class RobotOnBus(Subscription):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns)
 
-    def on_element_events(self, adapter: CableAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
-        """Publish what follows from the events of an element on a cable of its own; on that cable's thread.
-
-        Args:
-            adapter: The element's.
-            events: In their order.
-            stamp_ns: Wall clock when the bytes came that brought the events about.
-        """
-        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
-            for event in events:
-                self._streams.publish_element(adapter, event, stamp_ns)
-
-    def has_listeners(self, topic: Topic) -> bool:
-        """Whether somebody subscribes to one of the robot's streams now; from any thread."""
-        return self._streams.has_listeners(topic)
-
     def close(self) -> None:
         """Withdraw everything."""
         while self._declared:
             self._declared.pop().close()
+
+    def _publish_element(self, adapter: BusAdapter, events: Sequence[Event], stamp_ns: int) -> None:
+        """Publish what follows from the events of an element on a cable of its own; on that cable's thread."""
+        with suppress(BusUnavailable):  # it is being closed, and there is nobody to tell
+            for event in events:
+                self._streams.publish_element(adapter, event, stamp_ns)
+
+    def _present(self) -> list[str]:
+        """Return the names of the elements that the robot is known to have.
+
+        A robot that is out of touch keeps its elements. An element on a cable of its own is there while it answers.
+        """
+        return [adapter.name for adapter in self._adapters if adapter.is_present()]
 
     def _on_description(self, given: dict[str, Any]) -> bytes:
         return self._description.encoded(tuple(self._present()))

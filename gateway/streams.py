@@ -11,9 +11,7 @@ from typing import Any
 from bus import Bus, BusUnavailable, Publisher, Subscription, keys
 from bus.keys import Topic
 from bus.messages import TFMessage
-from gateway.driver import Driver
-from gateway.elements.all_adapters import ADAPTERS
-from gateway.elements.cable_adapter import CableAdapter
+from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.events import (
     ChargeSeen,
     EncodersReceived,
@@ -25,7 +23,7 @@ from gateway.events import (
 )
 from gateway.health import diagnostics, faults, robot_state
 from gateway.telemetry import Telemetry
-from p2os import RobotModel, StandardSip
+from p2os import StandardSip
 
 log = logging.getLogger("gateway")
 
@@ -55,13 +53,13 @@ class RobotPublishers(Subscription):
     unpublished: messages lost to errors, counted by stream and kind of error.
     """
 
-    def __init__(
-        self, name: str, bus: Bus, driver: Driver, model: RobotModel, cable_adapters: Sequence[CableAdapter[Any]] = ()
-    ) -> None:
-        self._name = name
+    def __init__(self, robot: RobotContext, bus: Bus, adapters: Sequence[BusAdapter]) -> None:
+        self._name = robot.name
         self._bus = bus
-        self._driver = driver
-        self._telemetry = Telemetry(name, model)
+        self._driver = robot.driver
+        self._telemetry = Telemetry(robot.name, robot.model)
+        self._adapters = adapters
+        self._cables = [adapter.cable for adapter in adapters if adapter.cable is not None]
         self._sip: StandardSip | None = None
         self._has_io_packets = False
         self._battery_shown: tuple[float, int | None, bool] | None = None
@@ -69,21 +67,18 @@ class RobotPublishers(Subscription):
         self._state_shown: tuple[Any, ...] | None = None
         self._judged: tuple[Any, ...] = (None,) * 5  # what the faults were last looked for in
         self._streams: Mapping[Topic, Publisher] = {
-            topic: bus.publisher(topic.key(name), topic.type_name) for topic in STREAMS
+            topic: bus.publisher(topic.key(robot.name), topic.type_name) for topic in STREAMS
         }
-        self._adapters = [kind(name, model) for kind in ADAPTERS]
-        self._cable_adapters = cable_adapters
         self._adapter_streams: dict[Topic, Publisher] = {}  # declared when they are first needed
         self.unpublished: Counter[str] = Counter()
         self._declaring = threading.Lock()  # elements on cables of their own publish on threads of their own
         self.due_at = 0.0
 
     def publish(self, event: Event, stamp: int) -> None:
-        """Publish what follows from an event. stamp: wall clock, ns, when its last byte came."""
+        """Publish what follows from an event of the robot's line. stamp: wall clock when its last byte came, ns."""
         for adapter in self._adapters:
-            with self.guarded(adapter.name):
-                for topic, message in adapter.messages(event, stamp):
-                    self._put(topic, message)
+            if adapter.cable is None:
+                self.publish_element(adapter, event, stamp)
         telemetry = self._telemetry
         match event:
             case SipReceived():
@@ -105,8 +100,8 @@ class RobotPublishers(Subscription):
                 self._has_io_packets = False
                 telemetry.forget_ticks()
 
-    def publish_element(self, adapter: CableAdapter[Any], event: Event, stamp: int) -> None:
-        """Publish what follows from an event of an element on a cable of its own; from any thread. stamp: as above."""
+    def publish_element(self, adapter: BusAdapter, event: Event, stamp: int) -> None:
+        """Publish what follows for one element from an event of its line; from any thread. stamp: as in `publish`."""
         with self.guarded(adapter.name):
             for topic, message in adapter.messages(event, stamp):
                 self._put(topic, message)
@@ -180,7 +175,7 @@ class RobotPublishers(Subscription):
         if not is_due and all(map(is_, news, self._judged)):
             return  # nothing has come that faults could follow from
         self._judged = news
-        found = faults(self._driver, self._sip, refusal, self._cable_adapters)
+        found = faults(self._driver, self._sip, refusal, self._cables)
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
             self._state_shown = shown
@@ -192,7 +187,7 @@ class RobotPublishers(Subscription):
                 self._streams[keys.TF_STATIC].put(self._static_transforms(stamp))
             with self.guarded(keys.DIAGNOSTICS.suffix):
                 self._streams[keys.DIAGNOSTICS].put(
-                    diagnostics(self._name, self._driver, found, refused, stamp, self._cable_adapters, self.unpublished)
+                    diagnostics(self._name, self._driver, found, refused, stamp, self._cables, self.unpublished)
                 )
             if self._sip is not None:
                 self._publish_battery(self._sip, stamp)
@@ -202,14 +197,12 @@ class RobotPublishers(Subscription):
         transforms = self._telemetry.static_transforms(stamp)
         for adapter in self._adapters:
             transforms.transforms.extend(adapter.transforms(stamp))
-        for cable_adapter in self._cable_adapters:
-            transforms.transforms.extend(cable_adapter.transforms(stamp))
         return transforms
 
-    def has_listeners(self, topic: Topic) -> bool:
-        """Whether somebody subscribes to a stream now; from any thread."""
+    def is_wanted(self, adapter: BusAdapter) -> bool:
+        """Return whether anybody subscribes to a stream of an element now; from any thread."""
         with suppress(BusUnavailable):  # it is being closed
-            return self._stream(topic).has_listeners
+            return any(self._stream(topic).has_listeners for topic in adapter.streams)
         return False
 
     def _stream(self, topic: Topic) -> Publisher:

@@ -25,6 +25,7 @@ MAX_DATA = MAX_PAYLOAD - 2
 """Bytes behind the command number and the argument type."""
 
 CommandValue = float | bytes | tuple[int, int]
+"""Argument of a command: a quantity in the unit of its row in `COMMANDS`, bytes, or two bytes (high, low)."""
 
 
 class ReceivedCommand(NamedTuple):

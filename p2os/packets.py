@@ -135,6 +135,7 @@ Packet = (
     | MtxPacket
     | UnknownPacket
 )
+"""Everything that `decode_packet` returns."""
 
 
 @dataclass(frozen=True, slots=True)

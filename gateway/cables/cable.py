@@ -1,13 +1,10 @@
 """What the bridge needs of a driver, whatever hangs on the cable: bytes and time in, events and bytes out."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 from gateway.events import Event
-
-if TYPE_CHECKING:  # the bus takes longer to load than the robot to be found
-    from bus.keys import Topic
 
 
 class CableDriver(Protocol):
@@ -80,48 +77,46 @@ class ElementDriver(CableDriver, Protocol):
         ...
 
 
-class ElementListener(Protocol):
-    """Brings an element's events to the bus; called on the element's own thread."""
-
-    def on_element_events(self, adapter: Any, events: Sequence[Event], stamp_ns: int) -> None:
-        """Publish events of the element with this bus adapter. stamp_ns: wall clock, ns, when their bytes came."""
-        ...
-
-    def has_listeners(self, topic: "Topic") -> bool:
-        """Whether anybody subscribes to a topic of this robot."""
-        ...
+PublishEvents = Callable[[Sequence[Event], int], None]
+"""Publishes events of an element, with the wall clock when their bytes came, ns; called on the element's own thread."""
+IsWanted = Callable[[], bool]
+"""Tells whether anybody subscribes to a stream of an element; called on the element's own thread."""
 
 
-class ElementThread(Protocol):
-    """An element at work on a thread of its own, beside the robot's.
+class ElementCable(Protocol):
+    """An element on a cable of its own, as its bus adapter sees it.
 
-    name: of the element, as on the bus. driver, bridge: as its bus adapter takes them.
+    name: of the element, as on the bus.
     """
 
     name: str
 
     @property
     def driver(self) -> Any:
-        """Its state."""
+        """Its driver, of which only the plain state may be read."""
         ...
 
     @property
     def bridge(self) -> Any:
-        """The way to command it."""
+        """Takes commands for the driver by its `command`; None where nothing can be commanded."""
         ...
+
+    def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
+        """Publish the driver's events from now on."""
+        ...
+
+    def halt(self) -> None:
+        """Stop everything that moves; does not wait for a slow cable."""
+        ...
+
+
+class ElementThread(ElementCable, Protocol):
+    """An element on a cable of its own with the thread that serves it."""
 
     def start(self) -> None:
         """Let the thread run."""
         ...
 
-    def join(self, robot: ElementListener, adapter: Any) -> None:
-        """From now on bring what happens to the bus. adapter: the element's bus adapter."""
-        ...
-
-    def halt(self) -> None:
-        """Let nothing move any more, at once."""
-        ...
-
     def close(self) -> None:
-        """Bring the element to rest, let go of it, end the thread."""
+        """Bring the element to rest, close the port, end the thread."""
         ...

@@ -8,10 +8,9 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from bus import keys
 from cameras.reader import CameraFrame, CameraReader
 from cameras.source import PATIENCE, CameraSource, open_source
-from gateway.cables.cable import ElementListener
+from gateway.cables.cable import IsWanted, PublishEvents
 from gateway.events import PictureTaken
 
 
@@ -83,39 +82,36 @@ class CameraThread:
     def __init__(self, where: str, open_camera: Callable[[str], CameraSource] = open_source) -> None:
         """Make ready; `start` lets the thread run. where: as `open_source` takes it."""
         self.driver = CameraState()
-        self._joined: tuple[ElementListener, Any] | None = None
+        self._publish: PublishEvents | None = None
+        self._is_wanted: IsWanted = lambda: False
         self._reader = CameraReader(
-            where, self._take, self.driver.lose, self._count_damage, open_camera, self._is_wanted, self.driver.rest
+            where, self._take, self.driver.lose, self._count_damage, open_camera, self._has_listeners, self.driver.rest
         )
 
     def start(self) -> None:
         """Let the thread run."""
         self._reader.start()
 
-    def join(self, robot: ElementListener, adapter: Any) -> None:
-        """From now on bring the pictures to the bus."""
-        self._joined = robot, adapter
+    def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
+        """Publish the pictures from now on, while somebody subscribes to them."""
+        self._publish, self._is_wanted = publish, is_wanted
 
     def halt(self) -> None:
-        """A camera does not move."""
+        """Do nothing: a camera does not move."""
 
     def close(self) -> None:
         """Let go of the camera and end the thread."""
-        self._joined = None
+        self._publish, self._is_wanted = None, lambda: False
         self._reader.close()
 
-    def _is_wanted(self) -> bool:
-        """Somebody on the bus subscribes to the pictures."""
-        joined = self._joined
-        return joined is not None and joined[0].has_listeners(keys.CAMERA)
+    def _has_listeners(self) -> bool:
+        return self._is_wanted()
 
     def _count_damage(self) -> None:
         self.driver.damaged["picture"] += 1
 
     def _take(self, picture: CameraFrame) -> None:
         self.driver.take((picture.width, picture.height))
-        joined = self._joined
-        if joined is not None:
-            robot, adapter = joined
-            event = PictureTaken(picture.jpeg, picture.width, picture.height)
-            robot.on_element_events(adapter, [event], picture.stamp_ns)
+        publish = self._publish  # `close` may clear it meanwhile
+        if publish is not None:
+            publish([PictureTaken(picture.jpeg, picture.width, picture.height)], picture.stamp_ns)

@@ -1,52 +1,101 @@
-"""What every element has in common as the bus sees it: keys, commands, and messages made from events."""
+"""What all elements have in common as the bus sees them: keys, commands, and messages made from events."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, ClassVar
 
 from bus.keys import Topic
 from bus.messages import TransformStamped
+from gateway.cables.cable import ElementCable
 from gateway.commands import CommandRow
 from gateway.driver import Driver
-from gateway.events import Event
+from gateway.elements.all_elements import ElementRow
+from gateway.elements.element import Element
+from gateway.events import Event, MotionEnd
+from gateway.settings import Settings
 from p2os import RobotModel
 
 
-class BusAdapter:
-    """One element on the bus.
+@dataclass(frozen=True, slots=True)
+class RobotContext:
+    """The robot that an element belongs to.
 
-    name: as the robot's description and the agents call it. streams: what it publishes. commands: what it obeys.
+    name: on the bus. driver: commanded only under the robot's lock; its plain state may be read from any thread.
+    """
+
+    name: str
+    model: RobotModel
+    settings: Settings
+    driver: Driver
+
+
+class BusAdapter:
+    """One element on the bus, on the robot's line or on a cable of its own.
+
+    Commands, `halt` and `is_moving` run under the robot's lock. The rest only reads plain state, and runs without it.
+
+    name: as the robot's description and the agents call it. streams: what it publishes. subscriptions: streams that it
+    obeys. commands: requests that it obeys; each handler is a method. element: the driver's side of an element on the
+    robot's line. cable: the element's own cable; None on the robot's line.
     """
 
     name: ClassVar[str]
     streams: ClassVar[tuple[Topic, ...]] = ()
+    subscriptions: ClassVar[tuple[Topic, ...]] = ()
     commands: ClassVar[tuple[CommandRow, ...]] = ()
+    element: ClassVar[type[Element] | None] = None
 
-    def __init__(self, robot: str, model: RobotModel) -> None:
-        """Make ready for one robot, known by this name on the bus."""
-        self._robot = robot
-        self._model = model
+    def __init__(self, robot: RobotContext, cable: ElementCable | None = None) -> None:
+        """Prepare the adapter for one robot."""
+        self.cable = cable
+        self._robot = robot.name
+        self._model = robot.model
+        self._driver = robot.driver
 
-    def is_present(self, driver: Driver) -> bool:
-        """Whether the robot is known to have the element."""
-        raise NotImplementedError
+    def is_present(self) -> bool:
+        """Return whether the robot is known to have the element; on a cable of its own, whether it answers now."""
+        if self.cable is not None:
+            return bool(self.cable.driver.is_connected)
+        return self.element is None or self._driver.has(self.element)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """What is to be published of an event, with its topic. stamp: wall clock, ns, when its last byte came."""
+        """Return the messages that follow from an event, with their topics.
+
+        Args:
+            event: Of the robot's line, or of the element's own cable.
+            stamp: Wall clock when its last byte came, ns.
+        """
         return ()
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
-        """Where the element's frames are on the robot."""
+        """Return the places of the element's frames on the robot. stamp: wall clock, ns."""
         return ()
 
-    @classmethod
-    def halt(cls, driver: Driver, now: float) -> None:
-        """The lease on the element has changed hands: it stands still. Nothing to do for what cannot move."""
+    def halt(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
+        """Stop the element where it is, if it can move; does not wait for a slow cable.
 
-    @classmethod
-    def is_moving(cls, driver: Driver, now: float) -> bool:
-        """Whether the element moves by motors of its own, as it said last."""
-        return False
+        Args:
+            now: Steady time, s.
+            end: How a motion of the wheels under way is reported to have ended.
+        """
+        if self.cable is not None:
+            self.cable.halt()
+        elif self.element is not None:
+            self._driver.halt_element(self.element, now)
 
-    def describe(self, driver: Driver) -> Mapping[str, Any]:
-        """What the description says of this element beyond its name and keys; SI and radians, ready for JSON."""
+    def is_moving(self, now: float) -> bool:
+        """Return whether the element moves by motors of its own, by its last report."""
+        if self.cable is not None:
+            return bool(self.cable.driver.is_moving)
+        return self.element is not None and self._driver.lookup(self.element).is_moving(now)
+
+    def describe(self) -> Mapping[str, Any]:
+        """Return what the description contains beyond name and keys; SI and radians, ready for JSON."""
         return {}
+
+
+def adapter_types(row: ElementRow) -> tuple[type[BusAdapter], ...]:
+    """Load the bus adapters of a row of the table."""
+    types: tuple[type[BusAdapter], ...] = import_module(f"gateway.elements.{row.folder}.adapter").ADAPTERS
+    return types

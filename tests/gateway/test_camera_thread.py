@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -12,10 +12,9 @@ from bus import keys
 from cameras.errors import CameraLost
 from cameras.source import PATIENCE, CameraSource
 from gateway.cables.camera_thread import CameraState, CameraThread
-from gateway.elements.cable_adapter import CableAdapter
+from gateway.elements.adapter import RobotContext
 from gateway.elements.camera.adapter import CameraAdapter
 from gateway.events import Event, PictureTaken
-from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import CameraSettings, Settings
 from tests.waiting import patience
 
@@ -49,16 +48,16 @@ class Robot:
         self.events: list[Event] = []
         self.is_heard = has_listeners
 
-    def has_listeners(self, topic: object) -> bool:
-        return topic is keys.CAMERA and self.is_heard
+    def is_wanted(self) -> bool:
+        return self.is_heard
 
-    def on_element_events(self, adapter: object, events: list[Event], stamp_ns: int) -> None:
+    def publish(self, events: Sequence[Event], stamp_ns: int) -> None:
         self.events += events
 
 
 def joined(open_camera: Callable[[str], CameraSource], has_listeners: bool = True) -> tuple[CameraThread, Robot]:
     thread, robot = CameraThread("somewhere", open_camera), Robot(has_listeners)
-    thread.join(cast(RobotOnBus, robot), cast("CableAdapter[Any]", None))
+    thread.join(robot.publish, robot.is_wanted)
     thread.start()
     return thread, robot
 
@@ -184,14 +183,14 @@ def test_camera_that_stalls_is_a_fault_even_while_its_thread_hangs() -> None:
 
 
 def test_face_publishes_the_jpeg_and_describes_its_size() -> None:
-    state = CameraState(lambda: 0.0)
-    state.take((160, 120))
+    thread = CameraThread("somewhere")
+    thread.driver.take((160, 120))
     settings = Settings(camera=CameraSettings(field_of_view_rad=0.8))
-    adapter = CameraAdapter("happy", cast(Any, None), settings, state, cast(Any, None))
+    adapter = CameraAdapter(RobotContext("happy", cast(Any, None), settings, cast(Any, None)), thread)
     [(topic, message)] = adapter.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000)
     assert topic is keys.CAMERA
     image = cast(Any, message)
     assert (image.format, image.header.frame_id, image.header.stamp.nanosec) == ("jpeg", "happy/camera", 500_000_000)
     assert np.asarray(image.data).tobytes() == JPEG
     assert adapter.describe() == {"size": (160, 120), "field_of_view": 0.8}
-    adapter.halt()  # moves nothing, and needs nobody
+    adapter.halt(0.0)  # moves nothing, and needs nobody

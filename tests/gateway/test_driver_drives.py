@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.elements.ports import UserPorts
-from gateway.elements.sonar import SonarElement
+from gateway.elements.standard.element import SonarElement, UserPorts
 from gateway.errors import CommandRefused
 from gateway.events import MotionEnd, MotionEnded
 from gateway.settings import DriveLimits, Settings

@@ -10,8 +10,8 @@ import pytest
 import configs
 from gateway.dialler import FIRST_PATIENCE, LONGEST_PATIENCE, Dialler
 from gateway.driver import Driver
-from gateway.elements.ports import UserPorts
 from gateway.elements.ptz.element import PtzElement
+from gateway.elements.standard.element import UserPorts
 from gateway.events import Event, LinkLost, SipReceived
 from gateway.line import DIAL, RADIO, RADIO_BAUD
 from gateway.settings import Settings

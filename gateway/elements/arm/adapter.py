@@ -1,7 +1,7 @@
-"""The arm on the bus, whichever cable it hangs on: the Pioneer's on the robot's own, the PowerBot's on its own."""
+"""The arm on the bus; the same keys on the robot's line and on a cable of its own."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -9,77 +9,65 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Arm, JointState, header
 from gateway.commands import Arguments, CommandRow
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.arm import commands as arm_commands
 from gateway.elements.arm.element import ArmElement
 from gateway.elements.arm.joint_limits import JointLimits
 from gateway.events import ArmSeen, Event
 
-NAME = "arm"
-STREAMS = (keys.ARM, keys.JOINT_STATES)
-
-
-def arm_messages(robot: str, event: ArmSeen, stamp: int) -> Iterable[tuple[Topic, object]]:
-    """`<robot>/arm`, and its joints among `<robot>/joint_states`."""
-    base = header(stamp, frame(robot, "base_link"))
-    yield keys.ARM, Arm(base, event.powered, event.homed, event.moving)
-    yield (
-        keys.JOINT_STATES,
-        JointState(
-            header=base,
-            name=joint_names(robot, len(event.positions)),
-            position=np.array(event.positions),
-            velocity=np.array([]),
-            effort=np.array([]),
-        ),
-    )
-
-
-def joint_names(robot: str, count: int) -> list[str]:
-    """`<robot>/arm_joint_1` and so on; a gripper's is the last."""
-    return [frame(robot, f"arm_joint_{number}") for number in range(1, count + 1)]
-
-
-def arm_description(robot: str, limits: Sequence[JointLimits]) -> Mapping[str, Any]:
-    """Ends and speeds of the joints."""
-    return {"joints": arm_commands.describe(limits, joint_names(robot, len(limits)))}
-
-
-def _order(driver: Driver, arguments: Arguments, now: float) -> None:
-    arm_commands.order(driver.element(ArmElement, now), driver, arguments, now)
-
-
-def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
-    return arm_commands.duration(driver.element(ArmElement, now), arguments)
+T = TypeVar("T")
 
 
 class ArmAdapter(BusAdapter):
-    """`<robot>/arm` and `command/arm` of the Pioneer arm."""
+    """`<robot>/arm`, its joints among `<robot>/joint_states`, and `command/arm`.
 
-    name = NAME
-    streams = STREAMS
-    commands = (CommandRow(keys.REACH, {"do": str}, _order, NAME, may_take=arm_commands.MAY_TAKE, duration=_duration),)
+    The joints are `<robot>/arm_joint_1` and so on; that of a gripper is the last.
+    """
 
-    def is_present(self, driver: Driver) -> bool:
-        """The robot has said so."""
-        return driver.has(ArmElement)
+    name = "arm"
+    streams = (keys.ARM, keys.JOINT_STATES)
+    element = ArmElement
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """Two with every ARMpac."""
+        """Return two messages for each report of the arm."""
         if isinstance(event, ArmSeen):
-            yield from arm_messages(self._robot, event, stamp)
+            base = header(stamp, frame(self._robot, "base_link"))
+            yield keys.ARM, Arm(base, event.powered, event.homed, event.moving)
+            joints = JointState(
+                header=base,
+                name=self._joint_names(len(event.positions)),
+                position=np.array(event.positions),
+                velocity=np.array([]),
+                effort=np.array([]),
+            )
+            yield keys.JOINT_STATES, joints
 
-    @classmethod
-    def halt(cls, driver: Driver, now: float) -> None:
-        """Stop it where it is."""
-        driver.halt_element(ArmElement, now)
+    def describe(self) -> Mapping[str, Any]:
+        """Return the limits and speeds of the joints, as the arm reports them."""
+        return {"joints": arm_commands.describe(self._limits, self._joint_names(len(self._limits)))}
 
-    @classmethod
-    def is_moving(cls, driver: Driver, now: float) -> bool:
-        """Some joint."""
-        return driver.lookup(ArmElement).is_moving(now)
+    @property
+    def _limits(self) -> Sequence[JointLimits]:
+        return self._driver.lookup(ArmElement).limits
 
-    def describe(self, driver: Driver) -> Mapping[str, Any]:
-        """Its joints, as the robot says they are."""
-        return arm_description(self._robot, driver.lookup(ArmElement).limits)
+    def _call(self, call: Callable[[arm_commands.Reaching, float], T], now: float) -> T:
+        """Call a function with the arm and the steady time of its line, s.
+
+        Raises:
+            CommandRefused: There is no arm, or the function refuses.
+        """
+        return call(self._driver.element(ArmElement, now), now)
+
+    def _joint_names(self, count: int) -> list[str]:
+        return [frame(self._robot, f"arm_joint_{number}") for number in range(1, count + 1)]
+
+    def _reach(self, arguments: Arguments, now: float) -> None:
+        self._call(lambda arm, at: arm_commands.order(arm, self._driver, arguments, at), now)
+
+    def _duration(self, arguments: Arguments, now: float) -> float:
+        return self._call(lambda arm, at: arm_commands.duration(arm, arguments), now)
+
+    commands = (CommandRow(keys.REACH, {"do": str}, _reach, name, may_take=arm_commands.MAY_TAKE, duration=_duration),)
+
+
+ADAPTERS = (ArmAdapter,)

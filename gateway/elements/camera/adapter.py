@@ -8,25 +8,31 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import CompressedImage, header
-from gateway.elements.cable_adapter import CableAdapter
+from gateway.cables.cable import ElementCable
+from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.events import Event, PictureTaken
 
 
-class CameraAdapter(CableAdapter[Any]):
+class CameraAdapter(BusAdapter):
     """`<robot>/camera/image/compressed`."""
 
     name = "camera"
     streams = (keys.CAMERA,)
 
+    def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
+        super().__init__(robot, cable)
+        self._camera = cable.driver
+        self._field_of_view = robot.settings.camera.field_of_view_rad
+
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """Every picture, as the camera made it."""
+        """Return every picture, as the camera encoded it."""
         if isinstance(event, PictureTaken):
             data = np.frombuffer(event.jpeg, np.uint8)
             yield keys.CAMERA, CompressedImage(header(stamp, frame(self._robot, "camera")), format="jpeg", data=data)
 
     def describe(self) -> Mapping[str, Any]:
-        """Size of the pictures, and how wide the camera sees if somebody has said so."""
-        return {"size": self._driver.size, "field_of_view": self._settings.camera.field_of_view_rad}
+        """Return the size of the pictures, and the field of view where the settings have it."""
+        return {"size": self._camera.size, "field_of_view": self._field_of_view}
 
-    def halt(self) -> None:
-        """A camera does not move."""
+
+ADAPTERS = (CameraAdapter,)

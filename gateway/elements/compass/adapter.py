@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Compass, Vector3, header
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.compass.element import ERROR_BITS, CompassElement
 from gateway.events import CompassSeen, Event
@@ -15,11 +14,8 @@ class CompassAdapter(BusAdapter):
     """`<robot>/compass`."""
 
     name = "compass"
+    element = CompassElement
     streams = (keys.COMPASS,)
-
-    def is_present(self, driver: Driver) -> bool:
-        """It has answered."""
-        return driver.has(CompassElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One with every packet."""
@@ -35,3 +31,6 @@ class CompassAdapter(BusAdapter):
                 errors=report.errors & ERROR_BITS,
             )
             yield keys.COMPASS, message
+
+
+ADAPTERS = (CompassAdapter,)

@@ -8,21 +8,9 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Gripper, Header, JointState, header
 from gateway.commands import Arguments, CommandRow
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.gripper.element import STOPPING, GripperElement
 from gateway.events import Event, GripperJoints, GripperSeen
-
-
-def _order(driver: Driver, arguments: Arguments, now: float) -> None:
-    gripper = driver.element(GripperElement, now)
-    if arguments["do"] not in STOPPING:
-        driver.check_free()
-    gripper.order(arguments["do"])
-
-
-def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
-    return driver.lookup(GripperElement).duration(arguments["do"])
 
 
 class GripperAdapter(BusAdapter):
@@ -33,12 +21,8 @@ class GripperAdapter(BusAdapter):
     """
 
     name = "gripper"
+    element = GripperElement
     streams = (keys.GRIPPER, keys.JOINT_STATES)
-    commands = (CommandRow(keys.GRIP, {"do": str}, _order, name, duration=_duration),)
-
-    def is_present(self, driver: Driver) -> bool:
-        """The robot has said so."""
-        return driver.has(GripperElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One of each with every SIP; a joint whose place nobody knows is left out."""
@@ -53,16 +37,6 @@ class GripperAdapter(BusAdapter):
                 if known:
                     yield keys.JOINT_STATES, self._joint_state(known, stamp)
 
-    @classmethod
-    def halt(cls, driver: Driver, now: float) -> None:
-        """Stop it where it is."""
-        driver.halt_element(GripperElement, now)
-
-    @classmethod
-    def is_moving(cls, driver: Driver, now: float) -> bool:
-        """Paddles or lift."""
-        return driver.lookup(GripperElement).is_moving(now)
-
     def _joint_state(self, places: dict[str, float], stamp: int) -> JointState:
         nothing = np.array([])
         position = np.array(list(places.values()))
@@ -72,3 +46,17 @@ class GripperAdapter(BusAdapter):
 
     def _header(self, stamp: int) -> Header:
         return header(stamp, frame(self._robot, "base_link"))
+
+    def _order(self, arguments: Arguments, now: float) -> None:
+        gripper = self._driver.element(GripperElement, now)
+        if arguments["do"] not in STOPPING:
+            self._driver.check_free()
+        gripper.order(arguments["do"])
+
+    def _duration(self, arguments: Arguments, now: float) -> float:
+        return self._driver.lookup(GripperElement).duration(arguments["do"])
+
+    commands = (CommandRow(keys.GRIP, {"do": str}, _order, name, duration=_duration),)
+
+
+ADAPTERS = (GripperAdapter,)

@@ -7,11 +7,9 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Imu, Quaternion, Vector3, header
-from gateway.driver import Driver
-from gateway.elements.adapter import BusAdapter
+from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.elements.gyro.element import Gyro
 from gateway.events import Event, TurnRateSeen
-from p2os import RobotModel
 
 FIXED_VARIANCE = 1e-9
 """Of the axes about which a robot in the plane does not turn, (rad/s)²."""
@@ -21,19 +19,16 @@ class GyroAdapter(BusAdapter):
     """`<robot>/imu`: the turn rate about the vertical axis; orientation and acceleration are unknown."""
 
     name = "gyro"
+    element = Gyro
     streams = (keys.IMU,)
 
-    def __init__(self, robot: str, model: RobotModel) -> None:
-        super().__init__(robot, model)
+    def __init__(self, robot: RobotContext) -> None:
+        super().__init__(robot)
         self._unknown = np.array([-1.0, *[0.0] * 8])  # as sensor_msgs/Imu wants what nobody measures
         self._covariance = np.diag([FIXED_VARIANCE, FIXED_VARIANCE, 0.0]).reshape(9)
 
-    def is_present(self, driver: Driver) -> bool:
-        """Its readings come as packets."""
-        return driver.has(Gyro)
-
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One with every packet."""
+        """Return one message for each packet."""
         if isinstance(event, TurnRateSeen):
             self._covariance[8] = event.variance
             message = Imu(
@@ -49,14 +44,17 @@ class GyroAdapter(BusAdapter):
 
 
 class InnerGyroAdapter(BusAdapter):
-    """A gyro that the controller uses by itself: it makes the odometry better, and nothing comes of it but that."""
+    """A gyro that the controller uses itself: it improves the odometry, and its readings are not published."""
 
     name = "gyro"
 
-    def is_present(self, driver: Driver) -> bool:
-        """The robot says that it has one."""
-        return driver.lookup(Gyro).is_inside
+    def is_present(self) -> bool:
+        """Return whether the controller reports one."""
+        return self._driver.lookup(Gyro).is_inside
 
-    def describe(self, driver: Driver) -> dict[str, str]:
-        """Where its readings go."""
+    def describe(self) -> dict[str, str]:
+        """Return what the readings are used by."""
         return {"used_by": "the robot's controller, for its odometry"}
+
+
+ADAPTERS = (GyroAdapter, InnerGyroAdapter)

@@ -6,7 +6,6 @@ from math import inf
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Header, Range, RangeArray, TransformStamped, header, placed
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.infrared.element import InfraredElement
 from gateway.events import Event, InfraredSeen
@@ -19,11 +18,8 @@ class InfraredAdapter(BusAdapter):
     """`<robot>/ir`: each sensor is a switch. REP 117: -inf where something is near, and +inf where nothing is."""
 
     name = "ir"
+    element = InfraredElement
     streams = (keys.IR,)
-
-    def is_present(self, driver: Driver) -> bool:
-        """The robot's model has such sensors."""
-        return driver.has(InfraredElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One with every IOpac."""
@@ -50,3 +46,6 @@ class InfraredAdapter(BusAdapter):
             range=-inf if near else inf,
             variance=0.0,
         )
+
+
+ADAPTERS = (InfraredAdapter,)

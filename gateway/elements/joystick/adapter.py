@@ -8,17 +8,9 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Joy, header
 from gateway.commands import BASE, Arguments, CommandRow
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.joystick.element import JoystickElement
 from gateway.events import Event, JoystickSeen
-
-
-def _let_drive(driver: Driver, arguments: Arguments, now: float) -> None:
-    joystick = driver.element(JoystickElement, now)
-    if arguments["on"]:
-        driver.let_go(now)
-    joystick.let_drive(arguments["on"])
 
 
 class JoystickAdapter(BusAdapter):
@@ -28,12 +20,8 @@ class JoystickAdapter(BusAdapter):
     """
 
     name = "joystick"
+    element = JoystickElement
     streams = (keys.JOYSTICK,)
-    commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive, BASE),)
-
-    def is_present(self, driver: Driver) -> bool:
-        """It has answered."""
-        return driver.has(JoystickElement)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """One with every packet."""
@@ -45,3 +33,14 @@ class JoystickAdapter(BusAdapter):
                 buttons=np.array([held.button1, held.button2], np.int32),
             )
             yield keys.JOYSTICK, message
+
+    def _let_drive(self, arguments: Arguments, now: float) -> None:
+        joystick = self._driver.element(JoystickElement, now)
+        if arguments["on"]:
+            self._driver.let_go(now)
+        joystick.let_drive(arguments["on"])
+
+    commands = (CommandRow(keys.JOYDRIVE, {"on": bool}, _let_drive, BASE),)
+
+
+ADAPTERS = (JoystickAdapter,)

@@ -9,11 +9,10 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import NS_PER_S, LaserScan, TransformStamped, header, placed
-from gateway.elements.cable_adapter import CableAdapter, ElementCommander
+from gateway.cables.cable import ElementCable
+from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.elements.laser.driver import NAME, LaserDriver
 from gateway.events import Event, LaserScanned
-from gateway.settings import Settings
-from p2os import RobotModel
 from p2os.accessories.lms import MIRROR_PERIOD
 
 NEAREST = 0.01
@@ -22,7 +21,7 @@ FARTHEST = 80.0
 """m; what the scanner reaches at best, however large the numbers that its values could say."""
 
 
-class LaserAdapter(CableAdapter[LaserDriver]):
+class LaserAdapter(BusAdapter):
     """Publishes `<robot>/scan` in `<robot>/laser`.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no measurement. The stamp is the time
@@ -32,18 +31,12 @@ class LaserAdapter(CableAdapter[LaserDriver]):
     name = NAME
     streams = (keys.SCAN,)
 
-    def __init__(
-        self,
-        robot: str,
-        model: RobotModel,
-        settings: Settings,
-        driver: LaserDriver,
-        commander: ElementCommander[LaserDriver],
-    ) -> None:
-        super().__init__(robot, model, settings, driver, commander)
-        mount, own = model.laser, settings.laser
-        self._frame = frame(robot, "laser")
-        self._base = frame(robot, "base_link")
+    def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
+        super().__init__(robot, cable)
+        self._laser: LaserDriver = cable.driver
+        mount, own = robot.model.laser, robot.settings.laser
+        self._frame = frame(robot.name, "laser")
+        self._base = frame(robot.name, "base_link")
         self._x = mount.x if own.x_m is None else own.x_m
         self._y = mount.y if own.y_m is None else own.y_m
         self._z = own.z_m
@@ -63,9 +56,9 @@ class LaserAdapter(CableAdapter[LaserDriver]):
 
     def describe(self) -> Mapping[str, Any]:
         """Geometry and reach."""
-        variant = self._driver.variant
+        variant = self._laser.variant
         return {
-            "type": self._driver.type,
+            "type": self._laser.type,
             "frame": self._frame,
             "geometry": {
                 "x": self._x,
@@ -83,7 +76,7 @@ class LaserAdapter(CableAdapter[LaserDriver]):
 
     @property
     def _range_max(self) -> float:
-        return min(FARTHEST, self._driver.configuration.max_range)
+        return min(FARTHEST, self._laser.configuration.max_range)
 
     def _scan(self, event: LaserScanned, stamp: int) -> LaserScan:
         scan, variant, configuration, age, period = event
@@ -107,3 +100,6 @@ class LaserAdapter(CableAdapter[LaserDriver]):
             ranges=ranges,
             intensities=flags,
         )
+
+
+ADAPTERS = (LaserAdapter,)

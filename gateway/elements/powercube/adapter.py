@@ -1,53 +1,32 @@
-"""An arm of PowerCube modules on the bus: the same keys as an arm on the robot's own cable."""
+"""An arm of PowerCube modules on the bus."""
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
-from bus import keys
-from bus.keys import Topic
-from gateway.commands import Arguments, CommandRow
-from gateway.driver import Driver
-from gateway.elements.arm import commands as arm_commands
-from gateway.elements.arm.adapter import STREAMS, arm_description, arm_messages
-from gateway.elements.cable_adapter import CableAdapter, ElementCommander
-from gateway.elements.powercube.driver import NAME, PowerCubeDriver
-from gateway.events import ArmSeen, Event
-from gateway.settings import Settings
-from p2os import RobotModel
+from gateway.cables.cable import ElementCable
+from gateway.elements.adapter import RobotContext
+from gateway.elements.arm.adapter import ArmAdapter
+from gateway.elements.arm.commands import Reaching
+from gateway.elements.arm.joint_limits import JointLimits
+
+T = TypeVar("T")
 
 
-class PowerCubeAdapter(CableAdapter[PowerCubeDriver]):
-    """`<robot>/arm` and `command/arm` of the PowerBot's arm."""
+class PowerCubeAdapter(ArmAdapter):
+    """`<robot>/arm` and `command/arm` of the PowerBot's arm, on a cable of its own."""
 
-    name = NAME
-    streams = STREAMS
+    def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
+        super().__init__(robot, cable)
+        self._arm = cable
 
-    def __init__(
-        self,
-        robot: str,
-        model: RobotModel,
-        settings: Settings,
-        driver: PowerCubeDriver,
-        commander: ElementCommander[PowerCubeDriver],
-    ) -> None:
-        super().__init__(robot, model, settings, driver, commander)
-        self.commands = (
-            CommandRow(
-                keys.REACH, {"do": str}, self._order, NAME, may_take=arm_commands.MAY_TAKE, duration=self._duration
-            ),
-        )
+    @property
+    def _limits(self) -> Sequence[JointLimits]:
+        limits: Sequence[JointLimits] = self._arm.driver.limits
+        return limits
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """Two with every round of answers."""
-        if isinstance(event, ArmSeen):
-            yield from arm_messages(self._robot, event, stamp)
+    def _call(self, call: Callable[[Reaching, float], T], now: float) -> T:
+        result: T = self._arm.bridge.command(call)
+        return result
 
-    def describe(self) -> Mapping[str, Any]:
-        """Its joints, as the modules say they are."""
-        return arm_description(self._robot, self._driver.limits)
 
-    def _duration(self, robot: Driver, arguments: Arguments, now: float) -> float:
-        return self._commander.command(lambda arm, at: arm_commands.duration(arm, arguments))
-
-    def _order(self, robot: Driver, arguments: Arguments, now: float) -> None:
-        self._commander.command(lambda arm, at: arm_commands.order(arm, robot, arguments, at))
+ADAPTERS = (PowerCubeAdapter,)

@@ -7,35 +7,50 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import PanTiltZoom, header
 from gateway.commands import Arguments, CommandRow
-from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.ptz.element import PtzElement
 from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
 
 
-def _look(driver: Driver, arguments: Arguments, now: float) -> None:
-    head = driver.element(PtzElement, now)
-    what = arguments.get("do", "look")
-    if what == "stop":
-        head.stop(now)
-    elif what == "look":
-        head.look(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"), now)
-    else:
-        raise CommandRefused(f"a camera head cannot {what!r}; say stop, or give pan, tilt or zoom")
-
-
-def _duration(driver: Driver, arguments: Arguments, now: float) -> float:
-    if arguments.get("do", "look") != "look":
-        return 0.0
-    return driver.lookup(PtzElement).duration(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"))
-
-
 class PtzAdapter(BusAdapter):
     """`<robot>/ptz` and `command/ptz`."""
 
     name = "ptz"
+    element = PtzElement
     streams = (keys.PTZ,)
+
+    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+        """One whenever it is known where it looks."""
+        if isinstance(event, HeadSeen):
+            yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
+
+    def describe(self) -> Mapping[str, Any]:
+        """What it is, what it can be told, and its widest horizontal view."""
+        model = self._driver.lookup(PtzElement).model
+        return {
+            "model": model.name,
+            "limits": {"pan": model.pan.limits, "tilt": model.tilt.limits, "zoom": (1.0, model.lens.ratio)},
+            "field_of_view": model.lens.field_of_view(1.0),
+        }
+
+    def _look(self, arguments: Arguments, now: float) -> None:
+        head = self._driver.element(PtzElement, now)
+        what = arguments.get("do", "look")
+        if what == "stop":
+            head.stop(now)
+        elif what == "look":
+            head.look(arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom"), now)
+        else:
+            raise CommandRefused(f"a camera head cannot {what!r}; say stop, or give pan, tilt or zoom")
+
+    def _duration(self, arguments: Arguments, now: float) -> float:
+        if arguments.get("do", "look") != "look":
+            return 0.0
+        return self._driver.lookup(PtzElement).duration(
+            arguments.get("pan"), arguments.get("tilt"), arguments.get("zoom")
+        )
+
     commands = (
         CommandRow(
             keys.LOOK,
@@ -47,30 +62,5 @@ class PtzAdapter(BusAdapter):
         ),
     )
 
-    def is_present(self, driver: Driver) -> bool:
-        """It has answered, or the settings name it."""
-        return driver.has(PtzElement)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
-        """One whenever it is known where it looks."""
-        if isinstance(event, HeadSeen):
-            yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
-
-    @classmethod
-    def halt(cls, driver: Driver, now: float) -> None:
-        """Stop it where it is."""
-        driver.halt_element(PtzElement, now)
-
-    @classmethod
-    def is_moving(cls, driver: Driver, now: float) -> bool:
-        """It turns or zooms."""
-        return driver.lookup(PtzElement).is_moving(now)
-
-    def describe(self, driver: Driver) -> Mapping[str, Any]:
-        """What it is, what it can be told, and its widest horizontal view."""
-        model = driver.lookup(PtzElement).model
-        return {
-            "model": model.name,
-            "limits": {"pan": model.pan.limits, "tilt": model.tilt.limits, "zoom": (1.0, model.lens.ratio)},
-            "field_of_view": model.lens.field_of_view(1.0),
-        }
+ADAPTERS = (PtzAdapter,)

@@ -9,11 +9,9 @@ import numpy as np
 from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import NS_PER_S, LaserScan, TransformStamped, header, placed
-from gateway.driver import Driver
-from gateway.elements.adapter import BusAdapter
+from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.elements.simulated_laser.element import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
 from gateway.events import Event, SweepReceived
-from p2os import RobotModel
 
 NEAREST = 0.01
 """m; simulators write 0 where there is no reading."""
@@ -28,17 +26,14 @@ class SimulatedLaserAdapter(BusAdapter):
     """
 
     name = "laser"
+    element = SimulatedLaserScanner
     streams = (keys.SCAN,)
 
-    def __init__(self, robot: str, model: RobotModel) -> None:
-        super().__init__(robot, model)
-        self._frame = frame(robot, "laser")
-        self._base = frame(robot, "base_link")
+    def __init__(self, robot: RobotContext) -> None:
+        super().__init__(robot)
+        self._frame = frame(robot.name, "laser")
+        self._base = frame(robot.name, "base_link")
         self._is_seen = False
-
-    def is_present(self, driver: Driver) -> bool:
-        """A whole sweep has come."""
-        return driver.has(SimulatedLaserScanner)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """A scan with every sweep."""
@@ -52,10 +47,10 @@ class SimulatedLaserAdapter(BusAdapter):
             mount = self._model.laser
             yield placed(header(stamp, self._base), self._frame, mount.x, mount.y, mount.heading)
 
-    def describe(self, driver: Driver) -> Mapping[str, Any]:
+    def describe(self) -> Mapping[str, Any]:
         """Geometry and reach."""
         mount = self._model.laser
-        beams = driver.lookup(SimulatedLaserScanner).beams
+        beams = self._driver.lookup(SimulatedLaserScanner).beams
         return {
             "type": "simulated",
             "frame": self._frame,
@@ -83,3 +78,6 @@ class SimulatedLaserAdapter(BusAdapter):
             ranges=ranges,
             intensities=np.array(sweep.reflectances, np.float32),
         )
+
+
+ADAPTERS = (SimulatedLaserAdapter,)

@@ -10,7 +10,8 @@ import pytest
 
 from acromovi.command import argument
 from agents.components.all_components import COMPONENTS
-from gateway.elements.all_adapters import ADAPTERS, CABLE_ADAPTERS
+from gateway.elements.adapter import adapter_types
+from gateway.elements.all_elements import ELEMENTS
 from tests.agents.components.bench import Bench
 from tests.agents.components.conftest import MakeLab
 from tests.agents.components.page import requests_of, tables
@@ -34,8 +35,7 @@ def test_a_section_tells_what_the_agent_says_of_itself(element: str, make_bench:
 
 
 def test_every_element_that_a_gateway_can_find_is_on_the_page() -> None:
-    known = {"base", "battery", "io", "sonar", "bumpers", "encoders", *CABLE_ADAPTERS}
-    known |= {adapter.name for adapter in ADAPTERS}
+    known = {adapter.name for row in ELEMENTS for adapter in adapter_types(row)}
     assert known == (SECTIONS.keys() | OTHERS.keys()) - OF_MANY
 
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gateway.elements.asked import SILENCE, AskedElement
-from gateway.elements.batteries import PERIOD, Batteries
 from gateway.elements.compass.element import CompassElement
 from gateway.elements.element import Element
 from gateway.elements.joystick.element import LOOK_PERIOD, JoystickElement
+from gateway.elements.standard.element import PERIOD, Batteries
 from gateway.events import ChargeSeen, CompassSeen, JoystickSeen
 from gateway.settings import Fitted, Settings
 from p2os import BatteryReport, Command, CompassReport, JoystickReport

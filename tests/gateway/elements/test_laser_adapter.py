@@ -1,15 +1,17 @@
 """The laser as the bus sees it: angles, order, times, what is no distance."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isinf, isnan, nan, pi, radians
-from typing import Any, TypeVar
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 import configs
 from bus import keys, messages
+from gateway.cables.cable import IsWanted, PublishEvents
+from gateway.driver import Driver
+from gateway.elements.adapter import RobotContext
 from gateway.elements.laser.adapter import LaserAdapter
 from gateway.elements.laser.driver import LaserDriver
 from gateway.events import ElementFound, LaserScanned
@@ -17,26 +19,30 @@ from gateway.settings import LaserSettings, Settings
 from p2os import LaserMount, RobotModel
 from p2os.accessories.lms import LmsConfiguration, Scan, Unit, Variant, pack_values
 
-T = TypeVar("T")
 STAMP = 1_000_000_000_000
 UPRIGHT = LaserMount("lms2xx", 0.2, 0.1, radians(10))
 
 
-class NoBridge:
-    """Nobody commands a laser."""
+class Cable:
+    """A laser's cable, on which nobody commands anything."""
 
-    def command(self, give: Callable[[LaserDriver, float], T]) -> T:
-        raise AssertionError("a face only looks")
+    name = "laser"
+    bridge = None
 
-    def post(self, give: Callable[[LaserDriver, float], object]) -> None:
-        raise AssertionError("a face only looks")
+    def __init__(self) -> None:
+        self.driver = LaserDriver(LaserSettings())
+
+    def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
+        raise AssertionError("an adapter does not join")
+
+    def halt(self) -> None:
+        raise AssertionError("an adapter halts only when it is told to")
 
 
 def adapter(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) -> LaserAdapter:
     model = replace(configs.load(RobotModel, "robots", "p3dx-sh"), lasers=(mount,))
-    return LaserAdapter(
-        "happy", model, Settings(laser=settings or LaserSettings()), LaserDriver(LaserSettings()), NoBridge()
-    )
+    robot = RobotContext("happy", model, Settings(laser=settings or LaserSettings()), cast(Driver, None))
+    return LaserAdapter(robot, Cable())
 
 
 def scanned(ranges: list[float], first: int = 0, flags: list[int] | None = None) -> LaserScanned:

@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gateway.elements.asked import SILENCE
-from gateway.elements.encoders import WheelEncoders
 from gateway.elements.polled import TIMES
-from gateway.elements.ports import UserPorts
+from gateway.elements.standard.element import UserPorts, WheelEncoders
 from gateway.settings import Settings
 from p2os import Command, Encoders, IoReport
 

@@ -1,0 +1,116 @@
+"""The driver's side of what every robot has: configuration, sonar, user ports, wheel encoders, batteries.
+
+Source of the battery packet: client libraries.
+"""
+
+from gateway.elements.asked import AskedElement
+from gateway.elements.element import Element
+from gateway.elements.polled import PolledElement
+from gateway.errors import CommandRefused
+from gateway.events import ChargeSeen, EncodersReceived, InputsOutputsReceived
+from p2os import BatteryReport, Command, Configuration, Encoders, IoReport, RobotModel
+
+PERIOD = 10.0
+"""Seconds from one answer to the next question; a charge changes slowly."""
+RELATIVE_CHARGE = 3
+"""Byte of a battery that holds its charge in percent of what it can hold now."""
+
+
+class ControllerConfiguration(AskedElement):
+    """Asks for the CONFIGpac; firmware before P2OS 1.4 has none."""
+
+    takes = (Configuration,)
+    question = Command.CONFIG, None
+    period = 0.25
+    times = 6
+
+
+class SonarElement(Element):
+    """Remembers whether it is to be on, to switch it again after a reset."""
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """Switch it as the settings want it, or as it was switched since."""
+        if not self.is_present:
+            self._wanted = self._settings.sonar
+            self.is_present = True
+        if self._wanted is not None:
+            self.switch(self._wanted)
+
+    def switch(self, on: bool) -> None:
+        """All arrays on or off."""
+        self._wanted = on
+        self._ask(Command.SONAR, int(on))
+
+
+class UserPorts(PolledElement):
+    """Asks for I/O packets where somebody needs them; remembers the outputs, to set a robot again that was reset."""
+
+    takes = (IoReport,)
+    command = Command.IOREQUEST
+    _mask = _value = 0
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """Ask, as the settings, or else the model, want it."""
+        self.is_present = True
+        wanted = self._settings.inputs_outputs
+        if model.request_io_packets or model.irs if wanted is None else wanted:
+            self.begin(now)
+        if self._mask:
+            self.set_outputs(self._mask, self._value)
+
+    def take(self, packet: object, now: float) -> None:
+        """Pass them on."""
+        super().take(packet, now)
+        assert isinstance(packet, IoReport)
+        self._announce(InputsOutputsReceived(packet))
+
+    def set_outputs(self, mask: int, value: int) -> None:
+        """Set the digital outputs whose bits are set in `mask` to the bits of `value`.
+
+        Raises:
+            CommandRefused: These are no bytes.
+        """
+        if not (0 <= mask <= 255 and 0 <= value <= 255):
+            raise CommandRefused(f"mask {mask} and value {value} must be 0 to 255")
+        self._value = (self._value & ~mask) | (value & mask)
+        self._mask |= mask
+        # All outputs set so far go in one frame, since a frame that still waits is replaced.
+        self._ask(Command.DIGOUT, (self._mask, self._value))
+
+
+class WheelEncoders(PolledElement):
+    """is_present: the settings want them."""
+
+    takes = (Encoders,)
+    command = Command.ENCODER
+
+    def begin_link(self, model: RobotModel, now: float) -> None:
+        """Ask, if they are wanted."""
+        self._model = model
+        self.is_present = self._settings.encoders
+        if self.is_present:
+            self.begin(now)
+
+    def take(self, packet: object, now: float) -> None:
+        """Pass them on."""
+        super().take(packet, now)
+        assert isinstance(packet, Encoders)
+        self._announce(EncodersReceived(packet, self._model))
+
+
+class Batteries(AskedElement):
+    """is_present: the robot has answered."""
+
+    takes = (BatteryReport,)
+    question = Command.BATTERYINFO, 1
+
+    def take(self, packet: object, now: float) -> None:
+        """Report the mean charge of all batteries."""
+        super().take(packet, now)
+        assert isinstance(packet, BatteryReport)
+        charges = [battery[RELATIVE_CHARGE] for battery in packet.batteries if len(battery) > RELATIVE_CHARGE]
+        if charges:
+            self.is_present = True
+            self._announce(ChargeSeen(min(1.0, sum(charges) / len(charges) / 100.0)))
+        self._asks_left = self.times
+        self.deadline = now + PERIOD
