@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
         return 1
     options.out.mkdir(parents=True, exist_ok=True)
     picture = options.out / "drive.png"
-    _draw(picture, world, drive.true_path, drive.odometry_path)
+    draw_drive(picture, world, drive.true_path, drive.odometry_path)
     print(_summary(drive, heard, picture))
     return 0
 
@@ -207,7 +207,7 @@ def _summary(drive: Drive, heard: _StreamCounts, picture: Path) -> str:
     )
 
 
-def _draw(path: Path, world: "WorldSpec", true_path: Sequence[Pose2D], odometry_path: Sequence[Pose2D]) -> None:
+def draw_drive(path: Path, world: "WorldSpec", true_path: Sequence[Pose2D], odometry_path: Sequence[Pose2D]) -> None:
     """Draw a PNG or SVG, by the ending of `path`.
 
     Args:

@@ -41,7 +41,7 @@ class RobotTruth:
 
 
 @dataclass(frozen=True, slots=True)
-class _RunningFault:
+class RunningFault:
     """A fault that a test has asked for; it may also end by itself."""
 
     number: int
@@ -84,7 +84,7 @@ class RobotForTests:
         row = {"time": answer["time"], **answer["robots"][self.name]}
         return RobotTruth(**{field.name: row[field.name] for field in fields(RobotTruth)})
 
-    def fault(self, spec: str) -> _RunningFault:
+    def fault(self, spec: str) -> RunningFault:
         """Let something go wrong: `robot.fault("sonar-dead:disc=3@1+5")`; `p2os-emu --list-faults` explains each.
 
         It befalls this robot, whatever others there are. Without START it begins with the next step.
@@ -99,7 +99,7 @@ class RobotForTests:
             mine = f"{name}:robot={self.name}{at}{rest}"
         else:
             mine = f"{name}:robot={self.name},{rest}"
-        return _RunningFault(self.emulator.ask("fault", fault=mine)["number"], mine, self.emulator)
+        return RunningFault(self.emulator.ask("fault", fault=mine)["number"], mine, self.emulator)
 
     def clear(self) -> None:
         """End every fault of this emulator, and call off those to come."""

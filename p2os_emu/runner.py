@@ -20,7 +20,7 @@ _ROUNDING = 1e-6  # of a step; times of silence are sums of steps
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
 
 
-class _Stepped(Protocol):
+class Stepped(Protocol):
     """What a runner moves: an emulator."""
 
     @property
@@ -51,7 +51,7 @@ class Runner:
 
     def __init__(
         self,
-        emulator: _Stepped,
+        emulator: Stepped,
         poller: Poller,
         *,
         clock: Callable[[], float],
