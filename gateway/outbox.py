@@ -8,9 +8,10 @@ command pacing).
 from collections.abc import Hashable
 from math import inf
 
+from p2os.framing import BITS_PER_BYTE
+
 PACE = 0.005
 """Least seconds between two frames."""
-BITS_PER_BYTE = 10
 MOST_AHEAD = 8
 """Frames that may overtake a request before it leaves all the same."""
 

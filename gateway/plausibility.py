@@ -9,6 +9,7 @@ from typing import NamedTuple
 from geometry import wrap_angle
 from p2os import RobotModel, StandardSip
 from p2os.fields import POSITION_UNITS
+from p2os.robot_model import SONAR_ARRAY_SIZE, SONAR_ARRAYS
 
 SPEED_MARGIN = 1.3
 """Wheels may turn faster than the model's limits by this factor."""
@@ -16,7 +17,6 @@ LATENESS = 0.25
 """Seconds by which a SIP may arrive later than the one before it."""
 SLACK = 0.3, 1.0
 """m/s and rad/s that wheel velocities may fall short of the movement seen."""
-HIGHEST_SONAR = 31
 HIGHEST_VOLTAGE = 2.5
 """Times the nominal voltage."""
 INSISTENCE = 3
@@ -77,7 +77,7 @@ class Plausibility:
     def _impossible(self, sip: StandardSip) -> str | None:
         if max(abs(sip.left_velocity), abs(sip.right_velocity)) > self._top_speed:
             return "speed"
-        if any(number > HIGHEST_SONAR for number, _ in sip.sonar):
+        if any(number >= SONAR_ARRAYS * SONAR_ARRAY_SIZE for number, _ in sip.sonar):
             return "sonar number"
         if sip.best_battery > HIGHEST_VOLTAGE * self._model.battery_nominal:
             return "voltage"

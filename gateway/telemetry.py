@@ -4,7 +4,7 @@ Everything that does not change is built once. Stamps are the wall clock of this
 packet came.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import cos, inf, nan, pi, sin
 
 import numpy as np
@@ -33,8 +33,10 @@ from bus.messages import (
 )
 from gateway.events import EncodersReceived, InputsOutputsReceived, SipReceived
 from p2os import RobotModel, StandardSip
+from p2os.packets import TICK_RING
+from p2os.sip import NO_ECHO, ChargeState
 
-SONAR_RANGE = 0.1, 5.0
+SONAR_RANGE = 0.1, NO_ECHO
 """m; what the discs of these robots measure at the usual firing period of 40 ms. Source: fact sheet section 8."""
 SONAR_CONE = pi / 12
 """rad; opening of the cone, assumed."""
@@ -48,9 +50,14 @@ CHARGING, DISCHARGING, FULL = (
     BatteryState.POWER_SUPPLY_STATUS_DISCHARGING,
     BatteryState.POWER_SUPPLY_STATUS_FULL,
 )
-CHARGE_STATES = {0: DISCHARGING, 1: CHARGING, 2: CHARGING, 3: FULL, 4: CHARGING}
-"""The SIP's charge state: 0 not charging, 1 bulk, 2 overcharge, 3 float, 4 balance. Source: fact sheet section 5."""
-TICK_RING = 1 << 32
+CHARGE_STATES: Mapping[int, int] = {
+    ChargeState.NOT_CHARGING: DISCHARGING,
+    ChargeState.BULK: CHARGING,
+    ChargeState.OVERCHARGE: CHARGING,
+    ChargeState.FLOAT: FULL,
+    ChargeState.BALANCE: CHARGING,
+}
+"""A SIP's charge state to the status of `sensor_msgs/BatteryState`."""
 
 
 class Telemetry:
@@ -158,7 +165,7 @@ class Telemetry:
 
     def battery(self, sip: StandardSip, stamp: int) -> BatteryState:
         """Voltage and charging; NaN where the robot does not say."""
-        status = CHARGE_STATES.get(255 if sip.charge_state is None else sip.charge_state)
+        status = CHARGE_STATES.get(ChargeState.UNKNOWN if sip.charge_state is None else sip.charge_state)
         if status is None:
             status = CHARGING if sip.charger_good else BatteryState.POWER_SUPPLY_STATUS_UNKNOWN
         return BatteryState(
@@ -197,7 +204,7 @@ class Telemetry:
         last = self._ticks or ticks
         self._ticks = ticks
         for wheel, (now, before) in enumerate(zip(ticks, last, strict=True)):
-            self._rolled[wheel] += (now - before + TICK_RING // 2) % TICK_RING - TICK_RING // 2
+            self._rolled[wheel] += TICK_RING.fit(now - before)
         radius = self._model.wheel_diameter / 2.0
         per_tick = 1.0 / (self._model.ticks_per_metre * radius)
         return JointState(

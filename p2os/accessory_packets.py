@@ -6,6 +6,7 @@ the rest as client libraries read it.
 """
 
 from enum import IntFlag
+from math import radians
 from typing import Annotated, NamedTuple
 
 from p2os.fields import Ceiling, Field, Quantity
@@ -18,6 +19,10 @@ GYRO_TEMPERATURE_TOP = 255
 """Largest count of a gyro's temperature."""
 GYRO_PERIOD = 0.025
 """s between two samples of a GYROpac."""
+GYRO_RATE = radians(5.0 / GYRO_TOP * 300.0 / 2.5)
+"""rad/s for each count of an analog gyro, nominal: 5 V are all counts, and 2.5 V are 300 degrees/s."""
+GYRO_DEAD = 0
+"""Count of a gyro without voltage; no robot turns so fast."""
 RELATIVE_CHARGE = 3
 """Index in a battery of `BatteryReport`: charge in percent of the present capacity."""
 
@@ -81,6 +86,11 @@ class CompassReport(NamedTuple):
     h_score: Annotated[int, Field("B")]
     v_score: Annotated[int, Field("B")]
     m_score: Annotated[float, Field("h", Quantity.FRACTION)]
+
+    @property
+    def error_bits(self) -> int:
+        """The errors as an unsigned word."""
+        return self.errors & 0xFFFF
 
 
 class ArmStatus(IntFlag):

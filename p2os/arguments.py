@@ -91,6 +91,10 @@ POWER_PORTS = range(16)
 LASER_POWER_PORT = 11
 DISPLAY_SIZE = 20
 """Characters of LCDWRITE."""
+EVERY_OUTPUT = 0xFF
+"""Mask of DIGOUT that means all eight digital outputs."""
+HIGHEST_SOUND = 255
+"""Number of SOUND."""
 
 
 def display_data(text: str) -> bytes:

@@ -93,6 +93,10 @@ class Encoders(NamedTuple):
     right: Annotated[int, Field("i", bound=TICK_RING, meaning="ticks")]
 
 
+INFRARED_BYTE = 3
+"""Index of the infrared sensors in `IoReport.digital_in`."""
+
+
 class IoReport(NamedTuple):
     """IOpac: digital ports as bytes, analog inputs in V.
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from configs import load
 from p2os import RobotModel
 from p2os.accessories.arm_model import ArmModel
-from p2os.accessories.head_model import HeadModel
+from p2os.accessories.head_model import HEAD_PORT, HeadModel
 from p2os_emu.accessories.analog_gyro import AnalogGyro, AnalogGyroSpec
 from p2os_emu.accessories.evid30 import EviD30
 from p2os_emu.accessories.lms200 import Lms200, ScannerModel
@@ -22,8 +22,6 @@ from p2os_emu.microcontroller import Microcontroller
 
 LASER_POWER = "lrf"
 """The board's power output that feeds a laser whose model says that it can be switched."""
-HEAD_PORT = 1
-"""The AUX port of a camera head, as every client has it."""
 
 
 class FittingContext(NamedTuple):

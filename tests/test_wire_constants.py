@@ -50,21 +50,6 @@ SHARED: Mapping[str, str] = {
     "EXIT_USAGE": "exit code of every program",
 }
 """Names that both programs define with one value, and why that is no fact of the wire."""
-UNMOVED: Mapping[str, frozenset[str]] = {
-    "gateway.elements.arm.element": frozenset({"argument"}),
-    "gateway.elements.batteries": frozenset({"repeated fact"}),
-    "gateway.elements.compass.element": frozenset({"hexadecimal", "numbered names"}),
-    "gateway.elements.gyro.element": frozenset({"numbered names"}),
-    "gateway.elements.infrared.element": frozenset({"repeated fact"}),
-    "gateway.elements.joystick.element": frozenset({"numbered names"}),
-    "gateway.elements.panel.element": frozenset({"bytes", "repeated fact", "table by number"}),
-    "gateway.elements.polled": frozenset({"numbered names"}),
-    "gateway.elements.ports": frozenset({"comparison"}),
-    "gateway.elements.ptz.heads": frozenset({"bits", "hexadecimal"}),
-    "gateway.outbox": frozenset({"repeated fact"}),
-    "gateway.telemetry": frozenset({"bits", "table by number"}),
-}
-"""Rules by module of the gateway for facts that are still to be moved: an entry is dropped when its facts are."""
 
 
 def facts() -> Mapping[str, object]:
@@ -221,8 +206,7 @@ def found() -> set[tuple[str, Finding]]:
 
 
 def test_emulator_and_gateway_have_no_wire_constants_of_their_own(found: set[tuple[str, Finding]]) -> None:
-    unmoved = {(name, finding) for name, finding in found if finding.rule in UNMOVED.get(name, ())}
-    assert sorted(found - ALLOWED.keys() - unmoved) == []
+    assert sorted(found - ALLOWED.keys()) == []
 
 
 def test_every_exception_is_needed(found: set[tuple[str, Finding]]) -> None:

@@ -6,9 +6,8 @@ from typing import ClassVar
 from gateway.elements.asked import SILENCE
 from gateway.elements.element import Element
 from p2os import Command
+from p2os.arguments import PacketRequest
 
-ONE, CONTINUOUS = 1, 2
-"""Arguments of these commands: send one, or send with every cycle."""
 TIMES = 3
 """To tell a robot from which nothing comes, before it is taken for one that does not know the command."""
 
@@ -42,9 +41,9 @@ class PolledElement(Element):
     def watch(self, now: float) -> None:
         """Ask for the next, where they do not come by themselves."""
         if self._settings.line.streams:
-            self._ask(self.command, CONTINUOUS)
+            self._ask(self.command, PacketRequest.CONTINUOUS)
             self._tries_left -= 1
             self.deadline = now + SILENCE if self._tries_left else inf
         else:
-            self._ask(self.command, ONE)
+            self._ask(self.command, PacketRequest.ONE)
             self.deadline = now + self._settings.line.poll_period

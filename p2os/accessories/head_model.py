@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from math import atan, log, radians, tan
 
+HEAD_PORT = 1
+"""The AUX port of a camera head, as every client has it."""
+
 
 class HeadKind(StrEnum):
     """The camera heads there are; the values name their files."""

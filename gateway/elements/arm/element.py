@@ -17,6 +17,7 @@ from gateway.events import ArmSeen
 from p2os import ArmInformation, ArmJoint, ArmReport, ArmStatus, Command, RobotModel, encode_command
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessories.pioneer_arm import EVERY_JOINT, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
+from p2os.arguments import PacketRequest
 
 
 class Scale(NamedTuple):
@@ -48,8 +49,8 @@ class ArmElement(AskedElement):
 
     takes = (ArmInformation, ArmReport)
     question = Command.ARM_INFO, None
-    stream = Command.ARM_STATUS, 2
-    single = Command.ARM_STATUS, 1
+    stream = Command.ARM_STATUS, PacketRequest.CONTINUOUS
+    single = Command.ARM_STATUS, PacketRequest.ONE
     version = ""
     _scales: tuple[Scale, ...] = ()
     _is_powered = False

@@ -6,7 +6,7 @@ from bus import keys
 from bus.keys import Topic, frame
 from bus.messages import Compass, Vector3, header
 from gateway.elements.adapter import BusAdapter
-from gateway.elements.compass.element import ERROR_BITS, CompassElement
+from gateway.elements.compass.element import CompassElement
 from gateway.events import CompassSeen, Event
 
 
@@ -28,7 +28,7 @@ class CompassAdapter(BusAdapter):
                 roll=report.roll,
                 magnetic_field=Vector3(x=report.field_x, y=report.field_y, z=report.field_z),
                 temperature=report.temperature,
-                errors=report.errors & ERROR_BITS,
+                errors=report.error_bits,
             )
             yield keys.COMPASS, message
 

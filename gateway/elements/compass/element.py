@@ -6,25 +6,21 @@ from gateway.elements.asked import AskedElement
 from gateway.events import CompassSeen
 from geometry import wrap_angle
 from p2os import Command, CompassReport, RobotModel
-
-ONE_PACKET, CONTINUOUS = 2, 3
-"""Arguments of TCM2."""
-ERROR_BITS = 0xFFFF
-"""The width of the module's error word, which the packet carries with a sign."""
+from p2os.arguments import CompassMode
 
 
 class CompassElement(AskedElement):
     """Asks for one packet, and if it comes for all of them."""
 
     takes = (CompassReport,)
-    question = Command.TCM2, ONE_PACKET
-    stream = Command.TCM2, CONTINUOUS
+    question = Command.TCM2, CompassMode.ONE_PACKET
+    stream = Command.TCM2, CompassMode.CONTINUOUS
     _errors = 0
 
     @property
     def faults(self) -> Sequence[str]:
         """The module says so itself."""
-        return (f"the compass reports errors ({self._errors & ERROR_BITS:#06x})",) if self._errors else ()
+        return (f"the compass reports errors ({self._errors:#06x})",) if self._errors else ()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
@@ -37,5 +33,5 @@ class CompassElement(AskedElement):
         super().take(packet, now)
         assert isinstance(packet, CompassReport)
         self.is_present = True
-        self._errors = packet.errors
+        self._errors = packet.error_bits
         self._announce(CompassSeen(packet, wrap_angle(-packet.heading)))

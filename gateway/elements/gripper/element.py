@@ -16,6 +16,7 @@ from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
 from p2os.accessories.gripper import GripperFlags, GripperInput, GripperKind, GripperOrder
+from p2os.arguments import PacketRequest
 
 ORDERS = {
     "open": (GripperOrder.OPEN,),
@@ -54,7 +55,7 @@ class GripperElement(AskedElement):
     """Asks once whether there is one; SIPs bring its state."""
 
     takes = (GripperReport,)
-    question = Command.GRIPREQUEST, 1
+    question = Command.GRIPREQUEST, PacketRequest.ONE
     _kind = GripperKind.NONE
     _has_failed = False
     _moves = False

@@ -1,29 +1,21 @@
 """The gyro, as far as the robot sends its readings: an analog gyro whose counts the client turns into a turn rate.
 
 A robot whose controller uses the gyro by itself (CONFIGpac says so) has nothing to send: its odometry is the better for
-it. Source: client libraries (rate of a count, period of the readings).
+it. Source: client libraries.
 """
 
-from math import inf, radians
+from math import inf
 
 from gateway.elements.asked import SILENCE
 from gateway.elements.element import Element
 from gateway.events import TurnRateSeen
 from gateway.motion_in_progress import is_at_rest
 from p2os import Command, Configuration, GyroReport, StandardSip
+from p2os.accessory_packets import GYRO_DEAD, GYRO_PERIOD, GYRO_RATE, GYRO_REST
+from p2os.configuration import GyroKind
 
-SENT, INSIDE = 1, 2
-"""CONFIGpac's has_gyro: readings come as packets, or the controller uses them itself."""
-NOMINAL_REST = 512.0
-"""Counts of a gyro that does not turn, before it has been seen at rest."""
-DEAD = 0
-"""Counts of a gyro that gives no voltage: they come before the SIP that calls it failed, and no robot turns so fast."""
 REST_ERROR = 5.0
-"""Standard deviation of that, counts; assumed."""
-RATE_PER_COUNT = radians(5.0 / 1023.0 * 300.0 / 2.5)
-"""rad/s: ten bits for 5 V, and 300 deg/s for 2.5 V."""
-SAMPLE_PERIOD = 0.025
-"""Seconds from one reading to the next."""
+"""Standard deviation of the nominal rest count, counts; assumed."""
 TIME_TO_SETTLE = 0.5
 """Seconds for which the wheels must have stood before a reading counts as one at rest."""
 MEMORY = 200.0
@@ -40,7 +32,7 @@ class Gyro(Element):
 
     takes = (GyroReport,)
     is_inside = False
-    _rest = NOMINAL_REST
+    _rest = float(GYRO_REST)
     _noise = 1.0  # variance of a reading, counts²
     _learned = 0.0  # readings at rest so far, at most MEMORY
     _standing_since = inf
@@ -50,8 +42,8 @@ class Gyro(Element):
 
     def configure(self, configuration: Configuration, now: float) -> None:
         """The robot says what gyro it has; a slow line cannot carry what it would send."""
-        self.is_present = configuration.has_gyro == SENT and self._settings.line.streams
-        self.is_inside = configuration.has_gyro >= INSIDE
+        self.is_present = configuration.has_gyro == GyroKind.PACKETS and self._settings.line.streams
+        self.is_inside = configuration.has_gyro >= GyroKind.INSIDE
         self.deadline = inf
         if self.is_present:
             self.watch(now)
@@ -80,17 +72,17 @@ class Gyro(Element):
         assert isinstance(packet, GyroReport)
         if self.is_present:
             self.deadline = now + SILENCE
-        counts = [sample.rate for sample in packet.samples if sample.rate != DEAD]
+        counts = [sample.rate for sample in packet.samples if sample.rate != GYRO_DEAD]
         if self._has_failed or not counts or not self.is_present:
             return
         if now - self._standing_since >= TIME_TO_SETTLE:
             for count in counts:
                 self._learn(count)
-        unit = RATE_PER_COUNT * self._settings.calibration.gyro
+        unit = GYRO_RATE * self._settings.calibration.gyro
         mean = sum(counts) / len(counts)
         rest_error = REST_ERROR**2 if not self._learned else self._noise / self._learned
         variance = (self._noise / len(counts) + rest_error) * unit**2
-        rate, duration = (self._rest - mean) * unit, len(counts) * SAMPLE_PERIOD
+        rate, duration = (self._rest - mean) * unit, len(counts) * GYRO_PERIOD
         self._turned += rate * duration
         self._has_turned = True
         self._announce(TurnRateSeen(rate, variance, duration))

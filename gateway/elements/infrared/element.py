@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from gateway.elements.element import Element
 from gateway.events import InfraredSeen
 from p2os import InfraredSensor, IoReport, RobotModel, StandardSip
+from p2os.packets import INFRARED_BYTE
+from p2os.robot_model import ACTIVE_LOW
+from p2os.sip import TABLE_SENSOR_INPUTS
 
-INFRARED_BYTE = 3
-ACTIVE_LOW = 1
-"""Kind of a sensor whose bit is 0 when it is triggered; with others it is 1."""
-ON_USER_INPUTS = tuple(InfraredSensor(bit, ACTIVE_LOW, 1, 0.0, 0.0) for bit in range(4))
-"""Left and right table, left and right beam of a PeopleBot of the first generation; where they sit is not known."""
+_ON_USER_INPUTS = tuple(InfraredSensor(pin, ACTIVE_LOW, 1, 0.0, 0.0) for pin in sorted(TABLE_SENSOR_INPUTS.values()))
+"""Of a PeopleBot of the first generation; the places of these sensors are not known."""
 
 
 class InfraredElement(Element):
@@ -28,7 +28,7 @@ class InfraredElement(Element):
         """The model says what there is."""
         on_inputs = model.table_sensing_ir and not model.new_table_sensing_ir
         self._on_user_inputs = on_inputs and not model.irs
-        self._sensors = ON_USER_INPUTS if self._on_user_inputs else model.irs
+        self._sensors = _ON_USER_INPUTS if self._on_user_inputs else model.irs
         self._triggered_for = [0] * len(self._sensors)
         self.is_present = bool(self._sensors)
 

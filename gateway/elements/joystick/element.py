@@ -7,9 +7,8 @@ hand has moved the stick, or if the settings know that there is one.
 from gateway.elements.asked import AskedElement
 from gateway.events import JoystickSeen
 from p2os import Command, JoystickReport, RobotModel, encode_command
+from p2os.arguments import PacketRequest
 
-ONE_PACKET, CONTINUOUS = 1, 2
-"""Arguments of JOYINFO."""
 LOOK_PERIOD = 2.0
 """Seconds from one look at a socket that may be empty to the next."""
 REST = 0.02
@@ -20,8 +19,8 @@ class JoystickElement(AskedElement):
     """is_present: somebody has moved it, or the settings say so."""
 
     takes = (JoystickReport,)
-    question = Command.JOYREQUEST, ONE_PACKET
-    stream = Command.JOYREQUEST, CONTINUOUS
+    question = Command.JOYREQUEST, PacketRequest.ONE
+    stream = Command.JOYREQUEST, PacketRequest.CONTINUOUS
     _drives = False
 
     def begin_link(self, model: RobotModel, now: float) -> None:

@@ -9,21 +9,24 @@ from collections.abc import Mapping
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused
 from p2os import Command, Configuration, Family, RobotModel
+from p2os.arguments import (
+    DISPLAY_SIZE,
+    LASER_POWER_PORT,
+    LONGEST_PULSE,
+    POWER_PORTS,
+    PULSE_UNIT,
+    SERVO_PORTS,
+    display_data,
+)
+from p2os.configuration import ChargerKind
 
-CHARGERS = {1: "Pioneer 3", 2: "PowerBot"}
-"""CONFIGpac's charger."""
-DISPLAY_SIZE = 20
-"""Characters."""
-SERVO_PORTS = range(1, 5)
-PULSE_UNIT = 1e-5
-"""Seconds that a count of PTUPOS lasts on P2OS and what came after it."""
-LONGEST_PULSE = 255 * PULSE_UNIT
-IO_PORTS: Mapping[str, Mapping[str, int]] = {
-    name: {"laser": 11, **{str(port): port for port in range(16)}}
+_CHARGERS: Mapping[int, str] = {ChargerKind.PIONEER: "Pioneer 3", ChargerKind.POWERBOT: "PowerBot"}
+_IO_PORTS: Mapping[str, Mapping[str, int]] = {
+    name: {"laser": LASER_POWER_PORT, **{str(port): port for port in POWER_PORTS}}
     for name in ("patrolbot-sh", "powerbot", "powerbot-sh", "powerbot-sh-uarcs")
 }
 """Models whose power outputs SETPBIOPORT switches: output to number. Which output feeds what else is not documented."""
-POWER_COMMANDS: Mapping[str, Command] = {
+_POWER_COMMANDS: Mapping[str, Command] = {
     "pc": Command.POWER_PC,
     "laser": Command.POWER_LRF,
     "5v": Command.POWER_5V,
@@ -39,8 +42,8 @@ class ChargerElement(Element):
 
     def configure(self, configuration: Configuration, now: float) -> None:
         """The robot says whether it has charging contacts."""
-        self.is_present = configuration.charger != 0
-        self.kind = CHARGERS.get(configuration.charger, f"number {configuration.charger}")
+        self.is_present = configuration.charger != ChargerKind.NONE
+        self.kind = _CHARGERS.get(configuration.charger, f"number {configuration.charger}")
 
     def deploy(self, on: bool) -> None:
         """Put the contacts out, or draw them in."""
@@ -62,7 +65,7 @@ class Display(Element):
         """
         if len(text) > DISPLAY_SIZE or not text.isascii() or not text.isprintable():
             raise CommandRefused(f"the display shows up to {DISPLAY_SIZE} printable ASCII characters, not {text!r}")
-        self._ask(Command.LCDWRITE, text.encode("ascii") + b"\0")
+        self._ask(Command.LCDWRITE, display_data(text))
 
 
 class Servos(Element):
@@ -93,13 +96,13 @@ class PowerOutputs(Element):
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """The model says what there is."""
-        self._ports = IO_PORTS.get(model.name, {})
+        self._ports = _IO_PORTS.get(model.name, {})
         self._offer(self._ports)
 
     def configure(self, configuration: Configuration, now: float) -> None:
         """Later firmware has a command for each output."""
         if configuration.power_bits:
-            self._offer(POWER_COMMANDS)
+            self._offer(_POWER_COMMANDS)
 
     def switch(self, output: str, on: bool) -> None:
         """Switch one.
@@ -109,8 +112,8 @@ class PowerOutputs(Element):
         """
         if output not in self.outputs:
             raise CommandRefused(f"there is no output {output!r}; there are {', '.join(self.outputs)}")
-        if self.outputs == tuple(POWER_COMMANDS):
-            self._ask(POWER_COMMANDS[output], int(on))
+        if self.outputs == tuple(_POWER_COMMANDS):
+            self._ask(_POWER_COMMANDS[output], int(on))
         else:
             port = self._ports[output]
             self._ask(Command.SETPBIOPORT, (port, int(on)), kind=(Command.SETPBIOPORT, port))

@@ -18,9 +18,8 @@ from gateway.events import Event, HeadSeen
 from gateway.outbox import Outbox
 from gateway.settings import PtzChoice, Settings
 from p2os import AuxData, RobotModel
-from p2os.accessories.head_model import HeadKind, HeadModel
+from p2os.accessories.head_model import HEAD_PORT, HeadKind, HeadModel
 
-AUX_PORT = 1
 MOVING_PERIOD = 0.1
 SLOW_LINE_PERIOD = 0.2
 RADIO_PERIOD = 0.5
@@ -135,7 +134,7 @@ class PtzElement(Element):
     def take(self, packet: object, now: float) -> None:
         """Bytes from the head."""
         assert isinstance(packet, AuxData)
-        if packet.port != AUX_PORT or self._talk is None or self._aux.current is None:
+        if packet.port != HEAD_PORT or self._talk is None or self._aux.current is None:
             return
         heard = self._talk.hear(packet.data)
         if heard:

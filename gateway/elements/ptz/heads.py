@@ -163,7 +163,7 @@ class ViscaTalk:
         header, payload = message
         if header == visca.BROADCAST:
             return Obeyed() if payload[:1] == visca.ADDRESS_SET else None
-        kind = payload[0] & 0xF0
+        kind, _ = visca.kind_and_socket(payload[0])
         if kind == visca.ACK:
             return Obeyed()
         if kind == visca.ERROR and len(payload) > 1:

@@ -10,11 +10,18 @@ from math import inf, pi
 from gateway.elements.element import Element
 from gateway.events import SweepReceived
 from p2os import Command, ExtendedLaser, RobotModel, SimulatedLaser
+from p2os.simulator_packets import SimulatedLaserMode
 
 FIRST_BEARING, LAST_BEARING = -pi / 2, pi / 2
 """rad; simulators accept only bearings that lie symmetrically about straight ahead."""
-MODES = 2, 2, 1, 2, 1
-"""Arguments of SIM_LRF_ENABLE in the order in which they are tried: 2 with reflectance, 1 without."""
+MODES = (
+    SimulatedLaserMode.EXTENDED,
+    SimulatedLaserMode.EXTENDED,
+    SimulatedLaserMode.PLAIN,
+    SimulatedLaserMode.EXTENDED,
+    SimulatedLaserMode.PLAIN,
+)
+"""In the order in which they are tried."""
 PATIENCE = 1.0
 """Seconds to wait for a packet before the next try."""
 SILENCE = 2.0

@@ -9,10 +9,7 @@ from gateway.elements.asked import AskedElement
 from gateway.errors import CommandRefused
 from p2os import Command, Family, PlaylistEntry, RobotModel
 from p2os.accessories.notes import HIGHEST_NOTE, LONGEST_NOTE, MOST_NOTES, NOTE_UNIT
-
-HIGHEST_SOUND = 255
-WHOLE_LIST = 0
-"""Argument of PLAYLIST."""
+from p2os.arguments import HIGHEST_SOUND, WHOLE_PLAYLIST
 
 
 class SoundElement(AskedElement):
@@ -22,7 +19,7 @@ class SoundElement(AskedElement):
     """
 
     takes = (PlaylistEntry,)
-    question = Command.PLAYLIST, WHOLE_LIST
+    question = Command.PLAYLIST, WHOLE_PLAYLIST
     _family = Family.P2OS
     _has_count = False
 

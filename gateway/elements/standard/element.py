@@ -9,11 +9,11 @@ from gateway.elements.polled import PolledElement
 from gateway.errors import CommandRefused
 from gateway.events import ChargeSeen, EncodersReceived, InputsOutputsReceived
 from p2os import BatteryReport, Command, Configuration, Encoders, IoReport, RobotModel
+from p2os.accessory_packets import RELATIVE_CHARGE
+from p2os.arguments import EVERY_OUTPUT, PacketRequest
 
 PERIOD = 10.0
 """Seconds from one answer to the next question; a charge changes slowly."""
-RELATIVE_CHARGE = 3
-"""Byte of a battery that holds its charge in percent of what it can hold now."""
 
 
 class ControllerConfiguration(AskedElement):
@@ -70,8 +70,8 @@ class UserPorts(PolledElement):
         Raises:
             CommandRefused: These are no bytes.
         """
-        if not (0 <= mask <= 255 and 0 <= value <= 255):
-            raise CommandRefused(f"mask {mask} and value {value} must be 0 to 255")
+        if not (0 <= mask <= EVERY_OUTPUT and 0 <= value <= EVERY_OUTPUT):
+            raise CommandRefused(f"mask {mask} and value {value} must be 0 to {EVERY_OUTPUT}")
         self._value = (self._value & ~mask) | (value & mask)
         self._mask |= mask
         # All outputs set so far go in one frame, since a frame that still waits is replaced.
@@ -102,7 +102,7 @@ class Batteries(AskedElement):
     """is_present: the robot has answered."""
 
     takes = (BatteryReport,)
-    question = Command.BATTERYINFO, 1
+    question = Command.BATTERYINFO, PacketRequest.ONE
 
     def take(self, packet: object, now: float) -> None:
         """Report the mean charge of all batteries."""

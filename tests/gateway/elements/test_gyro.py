@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from gateway.elements.asked import SILENCE
-from gateway.elements.gyro.element import RATE_PER_COUNT, SAMPLE_PERIOD, Gyro
+from gateway.elements.gyro.element import Gyro
 from gateway.events import TurnRateSeen
 from gateway.settings import Calibration, Settings
 from p2os import Command, Configuration, GyroReport, GyroSample, StandardSip
+from p2os.accessory_packets import GYRO_PERIOD, GYRO_RATE
 
 if TYPE_CHECKING:
     from tests.gateway.elements.conftest import MakeStand, Stand
@@ -71,9 +72,9 @@ def test_robot_that_has_none_or_uses_it_by_itself_is_asked_nothing(make_stand: "
 def test_counts_above_rest_are_clockwise(stand: "Stand") -> None:
     event = cycle(stand, 522, 522, 522, 522)
     assert event is not None
-    assert event.rate == pytest.approx(-10 * RATE_PER_COUNT * 1.626)
+    assert event.rate == pytest.approx(-10 * GYRO_RATE * 1.626)
     assert event.rate == pytest.approx(-radians(10 * 5 / 1023 * 300 / 2.5 * 1.626))  # source: client libraries
-    assert event.duration == pytest.approx(4 * SAMPLE_PERIOD)
+    assert event.duration == pytest.approx(4 * GYRO_PERIOD)
 
 
 def test_rest_position_is_learned_while_the_wheels_stand(stand: "Stand") -> None:
@@ -93,7 +94,7 @@ def test_rest_position_is_not_learned_while_the_wheels_turn(stand: "Stand") -> N
     for _ in range(100):
         event = cycle(stand, 500, 500, 500, 500, sip=turning)
     assert event is not None
-    assert event.rate == pytest.approx(12 * RATE_PER_COUNT * 1.626)
+    assert event.rate == pytest.approx(12 * GYRO_RATE * 1.626)
 
 
 def test_failed_gyro_says_nothing_until_it_works_again(stand: "Stand") -> None:
@@ -112,7 +113,7 @@ def test_gyro_is_calibrated_by_the_settings(make_stand: "MakeStand") -> None:
     stand.connect(Configuration(has_gyro=1))
     event = cycle(stand, 502)
     assert event is not None
-    assert event.rate == pytest.approx(10 * RATE_PER_COUNT)
+    assert event.rate == pytest.approx(10 * GYRO_RATE)
 
 
 def test_turns_add_up_until_they_are_taken_and_only_once_the_rest_position_is_known(stand: "Stand") -> None:
@@ -128,5 +129,5 @@ def test_turns_add_up_until_they_are_taken_and_only_once_the_rest_position_is_kn
     gyro.take_turn()
     for _ in range(2):
         cycle(stand, 502, 502, 502, 502, sip=turning)
-    assert gyro.take_turn() == pytest.approx(2 * 10 * RATE_PER_COUNT * 1.626 * 4 * SAMPLE_PERIOD)
+    assert gyro.take_turn() == pytest.approx(2 * 10 * GYRO_RATE * 1.626 * 4 * GYRO_PERIOD)
     assert gyro.take_turn() is None
