@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TextIO
 
 import configs
+from configs.defaults import ROBOT
 from gateway.errors import GatewayError
 from gateway.serial_port import Port, open_port
 from p2os import PARTIAL_TIMEOUT, RobotModel
@@ -20,7 +21,6 @@ from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
 from p2os_emu.links.tcp import TcpLink
 
-DEFAULT_MODEL = "p3dx-sh"
 GLANCE = 0.01
 """Seconds between two looks at the client's baud rate, and at a silent line."""
 EPILOG = """\
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model",
         metavar="MODEL",
-        help=f"gives the scales (default: what the robot says it is, and {DEFAULT_MODEL} until then)",
+        help=f"gives the scales (default: what the robot says it is, and {ROBOT} until then)",
     )
 
 
@@ -180,7 +180,7 @@ def _wire_log(given: str | None, recorded: str) -> WireLog:
     if given is not None:
         return WireLog(configs.load(RobotModel, "robots", given))
     first = _find_model(recorded) if recorded else None
-    return WireLog(first or configs.load(RobotModel, "robots", DEFAULT_MODEL), _find_model)
+    return WireLog(first or configs.load(RobotModel, "robots", ROBOT), _find_model)
 
 
 def _find_model(subtype: str) -> RobotModel | None:

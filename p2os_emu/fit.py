@@ -119,7 +119,7 @@ def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
                 f"there is no part {name!r}; {nearest(name, [*PARTS, *(_NOT + each for each in REMOVABLE)])}"
             )
         else:
-            parts[name] = _variant(PARTS[name], variant if colon else _usual(name, model))
+            parts[name] = _variant(PARTS[name], variant if colon else model.parts.get(name, ""))
     for name, variant in parts.items():
         _check_load(PARTS[name], variant, model)
     return model, Fit(parts)
@@ -144,21 +144,6 @@ def _check_load(part: _FittedPart, variant: str, model: RobotModel) -> None:
             f"a {model.name} of {model.mass:g} kg cannot carry {part.name}:{variant}; "
             f"fit it to a robot of {least:g} kg or more"
         )
-
-
-def _usual(part: str, model: RobotModel) -> str:
-    """The variant that goes onto a model when none is named; empty for the first of the part's."""
-    return _USUAL.get((part, model.name.partition("-")[0]), "")
-
-
-_USUAL: Mapping[tuple[str, str], str] = {
-    ("arm", "powerbot"): "powercube",
-    ("gripper", "peoplebot"): "peoplebot",
-    ("gripper", "p2pb"): "peoplebot",
-    ("gripper", "p2pp"): "peoplebot",
-    ("gripper", "perfpb"): "peoplebot",
-    ("gripper", "perfpb+"): "peoplebot",
-}
 
 
 def _without(name: str, model: RobotModel, parts: dict[str, str]) -> RobotModel:

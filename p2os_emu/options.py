@@ -8,6 +8,7 @@ from pathlib import Path
 
 import configs
 from configs.command_line import CommandParser, add_version
+from configs.defaults import EMPTY_WORLD, LINK, WORLD
 from configs.team_file import MOST_ROBOTS, TeamFile, read_team
 from geometry import Pose2D
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
@@ -113,10 +114,10 @@ def parse(argv: Sequence[str] | None = None) -> EmulatorOptions:
         places=places,
         factory=given.factory,
         fits=tuple(given.fit),
-        world=given.world or ("office" if given.check is None else "empty"),
+        world=given.world or (WORLD if given.check is None else EMPTY_WORLD),
         pty=given.pty,
         tcp=given.tcp,
-        link=links.pop("", "ideal"),
+        link=links.pop("", LINK),
         links=links,
         seed=given.seed,
         speed=given.speed,
@@ -218,7 +219,8 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         "--world",
         dest="world",
         metavar="NAME|FILE",
-        help="a world, a .toml or .map file, or plan:SEED for a made-up floor plan (office; empty for --check)",
+        help="a world, a .toml or .map file, or plan:SEED for a made-up floor plan "
+        f"({WORLD}; {EMPTY_WORLD} for --check)",
     )
     group.add_argument(
         "--as-simulator",

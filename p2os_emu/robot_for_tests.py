@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from configs.defaults import EMPTY_WORLD, LINK
 from p2os_emu.program import ChildFailed, EmulatedRobots, emulator
 
 PATIENCE_S = 20.0
@@ -158,8 +159,8 @@ class RobotForTests:
 def start(
     *models: str,
     fit: str | Iterable[str] = (),
-    world: str | Path = "empty",
-    link: str = "ideal",
+    world: str | Path = EMPTY_WORLD,
+    link: str = LINK,
     faults: Iterable[str] = (),
     flash: Path | Mapping[str, object] | None = None,
     seed: int = 0,

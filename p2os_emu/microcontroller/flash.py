@@ -16,9 +16,6 @@ Entry = float | str
 BUMP_STALL = "bump_stall"
 
 
-CHARGERS = {"powerbot": 2, "peoplebot": 1, "patrolbot": 1}
-"""By the model's name up to its first dash: the automatic charger that it leaves the factory with (assumed)."""
-
 ABOVE_ZERO = (
     "sip_cycle",
     "acceleration",
@@ -43,7 +40,7 @@ class Flash(FlashDefaults):
     velocity_top, rotation_top: what no command exceeds. max_velocity, max_rotation: SETV and SETRV at power-on.
     emergency_deceleration, emergency_rotational_deceleration: of ESTOP and the STOP button
         (assumed: the most that the motors can follow).
-    sonar_enabled: the sonar fires from OPEN on. charger: as CONFIGpac counts: 0 none, 1 Pioneer 3, 2 PowerBot.
+    sonar_enabled: the sonar fires from OPEN on.
     ticks_mm, rev_count, drift_factor: the calibration that odometry starts from. Manuals disagree on what REVCOUNT
     counts, so only its changes matter and its value is assumed.
 
@@ -59,7 +56,6 @@ class Flash(FlashDefaults):
     emergency_deceleration: float = 2.0
     emergency_rotational_deceleration: float = radians(300)
     sonar_enabled: bool = True
-    charger: int = 0
     ticks_mm: int
     rev_count: int = 32550
     drift_factor: int = 0
@@ -82,7 +78,6 @@ class Flash(FlashDefaults):
             rotation_top=model.max_rotation,
             max_velocity=model.max_velocity,
             max_rotation=model.max_rotation,
-            charger=CHARGERS.get(model.name.partition("-")[0], 0),
             ticks_mm=max(1, round(model.ticks_per_metre / 1000)),
         )
 
