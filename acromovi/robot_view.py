@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from acromovi.keypad import HELP
+from acromovi.keyboard import HELP
 
 SEPARATOR, DOT = " | ", " · "
 LATCHED = "the e-stop is latched"  # among the faults of a robot's state, as the two below

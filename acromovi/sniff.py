@@ -14,8 +14,8 @@ from acromovi.options import add_bus, seconds
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
+    from acromovi.sniffer.captured import CapturedMessage, Heard
     from acromovi.sniffer.listener import Listener
-    from acromovi.sniffer.overheard import Heard, Overheard
     from acromovi.sniffer.sequence import Diagram
 
 SILENCE = 3.0  # s without a word until a hint is given
@@ -72,8 +72,8 @@ def new_file(text: str) -> Path:
 def run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
+    from acromovi.sniffer.captured import wanted
     from acromovi.sniffer.listener import Listener
-    from acromovi.sniffer.overheard import wanted
     from bus.session import ZenohBus
 
     if arguments.json and arguments.diagram:
@@ -104,16 +104,16 @@ class _Transcript:
         self.count = 0
         self._is_wanted = is_wanted
         self._as_json = as_json
-        self._last: deque[Overheard] = deque(maxlen=MOST_DRAWN)
+        self._last: deque[CapturedMessage] = deque(maxlen=MOST_DRAWN)
 
     def add(self, heard: "Iterable[Heard]") -> None:
         """Print what is wanted of it."""
-        from acromovi.sniffer.overheard import Overheard
+        from acromovi.sniffer.captured import CapturedMessage
 
         for each in filter(self._is_wanted, heard):
             shown = json.dumps(each.record()) if self._as_json else line(each)
             print(shown, flush=True)
-            if isinstance(each, Overheard):
+            if isinstance(each, CapturedMessage):
                 self.count += 1
                 self._last.append(each)
 
@@ -137,7 +137,7 @@ def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_
 
 def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
     """What to try when nobody says anything."""
-    from acromovi.sniffer.overheard import matches
+    from acromovi.sniffer.captured import matches
 
     if not known.names:
         return "there are no agents: start a team with acromovi up, and see whether both use the same --bus"
@@ -148,7 +148,7 @@ def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
 
 def line(heard: "Heard") -> str:
     """Something heard, for people."""
-    from acromovi.sniffer.overheard import SHORT_ID, Unreadable, brief, shortened
+    from acromovi.sniffer.captured import SHORT_ID, Unreadable, brief, shortened
     from acromovi.sniffer.text import clock
 
     if isinstance(heard, Unreadable):

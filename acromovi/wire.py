@@ -15,11 +15,11 @@ from gateway.errors import GatewayError
 from gateway.serial_port import Port, open_port
 from p2os import PARTIAL_TIMEOUT, RobotModel
 from p2os.wire_log import FrameSource, WireLog, WireLogEntry, as_json, as_text
-from p2os_emu.cassette import CassetteError, Recorder, read
 from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
 from p2os_emu.links.tcp import TcpLink
+from p2os_emu.recording import LineRecorder, RecordingError, read
 
 GLANCE = 0.01
 """Seconds between two looks at the client's baud rate, and at a silent line."""
@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
             replay(Path(arguments.line), arguments.model, show)
         else:
             _listen(arguments, show)
-    except (CassetteError, GatewayError, PortError) as error:
+    except (RecordingError, GatewayError, PortError) as error:
         print(f"acromovi wire: {error}", file=sys.stderr)
         return 1
     return 0
@@ -77,18 +77,18 @@ def replay(path: Path, model: str | None, show: Callable[[Iterable[WireLogEntry]
     """Show a recording.
 
     Args:
-        path: A cassette.
+        path: A recording.
         model: Gives the scales, also where the robot says something else; None leaves that to the recording.
         show: Takes what is found, in the order of the line.
     Raises:
-        CassetteError: It cannot be read.
+        RecordingError: It cannot be read.
         ConfigError: There is no such model.
     """
-    cassette = read(path)
-    log = _wire_log(model, cassette.model)
-    for moment in cassette.moments:
+    recording = read(path)
+    log = _wire_log(model, recording.model)
+    for moment in recording.moments:
         show(log.receive(moment.source, moment.data, moment.time))
-    end = cassette.moments[-1].time + 2 * PARTIAL_TIMEOUT
+    end = recording.moments[-1].time + 2 * PARTIAL_TIMEOUT
     for source in FrameSource:
         show(log.receive(source, b"", end))
 
@@ -159,7 +159,7 @@ def _listen(arguments: argparse.Namespace, show: Callable[[Iterable[WireLogEntry
         keep = None
         if arguments.record is not None:
             keep = stack.enter_context(
-                contextlib.closing(Recorder(arguments.record, "", arguments.model or "", force=arguments.force))
+                contextlib.closing(LineRecorder(arguments.record, "", arguments.model or "", force=arguments.force))
             )
         tap = Tap(port, link, _wire_log(arguments.model, ""), show, keep)
         start = time.monotonic()

@@ -62,7 +62,7 @@ class WireLog:
         """
         self._find_model = find_model
         self._decoders = {source: FrameDecoder() for source in FrameSource}
-        self._talk = Talk()
+        self._talk = ConnectionTracker()
         self._use(model)
 
     def receive(self, source: FrameSource, data: bytes, now: float) -> list[WireLogEntry]:
@@ -124,7 +124,7 @@ class WireLog:
         return identity._asdict()
 
 
-class Talk:
+class ConnectionTracker:
     """Where a connection stands: commands 0, 1 and 2 are SYNCs before OPEN, and PULSE, OPEN, CLOSE behind it."""
 
     def __init__(self) -> None:

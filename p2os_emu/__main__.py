@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import configs
 from configs.extras import ExtraMissing
-from p2os_emu.cassette import CassetteError
 from p2os_emu.control import ControlSocket
 from p2os_emu.control_requests import ControlRequestHandler
 from p2os_emu.degradation import STAGES
@@ -31,8 +30,9 @@ from p2os_emu.lists import listing
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, EmulatorOptions, parse
 from p2os_emu.ports import Ports
 from p2os_emu.private_folder import CONTROL, private_folder
+from p2os_emu.record_and_replay import RobotRecorders, check, serve
+from p2os_emu.recording import RecordingError
 from p2os_emu.runner import Runner
-from p2os_emu.tapes import Recording, check, serve
 from p2os_emu.team import EmulatedTeam, TeamError
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 serve(options.serve, options)
             else:
                 _emulate(options)
-    except (configs.ConfigError, TeamError, FaultError, CassetteError) as error:
+    except (configs.ConfigError, TeamError, FaultError, RecordingError) as error:
         return _fail(error, EXIT_CONFIG)
     except PortError as error:
         return _fail(error, EXIT_PORT)
@@ -100,7 +100,7 @@ def _emulate(options: EmulatorOptions) -> None:
             links=options.links,
         )
         if options.record is not None:
-            recording = Recording(options.record, len(options.robots), force=options.force)
+            recording = RobotRecorders(options.record, len(options.robots), force=options.force)
             stack.callback(recording.close)
             team.whenever_added.append(recording.add)
         cameras = stack.enter_context(contextlib.closing(_open_cameras(emulator, world, team)))

@@ -95,7 +95,7 @@ class EmulatedRobot:
 
 
 @dataclass(frozen=True, slots=True)
-class Hand:
+class EmulatedSimulatorControl:
     """What a simulator's commands do from above; implements `Stage`."""
 
     emulator: "Emulator"
@@ -208,7 +208,7 @@ class Emulator:
         line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
-            controller.simulate(Simulator(model, Hand(self, robot), body))
+            controller.simulate(Simulator(model, EmulatedSimulatorControl(self, robot), body))
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot

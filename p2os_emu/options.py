@@ -168,7 +168,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_team(parser)
     _add_ports(parser)
     _add_run(parser)
-    _add_cassettes(parser)
+    _add_recordings(parser)
     _add_lists(parser)
     return parser
 
@@ -303,9 +303,9 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--quiet", action="store_true", help="say nothing but errors")
 
 
-def _add_cassettes(parser: argparse.ArgumentParser) -> None:
+def _add_recordings(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
-        "cassettes", "recorded lines: one JSON object a line, with t (s), from (host or robot) and hex"
+        "recordings", "recorded lines: one JSON object a line, with t (s), from (host or robot) and hex"
     )
     group.add_argument(
         "--record",

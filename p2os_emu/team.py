@@ -10,7 +10,6 @@ from configs import ConfigError
 from configs.team_file import MOST_ROBOTS
 from geometry import Pose2D
 from p2os import RobotModel
-from p2os_emu.cassette import CassetteError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fit import Fit, FitError, read_fit
 from p2os_emu.hints import nearest
@@ -18,6 +17,7 @@ from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.profile import LinkProfile
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
+from p2os_emu.recording import RecordingError
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,18}")
 
@@ -119,7 +119,7 @@ class EmulatedTeam:
         try:
             for tell in self.whenever_added:
                 tell(robot)
-        except CassetteError as error:
+        except RecordingError as error:
             self.emulator.remove(name)
             raise TeamError(str(error)) from error
         except PortError:

@@ -6,7 +6,7 @@ import queue
 import time
 from collections import deque
 
-from acromovi.sniffer.overheard import ALL_THAT_IS_SAID, Heard, read
+from acromovi.sniffer.captured import ALL_THAT_IS_SAID, Heard, read
 from bus.bus import Bus, Closeable
 
 HOLD = 0.2  # s that a message is held back, so that one from elsewhere that was said before it can come

@@ -1,4 +1,4 @@
-"""Processes of a team: started a few at a time, in one process group, and ended in order by a keeper."""
+"""Processes of a team: started a few at a time, in one process group, and ended in order by a reaper."""
 
 import asyncio
 import os
@@ -11,8 +11,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from acromovi.team.keeper import DEADLINES, Kept
 from acromovi.team.plan import PlannedProcess, ProcessKind
+from acromovi.team.reaper import DEADLINES, ReapedProcess
 from acromovi.team.supervisor import Hear
 
 AT_ONCE = (os.cpu_count() or 1) + 1
@@ -59,7 +59,7 @@ class _TeamProcess:
     """One process and what it says."""
 
     def __init__(
-        self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: Kept | None
+        self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: ReapedProcess | None
     ) -> None:
         """Take what it is known by.
 
@@ -113,16 +113,16 @@ class _TeamProcess:
 class Processes:
     """All processes of a team."""
 
-    def __init__(self, keeper: asyncio.subprocess.Process) -> None:
-        self._keeper = keeper
+    def __init__(self, reaper: asyncio.subprocess.Process) -> None:
+        self._reaper = reaper
 
     @classmethod
     async def open(cls, folder: Path) -> "Processes":
-        """Begin with nothing but the keeper, which removes the folder in the end."""
-        keeper = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "acromovi.team.keeper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
+        """Begin with nothing but the reaper, which removes the folder in the end."""
+        reaper = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "acromovi.team.reaper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
         )
-        return cls(keeper)
+        return cls(reaper)
 
     async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> _TeamProcess:
         """Start a program; it is out of reach of the terminal's Ctrl-C, since all end in order."""
@@ -133,32 +133,32 @@ class Processes:
             stdout=PIPE,
             stderr=PIPE,
             limit=LONGEST_LINE,
-            process_group=self._keeper.pid,
+            process_group=self._reaper.pid,
         )
-        assert self._keeper.stdin is not None
+        assert self._reaper.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None
-        self._keeper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
+        self._reaper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
         reading = [_read(process.stdout, heard), _read(process.stderr, complained)]
         return _TeamProcess(
             process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid)
         )
 
     async def end(self) -> None:
-        """Have the keeper end all of them in order, and wait for that."""
-        assert self._keeper.stdin is not None
-        self._keeper.stdin.close()
+        """Have the reaper end all of them in order, and wait for that."""
+        assert self._reaper.stdin is not None
+        self._reaper.stdin.close()
         with suppress(TimeoutError):  # then it is killed
             async with asyncio.timeout(KEEPER_TIME):
-                await self._keeper.wait()
+                await self._reaper.wait()
         with suppress(ProcessLookupError, PermissionError):  # all have ended
-            os.killpg(self._keeper.pid, signal.SIGKILL)  # what a keeper that was killed itself has left behind
-        await self._keeper.wait()
+            os.killpg(self._reaper.pid, signal.SIGKILL)  # what a reaper that was killed itself has left behind
+        await self._reaper.wait()
 
 
-def _kept(stage: ProcessKind, pid: int) -> Kept | None:
+def _kept(stage: ProcessKind, pid: int) -> ReapedProcess | None:
     try:
-        return Kept(stage.value, pid)
+        return ReapedProcess(stage.value, pid)
     except ProcessLookupError:
         return None
 

@@ -16,10 +16,10 @@ from acromovi.wire import Tap
 from gateway.serial_port import open_port
 from p2os import Command, encode_command, encode_frame
 from p2os.wire_log import FrameSource, WireLog, WireLogEntry
-from p2os_emu.cassette import read
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
+from p2os_emu.recording import read
 from tests.p2os.test_wire_log import ANSWER, P3DX, SIP
 
 Until = Callable[..., None]

@@ -22,7 +22,7 @@ NO = (Performative.REFUSE, Performative.FAILURE, Performative.NOT_UNDERSTOOD)
 
 
 @dataclass(frozen=True, slots=True)
-class Overheard:
+class CapturedMessage:
     """One message.
 
     time: when it was said, s since 1970 on the clock of its container's machine.
@@ -68,7 +68,7 @@ class Unreadable:
         }
 
 
-Heard = Overheard | Unreadable
+Heard = CapturedMessage | Unreadable
 
 
 def read(sample: Sample, now: float) -> Heard:
@@ -83,11 +83,11 @@ def read(sample: Sample, now: float) -> Heard:
         return Unreadable(now, container, len(sample.payload), str(err))
 
 
-def _read(record: dict[str, Any], container: str) -> Overheard:
+def _read(record: dict[str, Any], container: str) -> CapturedMessage:
     match record:
         case {"time": int() | float() as time, "message": dict(message)} if not isinstance(time, bool):
             if 0 <= time < LONGEST_TIME:  # what is no number is neither
-                return Overheard(float(time), container, AclMessage.from_dict(message))
+                return CapturedMessage(float(time), container, AclMessage.from_dict(message))
     raise AclError("it is no record of what was said: it needs 'time', in s since 1970, and 'message'")
 
 

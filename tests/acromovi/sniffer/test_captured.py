@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
+from acromovi.sniffer.captured import CapturedMessage, Unreadable, brief, read, shortened, wanted
 from acromovi.sniffer.listener import InOrder
-from acromovi.sniffer.overheard import Overheard, Unreadable, brief, read, shortened, wanted
 from bus import Sample
 from tests.acromovi.sniffer.talking import A_TALK, APP, ARM, BASE, said
 
@@ -116,4 +116,4 @@ def test_a_shortened_text_is_as_long_as_it_may_be() -> None:
 
 def test_a_no_is_known() -> None:
     assert [each.is_no for each in A_TALK] == [False, False, False, False, True, False]
-    assert isinstance(A_TALK[0], Overheard)
+    assert isinstance(A_TALK[0], CapturedMessage)

@@ -89,7 +89,7 @@ class Held:
     until: float = 0.0
 
 
-class Keypad:
+class KeyboardControl:
     """Keys in, twists out; time in s on any steady clock."""
 
     def __init__(self, linear_speed: float, angular_speed: float) -> None:
