@@ -1,4 +1,4 @@
-"""`acromovi agent`: start an agent in a container, stop it, let it rest and go on, or move it elsewhere."""
+"""`acromovi agent`: start, stop, suspend, resume or move an agent."""
 
 import argparse
 import json
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Tell the container, and say what became of the agent."""
+    """Send the request to the container and print the result."""
     from acromovi.known_containers import find_container, home_of, tell
     from agents.platform.names import AgentName
     from bus.session import ZenohBus

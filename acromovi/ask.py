@@ -106,7 +106,7 @@ async def follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]
 
 @asynccontextmanager
 async def asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
-    """An agent that lives for the questions of one block.
+    """An agent that exists while the block runs.
 
     Raises:
         NotAllowed: A secure bus does not let this program ask agents.

@@ -1,4 +1,4 @@
-"""`acromovi command`: tell a robot something, as any program on the bus can."""
+"""`acromovi command`: send a command to a robot."""
 
 import argparse
 import json
@@ -45,7 +45,7 @@ def argument(text: str) -> tuple[str, Any]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask once, print the answer."""
+    """Send the command once and print the answer."""
     from acromovi.presence import RobotPresence
     from bus import NoAnswer, ZenohBus, keys
     from configs.suggestion import hint

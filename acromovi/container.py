@@ -1,4 +1,4 @@
-"""`acromovi container`: a process in which agents live: a robot's, a team's, or whoever is started there."""
+"""`acromovi container`: a process for agents: those of a robot, of a team, or any that are started there."""
 
 import argparse
 import asyncio
@@ -73,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Let agents live until a signal comes."""
+    """Host agents until a signal is received."""
     from agents.platform import Container, Kinds
     from agents.platform.names import ContainerName
     from bus.session import ZenohBus
@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_may_serve(bus: "Bus", called: "ContainerName") -> None:
-    """See that the key of a secure bus allows this container, before anything is said of its name.
+    """Check that the key of a secure bus allows this container; done before its name is checked.
 
     Raises:
         NotAllowed: It does not.
@@ -105,7 +105,7 @@ def _check_may_serve(bus: "Bus", called: "ContainerName") -> None:
 
 
 def await_name(bus: "Bus", name: str, end: "EndRequest", *, forces: bool = False) -> None:
-    """See that no other container of this name is on the bus; wait until it is free if that is asked for.
+    """Check that no other container on the bus has this name, or wait until the name is free.
 
     Raises:
         NameTaken: There is one; the message says what to do.
@@ -129,7 +129,7 @@ def await_name(bus: "Bus", name: str, end: "EndRequest", *, forces: bool = False
 
 
 def reporter(program: str) -> "Callable[[Report], None]":
-    """Says in a program's name what goes wrong with an agent: in one sentence where that is all there is to know."""
+    """Return a function that reports an agent's errors under a program's name, in one sentence where possible."""
     from agents.client.errors import RobotError
     from agents.platform import AgentError
     from agents.platform.container.container import log_report
@@ -158,7 +158,7 @@ def _modules(arguments: argparse.Namespace) -> Iterator[str]:
 
 
 class EndRequest:
-    """Whether this program has been told to end, and how.
+    """Whether this program was asked to end, and how.
 
     code: the exit code.
     """
@@ -183,7 +183,7 @@ class EndRequest:
 
 @contextmanager
 def ending_in_time() -> Iterator[EndRequest]:
-    """Let SIGINT and SIGTERM end this program in order, and by force when that takes too long.
+    """Let SIGINT and SIGTERM end this program in order, or by force after a time.
 
     The handlers run even while an agent blocks the event loop.
     """
@@ -228,7 +228,7 @@ def _cut_off_late() -> Iterator[None]:
 
 
 async def live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
-    """Have the agents live that are asked for, until the end."""
+    """Host the requested agents until the end."""
     async with container:
         tasks = [asyncio.ensure_future(leave_if_second(container, end))]
         if arguments.robot:
@@ -258,7 +258,7 @@ async def _follow_robot(container: "Container", robot: str, end: EndRequest) -> 
 
 
 async def start_services(container: "Container", team: str, properties: Mapping[str, Any]) -> None:
-    """Start the agents of a team's upper layer; one that fails is reported and holds up no other.
+    """Start the agents of a team's upper layer; one that fails is reported and does not delay the others.
 
     Args:
         container: Where.
@@ -281,7 +281,7 @@ async def start_services(container: "Container", team: str, properties: Mapping[
 
 
 async def leave_if_second(container: "Container", end: EndRequest) -> None:
-    """End if another container of this name began at the same moment, but earlier: two would double every agent."""
+    """End if another container of this name started slightly earlier; two would duplicate every agent."""
     from bus import BusError, NameTaken
     from bus.name_holder import check_name_free
 

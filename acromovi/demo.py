@@ -1,4 +1,4 @@
-"""The main job in a minute: an emulated robot, its gateway, a drive round the office, and a picture of it.
+"""`acromovi demo`: an emulated robot, its gateway, a drive in one minute, and a picture of it.
 
 The drive knows only the bus. The control socket of the emulator is asked where the robot really is, for the picture.
 """
@@ -41,7 +41,7 @@ DRIVE_TIMEOUT_S = 90.0
 
 @dataclass
 class _StreamCounts:
-    """What the robot has said on the bus, and how often."""
+    """The robot's messages on the bus, and their number."""
 
     pose: Pose2D | None = None
     speed: float = 0.0
@@ -73,7 +73,7 @@ class _StreamCounts:
 
 @dataclass
 class Drive:
-    """What a drive leaves behind: both paths in the world's frame, and how long it took."""
+    """Result of a drive: both paths in the world's frame, and its duration."""
 
     true_path: list[Pose2D] = field(default_factory=list)
     odometry_path: list[Pose2D] = field(default_factory=list)
@@ -81,13 +81,13 @@ class Drive:
 
     @property
     def length(self) -> float:
-        """The way really driven, m."""
+        """Length of the true path, m."""
         steps = zip(self.true_path, self.true_path[1:], strict=False)
         return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in steps)
 
     @property
     def drift(self) -> float:
-        """How far odometry ends from the truth, m."""
+        """Distance between true and odometry pose at the end, m."""
         true, believed = self.true_path[-1], self.odometry_path[-1]
         return math.hypot(believed.x - true.x, believed.y - true.y)
 
@@ -160,7 +160,7 @@ def _truth(robots: EmulatedRobots) -> Pose2D:
 
 
 def _every(period: float, until: float) -> Iterator[float]:
-    """The time at each beat of a period, s on the steady clock, until a deadline."""
+    """Yield the time at each period, s on the steady clock, until a deadline."""
     due = time.monotonic()
     while due < until:
         time.sleep(max(0.0, due - time.monotonic()))

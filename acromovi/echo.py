@@ -1,4 +1,4 @@
-"""`acromovi echo`: print what flows on a key."""
+"""`acromovi echo`: print the messages on a key."""
 
 import argparse
 import json
@@ -54,7 +54,7 @@ def echo(
     timeout: float | None = None,
     output: TextIO = sys.stdout,
 ) -> int:
-    """Print what flows on a key.
+    """Print the messages on a key.
 
     Args:
         bus: Where to listen.
@@ -105,7 +105,7 @@ def record(sample: "Sample") -> dict[str, Any]:
 
 
 def type_of(sample: "Sample") -> str:
-    """What the encoding says, else what the table says of the key, else nothing."""
+    """Return the type by the encoding, else by the table of keys, else None."""
     from bus.bus import JSON
     from bus.keys import topic_of
 
@@ -116,7 +116,7 @@ def type_of(sample: "Sample") -> str:
 
 
 def text(sample: "Sample") -> str:
-    """A sample for people: a head line, then a line for each field."""
+    """Return a sample as text: a head line, then a line for each field."""
     shown = record(sample)
     head = f"--- {shown['key']}  {shown['type']}"
     if shown["stamp_ns"] is not None:
@@ -145,7 +145,7 @@ def _plain(value: Any) -> str:
 
 
 def _hint(key: str, robots: list[str]) -> str:
-    """Why a key may be silent."""
+    """Return why a key may have no messages."""
     import difflib
 
     from acromovi.presence import advice

@@ -1,4 +1,4 @@
-"""`acromovi introspect`: look into a live agent."""
+"""`acromovi introspect`: print the state of a running agent."""
 
 import argparse
 import json
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def lines(seen: Mapping[str, Any]) -> Iterator[str]:
-    """What was seen of an agent, for people."""
+    """Return the state of an agent as lines of text."""
     yield f"{seen['name']} is {seen['state']} in {seen['container']}, of the kind {seen['kind']}"
     for title, of_what in (("services", "services"), ("requests", "requests")):
         yield f"{title}: {', '.join(seen[of_what]) or 'none'}"

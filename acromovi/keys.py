@@ -1,4 +1,4 @@
-"""`acromovi keys`: the certificates with which robots, people and routers come to a secure bus."""
+"""`acromovi keys`: make certificates for robots, people and routers of a secure bus."""
 
 import argparse
 import json
@@ -110,7 +110,7 @@ def show(folder: Path, now: datetime, as_json: bool) -> None:
 
 
 def _advice(role: str, folder: Path) -> str:
-    """What to do with a new key."""
+    """Return what to do with a new key."""
     if role == "router":
         return f"run it with: acromovi router --config secure-router:{folder}"
     return f"use it with: --bus secure:{folder}; start the router again, that it admits {folder.name}"

@@ -1,4 +1,4 @@
-"""`acromovi leases`: who holds what, and how that came."""
+"""`acromovi leases`: print the leases and their history."""
 
 import argparse
 import asyncio
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask gateways and arbiter once, and print what they know."""
+    """Query gateways and arbiters once and print the leases."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
 
@@ -83,7 +83,7 @@ async def leases(bus: "Bus") -> list[dict[str, Any]]:
 
 
 def held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """What a gateway answers, a row for each lease."""
+    """Return a gateway's answer, a row for each lease."""
     elements = {robot: state} | {f"{name}@{robot}": lease for name, lease in state.get("elements", {}).items()}
     for element, lease in elements.items():
         if lease.get("holder") is not None:

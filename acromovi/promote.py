@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Let the agent live until it ends, or a signal comes; or send it where it is to live."""
+    """Host the agent until it ends or a signal is received, or send it to another container."""
     from agents import RobotError
     from agents.platform import AgentError
 
@@ -83,7 +83,7 @@ def _live(program: "RunningApplication", options: argparse.Namespace) -> int:
 
 
 def _send(program: "RunningApplication", options: argparse.Namespace) -> int:
-    """Have a loader or a container host it."""
+    """Send it to a loader or a container."""
     from acromovi.sending import into_container, into_loader
     from agents.services.loaded import digest
     from bus.session import ZenohBus

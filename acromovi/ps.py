@@ -1,4 +1,4 @@
-"""`acromovi ps`: which agents live, where, and in which state."""
+"""`acromovi ps`: list the agents, their containers and states."""
 
 import argparse
 import json
@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask everybody once, and print the list."""
+    """Query all agents once and print the list."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
 

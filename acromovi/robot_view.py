@@ -1,4 +1,4 @@
-"""What teleoperation shows of a robot: its state first, then why a key has no effect. No bus, no clock."""
+"""The screen of teleoperation: the robot's state, then why a key has no effect. No bus, no clock."""
 
 import re
 import textwrap

@@ -1,4 +1,4 @@
-"""`acromovi router`: Zenoh's own router mode, so that robots of several sites meet."""
+"""`acromovi router`: run a Zenoh router, which connects the robots of several sites."""
 
 import argparse
 import json

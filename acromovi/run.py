@@ -1,4 +1,4 @@
-"""`acromovi run`: run an application on the robots that are there."""
+"""`acromovi run`: run an application on the robots on the bus."""
 
 import argparse
 import sys

@@ -1,4 +1,4 @@
-"""`acromovi sniff`: who says what to whom among the agents."""
+"""`acromovi sniff`: print the messages between agents."""
 
 import argparse
 import json
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _Transcript:
-    """Prints what is heard, and remembers the last of it for the diagrams.
+    """Prints messages, and keeps the latest for the diagrams.
 
     count: messages that were printed and can be drawn.
     """
@@ -125,7 +125,7 @@ class _Transcript:
 
 
 def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
-    """Print what is said for so many seconds, or for ever; tell once when nobody says anything."""
+    """Print messages for a time, s, or without end; give advice once when there are none."""
     begun = time.monotonic()
     quiet_until = begun + min(SILENCE, duration or SILENCE)
     while duration is None or time.monotonic() < begun + duration:
@@ -136,7 +136,7 @@ def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_
 
 
 def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
-    """What to try when nobody says anything."""
+    """Return advice for when there are no messages."""
     from acromovi.sniffer.captured import matches
 
     if not known.names:

@@ -1,4 +1,4 @@
-"""`acromovi topics`: which robots are there, and what flows now."""
+"""`acromovi topics`: list the robots and the keys with messages."""
 
 import argparse
 import json
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 @dataclass
 class _Flow:
-    """What has been heard on one key; times in s on one steady clock."""
+    """Messages counted on one key; times in s on one steady clock."""
 
     type_name: str
     first: float

@@ -1,4 +1,4 @@
-"""`acromovi wire PORT|FILE`: what flows on a robot's cable, in words."""
+"""`acromovi wire PORT|FILE`: print the frames on a robot's cable."""
 
 import argparse
 import contextlib
@@ -94,7 +94,7 @@ def replay(path: Path, model: str | None, show: Callable[[Iterable[WireLogEntry]
 
 
 class Tap:
-    """Stands between a robot's port and a client: bytes go through, and the log reads along.
+    """Sits between a robot's port and a client, passes the bytes on and logs them.
 
     Args:
         port: The robot's.

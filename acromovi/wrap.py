@@ -1,4 +1,4 @@
-"""`acromovi wrap`: make an agent of a program or a C library, as a file says."""
+"""`acromovi wrap`: run a program or a C library as an agent, described by a file."""
 
 import argparse
 import asyncio
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Let the agent live until it is stopped, or a signal comes."""
+    """Host the agent until it is stopped or a signal is received."""
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
     from agents.platform import AgentError, AgentName

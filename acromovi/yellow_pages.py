@@ -1,4 +1,4 @@
-"""`acromovi directory`: who offers what, and what each can be asked for."""
+"""`acromovi directory`: list the agents with their services and requests."""
 
 import argparse
 import json
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask everybody once, and print those that fit."""
+    """Query all agents once and print those that match."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
 

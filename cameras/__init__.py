@@ -1,4 +1,4 @@
-"""Cameras, which are on no robot's cable: an IP camera at a URL, or a device of this computer. They give JPEG files."""
+"""Cameras beside the robot's line: an IP camera at a URL, or a device of this computer. They deliver JPEG files."""
 
 from cameras.errors import CameraError, CameraLost, CameraNotUsable
 from cameras.jpeg import picture_size, shrunk

@@ -22,7 +22,7 @@ class Family(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class FlashDefaults:
-    """What a controller's FLASH holds when it leaves the factory; SI.
+    """Factory settings of a controller's FLASH; SI.
 
     Source: FLASH parameter table of the Pioneer 3/2 H8-series manual; `assumed` marks what it does not say.
     sonar_cycle: s between two firings of one array. stall_value: in PWM units; above `pwm_max` it would never stall.

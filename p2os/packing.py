@@ -19,7 +19,7 @@ Value = float | str | bytes | tuple[Any, ...]
 
 
 class _Unpacked(NamedTuple):
-    """What a packet holds.
+    """The values of a packet.
 
     values: SI, one per field. is_whole: no field was cut short; bytes behind the last one do no harm.
     """

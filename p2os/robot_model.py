@@ -41,7 +41,7 @@ class InfraredSensor(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LaserMount:
-    """Where a laser sits: m and rad in `base_link`. ignore: bearings that see the robot itself, (from, to) in rad."""
+    """Pose of a laser, m and rad in `base_link`. ignore: bearings that see the robot itself, (from, to) in rad."""
 
     kind: str
     x: float
@@ -55,7 +55,7 @@ class LaserMount:
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
-    """What one robot model is; SI.
+    """Properties of a robot model; SI.
 
     name: the subtype that the robot answers. full_name: what people call it, `Pioneer 3-DX`.
     wheel_track: effective, as turning implies it (2 / DiffConvFactor).
@@ -97,7 +97,7 @@ class RobotModel:
 
     @property
     def laser(self) -> LaserMount:
-        """Where a laser goes on this robot; over the middle of the axle on one of which nobody says."""
+        """Mount of the laser; over the middle of the axle where the model has none."""
         return self.lasers[0] if self.lasers else LaserMount("lms2xx", 0.0, 0.0)
 
     @classmethod
@@ -204,7 +204,7 @@ def _flash(defaults: FlashDefaults, row: "_Table") -> FlashDefaults:
 
 
 class _Table:
-    """A TOML table that is read key by key, and says which keys nobody read."""
+    """A TOML table that is read key by key and reports unread keys."""
 
     def __init__(self, table: Mapping[str, Any], path: str) -> None:
         self._table = table

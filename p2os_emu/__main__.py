@@ -152,7 +152,7 @@ def _check(path: Path, options: EmulatorOptions) -> int:
 
 @contextlib.contextmanager
 def _clean_output() -> Iterator[None]:
-    """Let what the engine's window prints go nowhere: only Python's own output reaches standard output."""
+    """Discard what the engine's window prints; only Python's output reaches standard output."""
     with open(os.dup(1), "w", encoding="utf-8") as own, open(os.devnull, "wb") as nowhere:  # noqa: PTH123 - descriptors
         os.dup2(nowhere.fileno(), 1)
         try:
@@ -206,7 +206,7 @@ def _open_factory(options: EmulatorOptions, poller: Poller, team: EmulatedTeam, 
 
 
 def _end_with_stdin(poller: Poller, runner: Runner) -> None:
-    """Whoever holds the other end of the pipe on standard input need not be able to say goodbye."""
+    """End the program when standard input closes."""
     try:
         poller.watch(sys.stdin.fileno(), lambda events: runner.leave(), HUNG_UP)
     except PermissionError as error:
@@ -278,7 +278,7 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 class _EndSignal(BaseException):
-    """A signal asked for the end; not an error, and nobody on the way may take it for one."""
+    """A signal ended the program; derived from BaseException, so that no handler of errors catches it."""
 
 
 def _leave(number: int, frame: FrameType | None) -> NoReturn:

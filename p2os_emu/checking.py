@@ -1,4 +1,4 @@
-"""Where a recorded robot and the emulated one part: the recorded client's bytes again, in virtual time.
+"""Comparison of a recorded robot with the emulated one, which receives the recorded client's bytes in virtual time.
 
 The host's bytes reach the emulator at their recorded times, so both robots' packets lie on one clock. They are compared
 kind by kind: how many, how often, when, how long, and field by field. Rooms differ, so what only the room decides is
@@ -89,7 +89,7 @@ def replay(
     *,
     as_simulator: bool = False,
 ) -> list[RecordedBytes]:
-    """Let an emulated robot hear the recorded host.
+    """Send the recorded host's bytes to an emulated robot.
 
     Args:
         recording: Gives the host's bytes, their times and the robot's name.
@@ -120,7 +120,7 @@ def replay(
 def compare(
     recorded: Iterable[RecordedBytes], emulated: Iterable[RecordedBytes], model: RobotModel
 ) -> list[RecordingDifference]:
-    """Say where two robots part that heard the same.
+    """Return the differences between two robots that received the same bytes.
 
     Args:
         recorded, emulated: What each said; what hosts said is left out.

@@ -1,4 +1,4 @@
-"""What the control socket can be asked: every `do`, the keys it takes and what it answers. SI and radians."""
+"""Requests of the control socket: every `do`, its keys and its answer. SI and radians."""
 
 import difflib
 import math
@@ -33,7 +33,7 @@ class _Request:
 
 
 class ControlRequestHandler:
-    """Meets the requests of the control socket.
+    """Carries out the requests of the control socket.
 
     Args:
         team: The robots and how more of them are made.
@@ -48,11 +48,11 @@ class ControlRequestHandler:
 
     @property
     def emulator(self) -> Emulator:
-        """What is run."""
+        """The emulator."""
         return self.team.emulator
 
     def answer(self, request: Fields) -> Mapping[str, Any]:
-        """Meet one request.
+        """Carry out one request.
 
         Raises:
             RequestError: It cannot be met; the message says why.
@@ -71,7 +71,7 @@ class ControlRequestHandler:
         return kind.meet(self, fields)
 
     def robot(self, fields: Fields) -> EmulatedRobot:
-        """The robot that a request means: the one it names, or the only one."""
+        """Return the robot of a request: the one it names, or the only one."""
         robots = self.emulator.robots
         if "robot" in fields:
             return self._named(fields["robot"])
@@ -80,7 +80,7 @@ class ControlRequestHandler:
         return next(iter(robots.values()))
 
     def robots(self, fields: Fields) -> Iterable[EmulatedRobot]:
-        """The robots that a request means: the one it names, or all."""
+        """Return the robots of a request: the one it names, or all."""
         return [self._named(fields["robot"])] if "robot" in fields else list(self.emulator.robots.values())
 
     def _named(self, name: str) -> EmulatedRobot:
@@ -166,7 +166,7 @@ def _fault_explained(handler: ControlRequestHandler, kind: FaultKind) -> dict[st
         "meaning": kind.meaning,
         "ending": kind.ending,
         "parameters": {key: parameter.meaning for key, parameter in kind.parameters.items()},
-        "robots": [robot.name for robot in handler.emulator.robots.values() if kind.can_befall(robot)],
+        "robots": [robot.name for robot in handler.emulator.robots.values() if kind.applies_to(robot)],
     }
 
 

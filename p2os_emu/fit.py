@@ -1,4 +1,4 @@
-"""What a robot has beyond its model, and what of the model it lacks: `--fit gripper,laser,ptz:vcc4,no-rear-sonar`."""
+"""Accessories of a robot, and parts of its model that it lacks: `--fit gripper,laser,ptz:vcc4,no-rear-sonar`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -11,7 +11,7 @@ _NOT = "no-"
 
 
 class FitError(ValueError):
-    """A part is not written as it must be, or does not go onto this robot; the message says what to write."""
+    """A part does not exist or does not fit this robot; the message says what to write."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ BARE = Fit()
 
 
 def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
-    """Read what somebody asked for.
+    """Parse the parts of `--fit`.
 
     Args:
         texts: Parts as they are written: `gripper`, `ptz:vcc4`, `no-rear-sonar`; later ones win.

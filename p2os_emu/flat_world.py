@@ -1,4 +1,4 @@
-"""A world without physics, for tests of what stands above it: an endless floor on which wheels obey at once.
+"""A world without physics, for tests: an endless floor on which wheels reach the commanded speed at once.
 
 It has the face of `p2os_emu.world.World` as far as the emulator needs it, and starts in no time.
 """

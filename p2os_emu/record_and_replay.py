@@ -1,4 +1,4 @@
-"""What `p2os-emu` does with recordings: record its robots, serve a recorded one, check a recording against its own."""
+"""Recordings in `p2os-emu`: record its robots, serve a recorded robot, compare a recording with an emulated robot."""
 
 import contextlib
 import json
@@ -86,7 +86,7 @@ class _ServedRobot:
 
 
 def serve(path: Path, options: EmulatorOptions) -> None:
-    """Let clients meet the robot on a recording, until the duration is over or a signal ends the program.
+    """Serve a recorded robot to clients until the duration is over or a signal ends the program.
 
     Raises:
         RecordingError, ConfigError, PortError: As usual.
@@ -105,7 +105,7 @@ def serve(path: Path, options: EmulatorOptions) -> None:
 
 
 def check(path: Path, options: EmulatorOptions, world: EmulatedSurroundings) -> bool:
-    """Play a recording's client to the emulator, and print where the two robots part.
+    """Send a recorded client's bytes to the emulator, and print the differences between the two robots.
 
     Returns:
         Whether they agree.

@@ -1,4 +1,4 @@
-"""Recordings: what flowed on a line, when and from whom; recorded, read again, and played to a client.
+"""Recordings of the bytes on a line with their time and sender: written, read, and replayed to a client.
 
 A file holds one JSON object a line: {"t": s since the start, "from": "host" or "robot", "hex": bytes}. A first line
 {"cassette": 1, "name": ..., "model": ...} may say whose line it was.
@@ -32,7 +32,7 @@ VERSION = 1
 
 
 class RecordingError(ValueError):
-    """A file is no recording, or holds nothing that can be used; the message says where and why."""
+    """A file is not a recording, or holds nothing usable; the message says where and why."""
 
 
 class RecordedBytes(NamedTuple):
@@ -52,12 +52,12 @@ class Recording:
     model: str = ""
 
     def of(self, source: FrameSource) -> list[RecordedBytes]:
-        """What one end sent."""
+        """Return the bytes that one end sent."""
         return [moment for moment in self.moments if moment.source is source]
 
     @property
     def identity(self) -> Identity | None:
-        """What the robot answered to SYNC2; None if it is not on the recording."""
+        """The robot's answer to SYNC2; None if the recording has none."""
         for _, payload in _frames(self.of(FrameSource.ROBOT)):
             if payload[0] == Command.SYNC2 and (identity := read_identity(payload)) is not None:
                 return identity

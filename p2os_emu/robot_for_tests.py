@@ -1,4 +1,4 @@
-"""A running emulated robot as a test sees it: its ports, where it truly is, and what can go wrong with it."""
+"""A running emulated robot for tests: ports, true state and faults."""
 
 import json
 import tempfile
@@ -22,7 +22,7 @@ _LOOKS = 10  # so many in a row must find a robot at rest
 
 @dataclass(frozen=True, slots=True)
 class RobotTruth:
-    """A robot as it really is, which no client can see.
+    """The true state of a robot, which no client can see.
 
     time: s since the emulator's start. x, y, heading: of the middle of the axle in the world, m, m, rad. linear,
     angular: m/s forward, rad/s counter-clockwise. connected: a client has opened the connection. motors_enabled: the
@@ -43,7 +43,7 @@ class RobotTruth:
 
 @dataclass(frozen=True, slots=True)
 class RunningFault:
-    """A fault that a test has asked for; it may also end by itself."""
+    """A fault requested by a test; it may end by itself."""
 
     number: int
     spec: str
@@ -55,7 +55,7 @@ class RunningFault:
         return all(row["number"] != self.number for row in self._emulator.ask("faults")["faults"])
 
     def clear(self) -> None:
-        """End it now, or call it off if it has not begun; nothing if it is over."""
+        """End the fault, or cancel it if it has not begun; do nothing if it is over."""
         try:
             self._emulator.ask("clear", number=self.number)
         except ChildFailed:
@@ -80,15 +80,15 @@ class RobotForTests:
         self.camera_url: str | None = entry["camera_url"]
 
     def truth(self) -> RobotTruth:
-        """Where the robot really is and what state it is in."""
+        """Return the true state of the robot."""
         answer = self.emulator.ask("truth", robot=self.name)
         row = {"time": answer["time"], **answer["robots"][self.name]}
         return RobotTruth(**{field.name: row[field.name] for field in fields(RobotTruth)})
 
     def fault(self, spec: str) -> RunningFault:
-        """Let something go wrong: `robot.fault("sonar-dead:disc=3@1+5")`; `p2os-emu --list-faults` explains each.
+        """Start a fault: `robot.fault("sonar-dead:disc=3@1+5")`; `p2os-emu --list-faults` explains each.
 
-        It befalls this robot, whatever others there are. Without START it begins with the next step.
+        The fault is applied to this robot only. Without START it begins with the next step.
 
         Raises:
             ChildFailed: The emulator refuses, and says what this robot can suffer.
@@ -103,17 +103,17 @@ class RobotForTests:
         return RunningFault(self.emulator.ask("fault", fault=mine)["number"], mine, self.emulator)
 
     def clear(self) -> None:
-        """End every fault of this emulator, and call off those to come."""
+        """End every fault of this emulator, and cancel scheduled ones."""
         self.emulator.ask("clear")
 
     def place(self, x: float, y: float, heading: float = 0.0) -> None:
-        """Put the robot elsewhere in the world, m, m, rad, as a hand would; its odometry does not notice."""
+        """Move the robot to a pose in the world, m, m, rad; its odometry does not change."""
         self.emulator.ask("pose", robot=self.name, x=x, y=y, heading=heading)
 
     def wait_until(
         self, condition: Callable[[RobotTruth], object], seconds: float = PATIENCE_S, what: str = "the condition held"
     ) -> RobotTruth:
-        """Wait until something is true of the robot; return the truth in which it was.
+        """Wait until a condition holds; return the true state that met it.
 
         Args:
             condition: Asked about a hundred times a second.
@@ -138,12 +138,12 @@ class RobotForTests:
         return self.wait_until(lambda truth: truth.connected, seconds, "a client connected")
 
     def wait_until_it_moves(self, seconds: float = PATIENCE_S) -> RobotTruth:
-        """Wait until the robot moves, by itself or pushed."""
+        """Wait until the robot moves."""
         __tracebackhide__ = True
         return self.wait_until(lambda truth: not _stands(truth), seconds, "the robot moved")
 
     def wait_until_it_stands(self, seconds: float = PATIENCE_S) -> RobotTruth:
-        """Wait until the robot stands, and not only for a moment."""
+        """Wait until the robot has come to rest."""
         __tracebackhide__ = True
         standing = 0
 

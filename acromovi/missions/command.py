@@ -1,4 +1,4 @@
-"""`acromovi missions`: play missions of the indoor navigation faster than real time, and judge them by the truth."""
+"""`acromovi missions`: run navigation missions faster than real time, and judge them by the true state."""
 
 import argparse
 import sys
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Play what is asked for."""
+    """Run the requested missions."""
     if options.robot and options.robot not in ROBOTS:
         print(f"acromovi missions: --robot must be one of {', '.join(ROBOTS)}", file=sys.stderr)
         return 2
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def play_many(jobs: Sequence[Job], instead: Instead | None = None) -> list[Result]:
-    """Play on all cores, and say how it goes."""
+    """Run missions on all cores, and print the progress."""
     began, good = time.monotonic(), []
 
     def told(result: Result) -> None:

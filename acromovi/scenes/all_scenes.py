@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 
-from acromovi.scenes import faults, hands, lines, recordings, sensors
+from acromovi.scenes import actuators, faults, lines, recordings, sensors
 from acromovi.scenes.stage import Scene
 
 SCENES: Mapping[str, Scene] = {
-    scene.name: scene for scene in (*hands.SCENES, *sensors.SCENES, *lines.SCENES, *faults.SCENES, *recordings.SCENES)
+    scene.name: scene
+    for scene in (*actuators.SCENES, *sensors.SCENES, *lines.SCENES, *faults.SCENES, *recordings.SCENES)
 }

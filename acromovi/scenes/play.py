@@ -1,4 +1,4 @@
-"""`acromovi try`: see something at work, with nothing but this machine."""
+"""`acromovi try`: show a feature with an emulated robot."""
 
 import argparse
 import sys

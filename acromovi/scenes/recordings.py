@@ -1,4 +1,4 @@
-"""Scenes of what flows on a cable: in words, recorded, replayed and compared; and of clients that want a simulator."""
+"""Scenes of the bytes on a cable: printed, recorded, replayed and compared; and of clients that need a simulator."""
 
 import subprocess
 import sys
@@ -86,7 +86,7 @@ def _mobilesim(stage: SceneStage) -> None:
 
 
 def _hear_laser(port: Port) -> tuple[Counter[str], int]:
-    """What comes within a moment, counted by kind, and how many beams a sweep has."""
+    """Return the number of packets of each kind within a moment, and the beams of a sweep."""
     model = configs.load(RobotModel, "robots", "p3dx-sh")
     frames = FrameDecoder()
     heard: Counter[str] = Counter()

@@ -1,4 +1,4 @@
-"""What was overheard on a container's stream `said`: who said what to whom, or something that nobody can read.
+"""Messages captured on a container's stream `said`: sender, receiver and content, or unreadable data.
 
 A record is `{"time": s since 1970, "container": name, "message": {...}}`, as `Container.trace` puts it.
 """
@@ -45,7 +45,7 @@ class CapturedMessage:
 
 @dataclass(frozen=True, slots=True)
 class Unreadable:
-    """Something on the stream of a container that is no message.
+    """Data on the stream of a container that is not a message.
 
     time: when it came, s since 1970 here.
     container: whose stream it is.
@@ -92,7 +92,7 @@ def _read(record: dict[str, Any], container: str) -> CapturedMessage:
 
 
 def wanted(patterns: Sequence[str], conversation: str | None) -> Callable[[Heard], bool]:
-    """Which messages one wants. What is unreadable is nobody's, and wanted only with everything.
+    """Filter of messages. Unreadable data passes only a filter without conditions.
 
     Args:
         patterns: Agents of which one must say or hear it: `base@happy`, `app-*`, `*@happy`; of any when there are none.

@@ -31,14 +31,14 @@ class StartQueue:
         self._added: set[str] = set()
 
     def add(self, program: PlannedProcess) -> None:
-        """Begin a program as soon as there is room; one that was added before is left alone."""
+        """Start a program as soon as fewer than the limit are starting; ignore one that was added before."""
         if program.name not in self._added:
             self._added.add(program.name)
             self._waiting.append(program)
             self._go_on()
 
     def has_started(self, program: PlannedProcess) -> None:
-        """It is at work now, or waits for something itself, or has ended."""
+        """Note that a program runs, waits for another one, or has ended."""
         self._starting.discard(program.name)
         self._go_on()
 
@@ -56,7 +56,7 @@ KEEPER_TIME = DEADLINES[-1] + 0.3  # s
 
 
 class _TeamProcess:
-    """One process and what it says."""
+    """One process and its output."""
 
     def __init__(
         self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: ReapedProcess | None
@@ -80,14 +80,14 @@ class _TeamProcess:
 
     @property
     def turns(self) -> int:
-        """How often it has had a processor."""
+        """Number of times it was scheduled on a processor."""
         with suppress(OSError):  # it is just ending
             statuses = [path.read_text(encoding="ascii") for path in Path(f"/proc/{self.pid}/task").glob("*/status")]
             return sum(int(count) for status in statuses for count in SWITCHES.findall(status))
         return 0
 
     async def wait(self) -> int:
-        """Its exit code, once it has ended and its last words were heard."""
+        """Wait for its end; return the exit code after its last output was read."""
         code = await self._process.wait()
         kept, self._kept = self._kept, None
         if kept is not None:
@@ -125,7 +125,7 @@ class Processes:
         return cls(reaper)
 
     async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> _TeamProcess:
-        """Start a program; it is out of reach of the terminal's Ctrl-C, since all end in order."""
+        """Start a program; Ctrl-C in the terminal does not reach it, since all end in order."""
         process = await asyncio.create_subprocess_exec(
             *program.command,
             # The emulator ends with its standard input; nothing is ever written there.
@@ -145,7 +145,7 @@ class Processes:
         )
 
     async def end(self) -> None:
-        """Have the reaper end all of them in order, and wait for that."""
+        """Let the reaper end all processes in order, and wait for it."""
         assert self._reaper.stdin is not None
         self._reaper.stdin.close()
         with suppress(TimeoutError):  # then it is killed

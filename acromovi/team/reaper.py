@@ -1,4 +1,4 @@
-"""Ends a team's processes in order, when the program that started them has ended, however that ended.
+"""Ends a team's processes in order after the program that started them has ended in any way.
 
 It is a process of its own, in one process group with those it keeps, and hears on standard input who they are: a line
 with stage and process id for each. When that pipe closes (on purpose, or because the program was killed) it asks the
@@ -22,10 +22,10 @@ until its robot stands."""
 
 
 class ReapedProcess:
-    """One process; a number that the system has given to another one since is no danger to that one."""
+    """One process, held by a pidfd, so that a reused process id is never signalled."""
 
     def __init__(self, stage: int, pid: int) -> None:
-        """Take hold of it.
+        """Open the process.
 
         Raises:
             ProcessLookupError: It has gone.
@@ -45,7 +45,7 @@ class ReapedProcess:
         return bool(waiting.poll(max(within, 0.0) * 1000))
 
     def close(self) -> None:
-        """Let go of it."""
+        """Release the process."""
         os.close(self.descriptor)
 
 

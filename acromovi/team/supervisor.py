@@ -1,4 +1,4 @@
-"""The table of a team's processes: starts them, and starts again what ends unasked."""
+"""Supervisor of a team's processes: starts them, and restarts those that end unexpectedly."""
 
 import asyncio
 import signal
@@ -87,7 +87,7 @@ class ProcessRow:
 
 
 class Watcher(Protocol):
-    """Who is told what the processes do."""
+    """Receives the events of the processes."""
 
     def heard(self, program: PlannedProcess, line: str) -> None:
         """A line of standard output."""
@@ -98,12 +98,12 @@ class Watcher(Protocol):
         ...
 
     def ended(self, entry: ProcessRow) -> None:
-        """One has ended unasked, and will be started again."""
+        """A process has ended unexpectedly and will be restarted."""
         ...
 
 
 class Supervisor:
-    """Keeps processes going. All of it happens in one event loop."""
+    """Starts and restarts processes in one event loop."""
 
     def __init__(self, start: Start, watcher: Watcher) -> None:
         self._start = start
@@ -118,7 +118,7 @@ class Supervisor:
         return list(self._entries.values())
 
     def begin(self, program: PlannedProcess) -> ProcessRow:
-        """Start a program, and keep it going until `end`."""
+        """Start a program, and restart it until `end`."""
         entry = self._entries[program.name] = ProcessRow(program)
         task = asyncio.ensure_future(self._keep(entry))
         self._tasks[task] = entry
@@ -147,7 +147,7 @@ class Supervisor:
         await self.restart(entry)
 
     def rest(self) -> None:
-        """Start nothing again from now on: all is about to end."""
+        """Restart nothing from now on."""
         self._ending.set()
 
     async def end(self) -> None:

@@ -1,4 +1,4 @@
-"""The SICK LMS200 laser scanner: hears commands, sends scans as fast as its mirror and its line allow.
+"""The SICK LMS200 laser scanner: receives commands, sends scans at the rate of its mirror or its line.
 
 It knows no port and no clock, and speaks at the rate it was told, starting from that of its file. A scan is measured
 when its telegram begins. Source: accessory sheet, section 1; what that leaves open is said where it is decided.
@@ -140,7 +140,7 @@ class Lms200:
 
     @property
     def is_scanning(self) -> bool:
-        """It sends scans without being asked for each."""
+        """Whether it sends scans continuously."""
         return self._segment is not None and self._time >= self._ready_at and self._has_power()
 
     @property
@@ -158,7 +158,7 @@ class Lms200:
         return inf if self._segment is None else max(self._free_at, self._scan_at) - self._time
 
     def receive(self, data: bytes) -> None:
-        """Take bytes from the line; without power and while it boots, nobody hears them."""
+        """Take bytes from the line; they are lost without power and while it boots."""
         if self._time < self._ready_at or not self._has_power():
             return
         for found in self._decoder.receive(data, self._time):

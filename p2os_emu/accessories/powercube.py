@@ -1,4 +1,4 @@
-"""An arm of PowerCube modules on a line of its own: each module moves one joint along a ramp, and answers for it.
+"""An arm of PowerCube modules on a line of its own: each module moves one joint along a ramp.
 
 Module 1 is the joint nearest to the robot, module 8 the gripper. Source: fact sheet of accessories, section 6, and the
 codec's own assumptions. Assumed besides:
@@ -78,7 +78,7 @@ class _Cube:
         return CubeState.MOVING in self.state
 
     def answer(self, request: ModuleRequest, arm: ArmMechanism) -> ModuleReply:
-        """Do what a host asks."""
+        """Carry out a request of the host."""
         command, about, value, time = request
         match command:
             case CubeCommand.RESET:
@@ -250,7 +250,7 @@ class PowerCubeArm:
         return 0.0 if self._answers else inf
 
     def step(self, dt: float) -> bytes:
-        """Let time pass, s; what the modules have to say."""
+        """Advance time, s; return the bytes that the modules send."""
         self._silence += dt
         if any(cube.is_moving for cube in self.cubes):
             self._move(dt)

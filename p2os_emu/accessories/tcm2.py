@@ -93,12 +93,12 @@ class Tcm2:
         return self._calibrating
 
     def begin_calibration(self) -> None:
-        """Watch the field from now on; the robot should turn once round."""
+        """Begin to measure the extent of the field; the robot should turn once around."""
         self._calibrating = True
         self._seen = None
 
     def end_calibration(self) -> None:
-        """Take what was seen for the robot's own magnetism, if it was a whole turn."""
+        """Take the offset of the measured field as the robot's own magnetism, if it was a whole turn."""
         seen = self._seen
         self._calibrating = False
         self._seen = None

@@ -1,4 +1,4 @@
-"""The Canon VC-C4 camera head: what it obeys, and what it answers.
+"""The Canon VC-C4 camera head: commands and answers.
 
 It answers every command at once: one well-known client takes a camera that is silent for 400 ms for one that cannot
 answer. Switching on and looking for its zero take their time all the same: the head stands until it is on, and while it

@@ -1,4 +1,4 @@
-"""The process of one camera. The emulator starts it; it ends with the emulator, however that ends."""
+"""The process of one camera. The emulator starts it, and it ends with the emulator."""
 
 import io
 import os
@@ -28,7 +28,7 @@ LEAST_OFTEN = 1.0
 
 
 class _SceneInbox:
-    """What the emulator has said since one looked last, put together."""
+    """Collects what the emulator has sent since the last read."""
 
     def __init__(self, channel: socket.socket) -> None:
         self._channel = channel
@@ -43,7 +43,7 @@ class _SceneInbox:
             return moment
 
     def wait(self, timeout: float | None = None) -> None:
-        """Return as soon as something has come, or after so many s."""
+        """Return as soon as something was received, or after a timeout, s."""
         with self._come:
             self._come.wait_for(lambda: self._moment is not None, timeout)
 
@@ -61,7 +61,7 @@ class _SceneInbox:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Draw and serve until the emulator goes.
+    """Draw and serve until the emulator ends.
 
     Args:
         argv: Descriptors of the channel and of the listening socket, the picture format, the JPEG's quality, a title.
@@ -92,7 +92,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _take(inbox: _SceneInbox, mirror: Mirror, view: View | None) -> View | None:
-    """Bring the mirror up to date; returns the view now."""
+    """Update the mirror; return the present view."""
     moment = inbox.take()
     if moment is None:
         return view

@@ -1,4 +1,4 @@
-"""The newest picture, and who is waiting for it; older ones are gone."""
+"""The newest picture and its viewers; older pictures are dropped."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -14,7 +14,7 @@ class _JpegPicture(NamedTuple):
 
 
 class Feed:
-    """One writer, any number of viewers; pictures are made only while somebody looks."""
+    """One writer, any number of viewers; pictures are drawn only while there are viewers."""
 
     def __init__(self, on_watched: Callable[[bool], None] = lambda is_watched: None) -> None:
         """Begin without a picture.
@@ -28,25 +28,25 @@ class Feed:
         self._changed = threading.Condition()
 
     def put(self, jpeg: bytes) -> None:
-        """There is a new picture."""
+        """Publish a new picture."""
         with self._changed:
             self._newest = _JpegPicture(self._newest.number + 1, jpeg)
             self._changed.notify_all()
 
     @property
     def has_viewers(self) -> bool:
-        """Somebody looks."""
+        """Whether there are viewers."""
         with self._changed:
             return self._viewers > 0
 
     def wait_for_viewers(self) -> None:
-        """Return as soon as somebody looks."""
+        """Return as soon as there is a viewer."""
         with self._changed:
             self._changed.wait_for(lambda: self._viewers > 0)
 
     @contextmanager
     def watching(self) -> Iterator[int]:
-        """Look, as long as the block lasts; gives the number of the picture before."""
+        """Count as a viewer while the block runs; yield the number of the last picture."""
         with self._changed:
             self._viewers += 1
             if self._viewers == 1:

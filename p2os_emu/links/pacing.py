@@ -1,4 +1,4 @@
-"""Bytes take their time: ten bits each at the line's rate; and what happens when a line is full."""
+"""Pacing: ten bits for each byte at the line's rate, and queues with a limited size."""
 
 from collections import deque
 from random import Random
@@ -22,7 +22,7 @@ class _Clock:
         self._sent_until = 0.0
 
     def rest(self, now: float) -> None:
-        """Nothing waits: the time up to now is not to be made up for."""
+        """Restart the clock while nothing waits."""
         self._sent_until = now
 
     def allow(self, waiting: int, now: float, rates: Rates) -> int:
@@ -34,7 +34,7 @@ class _Clock:
 
 
 class HostQueue:
-    """What a client sends, at the line's rate; writes that find the buffer full are dropped whole.
+    """Queue of client writes at the line's rate; a write that does not fit the buffer is dropped.
 
     dropped: writes lost to a full buffer.
     """
@@ -117,7 +117,7 @@ class RobotQueue:
 
 
 class BaudCheck:
-    """Bytes become noise while the two ends disagree on the rate.
+    """Replaces bytes by noise while the two ends use different rates.
 
     On a real robot the number of bytes changes as well; for whoever listens, noise is noise.
 

@@ -69,7 +69,7 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     nonsense = tmp_path / "nonsense"
     nonsense.write_text("nonsense\n")
     assert main(["wire", str(nonsense)]) == 1
-    assert "line 1 is no line of a cassette" in capsys.readouterr().err
+    assert "line 1 is no line of a recording" in capsys.readouterr().err
     assert main(["wire", str(tmp_path / "none")]) == 1
     assert "there is no port" in capsys.readouterr().err
     assert main(["wire", str(nonsense), "--model", "p9dx"]) == 1
