@@ -44,18 +44,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             formatter_class=parser.formatter_class,
             allow_abbrev=False,
         )
-        action.add_argument("agent", metavar="NAME", help="the agent's, such as follow@happy")
+        action.add_argument("agent", metavar="NAME", help="name of the agent, such as follow@happy")
         if name == "start":
             action.add_argument("kind", metavar="KIND", help="module:Class, such as follow:Follow")
             action.add_argument(
                 "properties", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="JSON, or else text"
             )
             action.add_argument(
-                "--in", dest="container", metavar="CONTAINER", required=True, help="where it is to live"
+                "--in", dest="container", metavar="CONTAINER", required=True, help="container of the agent"
             )
         if name == "move":
-            action.add_argument("container", metavar="CONTAINER", help="where it is to live")
-        action.add_argument("--json", action="store_true", help="one line of JSON")
+            action.add_argument("container", metavar="CONTAINER", help="container to move it to")
+        action.add_argument("--json", action="store_true", help="print one line of JSON")
         add_bus(action)
 
 

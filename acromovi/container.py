@@ -53,16 +53,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     which = parser.add_mutually_exclusive_group(required=True)
-    which.add_argument("name", metavar="NAME", nargs="?", help="an empty container of this name")
-    which.add_argument("--robot", metavar="ROBOT", help="the container of a robot's agents")
-    which.add_argument("--services", metavar="TEAM", help="the container of a team's services")
+    which.add_argument("name", metavar="NAME", nargs="?", help="start an empty container of this name")
+    which.add_argument("--robot", metavar="ROBOT", help="start the container of a robot's agents")
+    which.add_argument("--services", metavar="TEAM", help="start the container of a team's services")
     parser.add_argument(
         "--property",
         metavar="SERVICE.KEY=VALUE",
         type=argument,
         action="append",
         default=[],
-        help="what one of the services is given; a value is JSON, or text where it is no JSON; repeat for more",
+        help="set a property of a service; a value is JSON, or text where it is not JSON; repeatable",
     )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")

@@ -95,8 +95,8 @@ class Drive:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the picture (default: demo)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the robot's imperfections (default: 1)")
+    parser.add_argument("--out", type=Path, default=Path("demo"), help="set the folder for the picture [demo]")
+    parser.add_argument("--seed", type=int, default=1, help="set the seed of the robot's imperfections [1]")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -63,9 +63,11 @@ class Finding(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("port", nargs="?", metavar="PORT", help="the robot's; without it only this computer is checked")
+    parser.add_argument(
+        "port", nargs="?", metavar="PORT", help="port of the robot; without it only this computer is checked"
+    )
     add_bus(parser)
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
 
 
 def run(arguments: argparse.Namespace) -> int:

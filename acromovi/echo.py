@@ -32,9 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("key", metavar="KEY", help="a key, or an expression: * is one chunk, ** any number of chunks")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     parser.add_argument("--count", type=count, metavar="N", help="end after N messages")
-    parser.add_argument("--timeout", type=seconds, metavar="S", help="fail when no message has come for S seconds")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="fail when no message arrives for S seconds")
     add_bus(parser)
 
 

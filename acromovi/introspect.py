@@ -26,8 +26,8 @@ Exit codes: 0 done, 1 no such agent, or it does not answer (the reason is on std
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("agent", metavar="AGENT", help="its name, such as base@happy")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("agent", metavar="AGENT", help="name of the agent, such as base@happy")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 

@@ -40,8 +40,10 @@ reached or there is no arbiter to ask for its record, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--audit", type=count, metavar="N", help="the last N rows of the arbiter's record as well")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument(
+        "--audit", type=count, metavar="N", help="print the last N rows of the arbiter's record as well"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 

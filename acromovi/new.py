@@ -19,7 +19,7 @@ TEMPLATE = "apps.wander"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("name", metavar="NAME", type=identifier, help="of the application: letters, digits and _")
+    parser.add_argument("name", metavar="NAME", type=identifier, help="name of the application: letters, digits and _")
 
 
 def identifier(text: str) -> str:

@@ -37,11 +37,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     add_application(parser)
-    parser.add_argument("--name", help="of the agent, such as night_watch or night_watch@lab (default: the file's)")
+    parser.add_argument(
+        "--name", help="set the agent's name, such as night_watch or night_watch@lab [that of the file]"
+    )
     parser.add_argument(
         "--into",
         metavar="PLACE",
-        help="where it is to live: a container, or loader, in the care of the team that runs (loader@TEAM of several)",
+        help="send it to a container, or to loader, the running team's (loader@TEAM with several teams)",
     )
     add_bus(parser)
 

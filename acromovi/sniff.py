@@ -49,13 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument(
-        "agents", metavar="AGENT", nargs="*", help="only what these say and hear; * stands for any letters"
+        "agents", metavar="AGENT", nargs="*", help="print only messages of these agents; * matches any letters"
     )
-    parser.add_argument("--conversation", metavar="ID", help="only this one; the beginning of its id is enough")
-    parser.add_argument("--seconds", type=seconds, metavar="S", help="end after S seconds (else with Ctrl-C)")
+    parser.add_argument(
+        "--conversation", metavar="ID", help="print only this conversation; the beginning of its id is enough"
+    )
+    parser.add_argument("--seconds", type=seconds, metavar="S", help="end after S seconds [with Ctrl-C]")
     parser.add_argument("--diagram", action="store_true", help="print a sequence diagram in the end")
     parser.add_argument("--svg", type=new_file, metavar="FILE", help="write a sequence diagram as SVG in the end")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     add_bus(parser)
 
 

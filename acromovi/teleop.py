@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="the robot's name")
     parser.add_argument("--speed", type=float, default=0.3, metavar="M_S", help="forward, m/s (default: %(default)g)")
     parser.add_argument(
-        "--turn", type=float, default=0.8, metavar="RAD_S", help="turning, rad/s (default: %(default)g)"
+        "--turn", type=float, default=0.8, metavar="RAD_S", help="set the turning speed [%(default)g rad/s]"
     )
     add_bus(parser)
 

@@ -28,9 +28,9 @@ Exit codes: 0 also when nothing flows, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "--seconds", type=seconds, default=3.0, metavar="S", help="how long to listen (default: %(default)g)"
+        "--seconds", type=seconds, default=3.0, metavar="S", help="listen for this time [%(default)g s]"
     )
     add_bus(parser)
 

@@ -45,9 +45,9 @@ Exit codes: 1 the team cannot come up (the reason is on stderr), 2 wrong usage, 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("team", metavar="TEAM", help="a name in configs/teams, or a file")
-    parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="these robots and no others")
-    parser.add_argument("--seed", type=int, metavar="N", help="decides everything that chance would, in the emulator")
+    parser.add_argument("team", metavar="TEAM", help="team: a name in configs/teams, or a file")
+    parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="start only these robots")
+    parser.add_argument("--seed", type=int, metavar="N", help="set the seed of the emulator's random generator")
     parser.add_argument(
         "--timeout",
         type=seconds,
@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once all serve")
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
     add_bus(parser)
 
 

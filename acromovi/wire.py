@@ -45,17 +45,17 @@ Exit codes: 0 the recording ended, 1 the port or file cannot be used or was lost
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("line", metavar="PORT|FILE", help="the robot's port, or a recording")
-    parser.add_argument("--listen", metavar="PATH|TCP", help="where the client finds the robot: a path, or a TCP port")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("line", metavar="PORT|FILE", help="port of the robot, or a recording")
+    parser.add_argument("--listen", metavar="PATH|TCP", help="offer the robot to a client at a path or a TCP port")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     parser.add_argument(
-        "--record", type=Path, metavar="FILE", help="record the live line; a file that exists is an error"
+        "--record", type=Path, metavar="FILE", help="record the live line; an existing file is an error"
     )
-    parser.add_argument("--force", action="store_true", help="let --record overwrite a file that exists")
+    parser.add_argument("--force", action="store_true", help="let --record overwrite an existing file")
     parser.add_argument(
         "--model",
         metavar="MODEL",
-        help=f"gives the scales (default: what the robot says it is, and {ROBOT} until then)",
+        help=f"set the model, for the scales [that of the robot, {ROBOT} until it answers]",
     )
 
 

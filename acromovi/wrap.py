@@ -23,8 +23,8 @@ The program starts and ends with its agent, and is started again when it ends by
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("file", metavar="FILE", help="the wrapper: one of configs/wrappers, or a path")
-    parser.add_argument("--name", metavar="AGENT", required=True, help="of the agent, such as colours@happy")
+    parser.add_argument("file", metavar="FILE", help="wrapper: a name in configs/wrappers, or a path")
+    parser.add_argument("--name", metavar="AGENT", required=True, help="set the agent's name, such as colours@happy")
     add_bus(parser)
 
 

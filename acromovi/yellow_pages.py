@@ -32,17 +32,17 @@ reached, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--service", metavar="S", help="those that offer this")
-    parser.add_argument("--robot", metavar="R", help="those of this robot, or of this platform")
+    parser.add_argument("--service", metavar="S", help="list only agents with this service")
+    parser.add_argument("--robot", metavar="R", help="list only agents of this robot or platform")
     parser.add_argument(
         "--property",
         metavar="KEY=VALUE",
         type=argument,
         action="append",
         default=[],
-        help="those that have this; a value is JSON, or text where it is no JSON; repeat for more",
+        help="list only agents with this property; a value is JSON, or text where it is not JSON; repeatable",
     )
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
