@@ -88,7 +88,7 @@ def robot(tracer: Tracer) -> Iterator[str]:
     """A robot with the agent of its base, and a gateway that refuses to move it."""
     name = f"robot-{uuid.uuid4().hex[:8]}"
     loop = asyncio.new_event_loop()
-    loop.set_task_factory(tracer.task)  # type: ignore[arg-type]  # its type does not admit options of tasks
+    loop.set_task_factory(tracer.task)
     thread = threading.Thread(target=loop.run_forever, daemon=True)
     thread.start()
 
