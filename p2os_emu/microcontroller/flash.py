@@ -1,4 +1,4 @@
-"""FLASH: the parameters that outlive the client and the power switch."""
+"""FLASH: the parameters that survive disconnecting and switching off."""
 
 from base64 import b32encode
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ ABOVE_ZERO = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flash(FlashDefaults):
-    """One robot's FLASH; SI. What the factory defaults say, and what belongs to this one robot.
+    """One robot's FLASH; SI. The factory defaults, and the values of this robot.
 
     serial: as CONFIGpac says; never "SIM", which makes one well-known client look for a simulator.
     velocity_top, rotation_top: what no command exceeds. max_velocity, max_rotation: SETV and SETRV at power-on.
@@ -70,7 +70,7 @@ class Flash(FlashDefaults):
 
     @classmethod
     def of(cls, model: RobotModel, name: str, seed: int = 0) -> "Flash":
-        """Return what a robot of this model leaves the factory with; its serial number follows from name and seed."""
+        """Return the factory settings of a robot of this model; its serial number follows from name and seed."""
         return cls(
             **asdict(model.flash),
             serial=_serial_number(name, seed),

@@ -1,4 +1,4 @@
-"""Commands that no real robot knows: MobileSim's, which clients send when they take a robot for a simulated one.
+"""Simulator commands of MobileSim, which no real robot knows; clients send them to simulated robots.
 
 A robot has a `Simulator` only with `--as-simulator`; without it these are unknown commands, as on a real robot. The old
 numbers (35 to 38) mean something else on a real robot, and are a laser's here. Source: fact sheet section 7.
@@ -62,7 +62,7 @@ OLD_NUMBERS: Mapping[int, Command] = {
 
 
 class SimulatorControl(Protocol):
-    """What a simulator may do with a robot, as a hand from above."""
+    """Access of simulator commands to a robot in the world."""
 
     @property
     def pose(self) -> Pose2D:
@@ -70,11 +70,11 @@ class SimulatorControl(Protocol):
         ...
 
     def place(self, pose: Pose2D) -> str:
-        """Put it elsewhere; returns why not, empty when it is done."""
+        """Move it to a pose; return why it is refused, empty when it is done."""
         ...
 
     def restart(self) -> None:
-        """Put it back to where it began, and its odometry to zero."""
+        """Move it back to its first pose, and set its odometry to zero."""
         ...
 
 
@@ -114,7 +114,7 @@ class Simulator:
         self.restore()
 
     def restore(self) -> None:
-        """The client has gone: send nothing, look to the front."""
+        """Handle the end of the connection: stop sending, restore the view."""
         self._laser = SimulatedLaserMode.OFF
         self._first, self._last, self._step = -pi / 2, pi / 2, radians(1.0)
         self._states = 0
@@ -132,7 +132,7 @@ class Simulator:
         return True
 
     def packets(self, pose: Pose2D, cycle: float) -> Iterator[Packet]:
-        """What follows the standard SIP of this cycle.
+        """Yield the packets after the standard SIP of this cycle.
 
         Args:
             pose: By odometry.
