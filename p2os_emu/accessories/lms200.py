@@ -116,10 +116,10 @@ class Lms200:
         self._handlers: Mapping[int, Callable[[bytes], None]] = {
             LmsRequestCode.RESET: self._reset,
             LmsRequestCode.MODE: self._set_mode,
-            LmsRequestCode.STATUS: self._tell_status,
-            LmsRequestCode.TYPE: self._tell_type,
+            LmsRequestCode.STATUS: self._answer_status,
+            LmsRequestCode.TYPE: self._answer_type,
             LmsRequestCode.VARIANT: self._set_variant,
-            LmsRequestCode.GET_CONFIGURATION: self._tell_configuration,
+            LmsRequestCode.GET_CONFIGURATION: self._answer_configuration,
             LmsRequestCode.SET_CONFIGURATION: self._configure,
         }
 
@@ -164,7 +164,7 @@ class Lms200:
         for found in self._decoder.receive(data, self._time):
             match found:
                 case LmsTelegram(code, inside):
-                    self._handlers.get(code, self._refuse)(inside)
+                    self._handlers.get(code, self._reject)(inside)
                 case Damaged(_, Damage.CHECKSUM):
                     self._answers.append(_NAK)
 
@@ -183,7 +183,7 @@ class Lms200:
             return b""
         if self._is_new:
             self._is_new = False
-            self._say(LmsAnswerCode.POWER_ON, self._model.type.encode())
+            self._answer(LmsAnswerCode.POWER_ON, self._model.type.encode())
         sent = b""
         while self._answers and self._time >= self._free_at:
             sent += self._send(self._answers.popleft())
@@ -223,7 +223,7 @@ class Lms200:
         elif mode and mode[0] in BAUD_MODES:
             result = ModeResult.OK
             self._next_baud = BAUD_MODES[mode[0]]
-        self._say(LmsAnswerCode.MODE, bytes((result,)))
+        self._answer(LmsAnswerCode.MODE, bytes((result,)))
 
     def _measure(self, segment: _BeamSegment | None, *, is_installing: bool = False) -> None:
         """Send these beams from now on; whoever asks for scans leaves the installation mode."""
@@ -231,11 +231,11 @@ class Lms200:
         self._is_installing = is_installing
         self._scan_at = self._time
 
-    def _tell_status(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.STATUS, status_data(self._model.version.encode(), self.variant))
+    def _answer_status(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.STATUS, status_data(self._model.version.encode(), self.variant))
 
-    def _tell_type(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.TYPE, self._model.type.encode())
+    def _answer_type(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.TYPE, self._model.type.encode())
 
     def _set_variant(self, inside: bytes) -> None:
         wanted = self._wanted_variant(inside)
@@ -243,7 +243,7 @@ class Lms200:
             self.variant = wanted
             if self._segment is not None:
                 self._segment = _BeamSegment(0, wanted.beams, is_partial=False)
-        self._say(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
+        self._answer(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
 
     def _wanted_variant(self, inside: bytes) -> Variant:
         """One widespread client sends a resolution of zero and means the one that there is, or one degree."""
@@ -253,22 +253,22 @@ class Lms200:
         kept = Variant(wanted.angle_deg, self.variant.resolution_cdeg)
         return kept if kept in VARIANTS else Variant(wanted.angle_deg)
 
-    def _tell_configuration(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.CONFIGURATION, self.configuration.pack())
+    def _answer_configuration(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.CONFIGURATION, self.configuration.pack())
 
     def _configure(self, inside: bytes) -> None:
         if not self._is_installing:
-            self._refuse(inside)
+            self._reject(inside)
             return
         try:
             self.configuration = LmsConfiguration.unpack(inside, self.configuration)
         except DecodeError:
-            self._say(LmsAnswerCode.CONFIGURED, configured_data(False, self.configuration))
+            self._answer(LmsAnswerCode.CONFIGURED, configured_data(False, self.configuration))
             return
-        self._say(LmsAnswerCode.CONFIGURED, configured_data(True, self.configuration))
+        self._answer(LmsAnswerCode.CONFIGURED, configured_data(True, self.configuration))
 
-    def _refuse(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.NOT_UNDERSTOOD, b"")
+    def _reject(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.NOT_UNDERSTOOD, b"")
 
     # Answers and scans.
 
@@ -276,7 +276,7 @@ class Lms200:
     def _status(self) -> int:
         return STATUS_OK | (STATUS_POLLUTED if self.dirt >= self._model.polluted_from else 0)
 
-    def _say(self, code: int, data: bytes) -> None:
+    def _answer(self, code: int, data: bytes) -> None:
         """Answer as soon as the line is free; an unasked telegram is not acknowledged before."""
         prefix = b"" if code == LmsAnswerCode.POWER_ON else _ACK
         self._answers.append(prefix + encode_answer(code, data, self._status))

@@ -84,23 +84,23 @@ class Simulator:
     messages: what clients wanted to be known, and what was refused them, the latest last.
     """
 
-    def __init__(self, model: RobotModel, stage: SimulatorControl, body: Body) -> None:
+    def __init__(self, model: RobotModel, robot: SimulatorControl, body: Body) -> None:
         """Stand by.
 
         Args:
             model: What the robot is; its first laser says where the simulated one sits.
-            stage: The hand from above.
+            robot: Access to the robot in the world.
             body: Casts the beams.
         """
         self.messages: deque[str] = deque(maxlen=MESSAGES_KEPT)
-        self._stage = stage
+        self._robot = robot
         self._body = body
         mount = next(iter(model.lasers), None)
         self._x, self._y = (mount.x, mount.y) if mount else (0.0, 0.0)
         self._answers: list[Packet] = []
         self._handlers: Mapping[int, Callable[[Any], None]] = {
             Command.SIM_SET_POSE: self._place,
-            Command.SIM_RESET: lambda _: stage.restart(),
+            Command.SIM_RESET: lambda _: robot.restart(),
             Command.SIM_LRF_ENABLE: self._switch_laser,
             Command.SIM_LRF_SET_FOV_START: self._set_first,
             Command.SIM_LRF_SET_FOV_END: self._set_last,
@@ -167,7 +167,7 @@ class Simulator:
         except DecodeError as error:
             self.messages.append(f"SIM_SET_POSE of {len(data)} bytes was refused: {error}")
             return
-        why_not = self._stage.place(pose)
+        why_not = self._robot.place(pose)
         if why_not:
             self.messages.append(f"SIM_SET_POSE was refused: {why_not}")
 
@@ -181,7 +181,7 @@ class Simulator:
             self.messages.append(f"SIM_CTRL {operation}: {name}")
 
     def _state(self, cycle: float) -> SimulatorState:
-        pose = self._stage.pose
+        pose = self._robot.pose
         return SimulatorState(
             interval=cycle, real_interval=cycle, last_interval=cycle, x=pose.x, y=pose.y, heading=pose.heading
         )
