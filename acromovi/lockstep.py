@@ -178,7 +178,7 @@ class _Element:
         self.driver.port_opened(clock())
 
     def step(self, stamp_ns: int) -> None:
-        """Do what the thread of this cable does when bytes have come or something is due, else nothing."""
+        """Do what the thread of this cable does when bytes have come or something is due."""
         data, now = self._link.client_read(), self._clock()
         if not data and now < self._wakes_at:
             return

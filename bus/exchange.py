@@ -4,6 +4,7 @@ import contextlib
 import logging
 import re
 from collections.abc import Callable, Iterator
+from numbers import Real
 from typing import Any, NamedTuple, ParamSpec
 
 import zenoh
@@ -34,6 +35,8 @@ def key_expression(text: str) -> zenoh.KeyExpr:
     Raises:
         KeyNotValid: It is malformed.
     """
+    if not isinstance(text, str):
+        raise KeyNotValid(f"{text!r} is not a key; a key is a text, such as happy/odom")
     try:
         return zenoh.KeyExpr(text)
     except zenoh.ZError as err:
@@ -174,8 +177,29 @@ class Replies:
         self._on_end(self.error)
 
 
+def check_handler(handler: object) -> None:
+    """Check that a handler can be called.
+
+    Raises:
+        TypeError: It cannot.
+    """
+    if not callable(handler):
+        raise TypeError(f"the handler must be a function, not {handler!r}")
+
+
+def check_timeout(timeout: object) -> None:
+    """Check the time within which replies are awaited.
+
+    Raises:
+        ValueError: It is not a time in s.
+    """
+    if not isinstance(timeout, Real) or not float(timeout) >= 0.0:
+        raise ValueError(f"timeout must be a time of 0 s or more, not {timeout!r}")
+
+
 def guarded(key_expr: str, handler: Callable[P, None]) -> Callable[P, None]:
     """The handler, with a log entry in place of what it raises: one bad sample must not end a stream."""
+    check_handler(handler)
 
     def call(*args: P.args, **kwargs: P.kwargs) -> None:
         try:

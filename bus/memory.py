@@ -18,6 +18,8 @@ from bus.exchange import (
     Replies,
     Talker,
     answered,
+    check_handler,
+    check_timeout,
     encode_any,
     encode_as,
     encoding_of,
@@ -65,6 +67,7 @@ class MemoryBus(Bus):
 
     def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key; no query waits here."""
+        check_handler(answer)
 
         def call(payload: bytes, conversation: MemoryConversation) -> None:
             conversation.send(answered(key, answer, payload))
@@ -74,6 +77,7 @@ class MemoryBus(Bus):
 
     def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key with any number of replies."""
+        check_handler(handler)
 
         def call(payload: bytes, conversation: MemoryConversation) -> None:
             with refusing_errors(key, conversation):
@@ -92,6 +96,7 @@ class MemoryBus(Bus):
         urgent: bool = False,
     ) -> Subscription:
         """Ask everyone who serves a matching key, and hear every reply in its turn, or at once if it is urgent."""
+        check_timeout(timeout)
         self._check_open()
         key = key_expression(key_expr)
         payload = encode_json(arguments or {})

@@ -24,6 +24,8 @@ from bus.exchange import (
     Replies,
     Talker,
     answered,
+    check_handler,
+    check_timeout,
     encode_any,
     encode_as,
     encoding_of,
@@ -220,6 +222,7 @@ class ZenohBus(Bus):
 
     def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
         """Hear the latest sample on a key."""
+        check_handler(on_sample)
         self._require("declare_subscriber", plain_key(key))
         with self._usable():
             subscriber = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(1))
@@ -227,6 +230,7 @@ class ZenohBus(Bus):
 
     def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key."""
+        check_handler(answer)
 
         def respond(query: zenoh.Query) -> None:
             with query:
@@ -242,6 +246,7 @@ class ZenohBus(Bus):
 
     def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key with any number of replies."""
+        check_handler(handler)
         declare = partial(self._session.declare_queryable, plain_key(key))
         self._require("declare_queryable", key)
         with self._usable():
@@ -259,6 +264,7 @@ class ZenohBus(Bus):
         urgent: bool = False,
     ) -> Subscription:
         """Ask everyone who serves a matching key, and hear every reply as it comes."""
+        check_timeout(timeout)
         get = partial(
             self._session.get,
             key_expression(key_expr),

@@ -6,7 +6,7 @@ from contextlib import closing, suppress
 from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
-from agents.client.errors import NotThere, RequestTimedOut, error_of
+from agents.client.errors import NotThere, RequestTimedOut, check_seconds, error_of
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import OtherReading, Reading
 from agents.platform import AgentName, Outcome, Performative
@@ -47,6 +47,7 @@ class ElementClient(Generic[R]):
 
     def _requested(self, request: str, within: float, arguments: Mapping[str, Any]) -> Coroutine[Any, Any, Outcome]:
         """Return the coroutine of a request to the element's agent."""
+        check_seconds("within", within)
         given = {name: plain(value) for name, value in arguments.items()}
         initiator = self._thread.agent.initiator
         return initiator.conversation(Performative.REQUEST, self.agent, request, given, within, within).outcome()
@@ -75,6 +76,7 @@ class ElementClient(Generic[R]):
             NotThere: The element has gone.
             TimedOut: It has fallen silent.
         """
+        check_seconds("within", within)
         latest: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         with closing(self._thread.call(self._listen(latest))):
             while True:

@@ -68,7 +68,7 @@ class Agent:
     services: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
-        self.name = AgentName.parse(name) if isinstance(name, str) else name
+        self.name = name if isinstance(name, AgentName) else AgentName.parse(name)
         self.properties = dict(properties or {})
         self.mailbox = Mailbox()
         self._unreadable = 0

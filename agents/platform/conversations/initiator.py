@@ -8,7 +8,7 @@ from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import new_label
 from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.protocols import PROTOCOLS
-from agents.platform.errors import AgentError
+from agents.platform.errors import AclError, AgentError
 from agents.platform.names import AgentName
 
 
@@ -29,7 +29,13 @@ class Initiator:
         self._home = home
 
     def send(self, message: AclMessage) -> None:
-        """Send a message to the mailboxes of its receivers."""
+        """Send a message to the mailboxes of its receivers. It is lost where no agent has the name.
+
+        Raises:
+            AclError: It is not a valid message.
+        """
+        if not isinstance(message, AclMessage):
+            raise AclError(f"only an AclMessage can be sent, not {message!r}")
         home, written = self._home_there, message.to_dict()
         home.trace(message)
         for receiver in message.receivers:

@@ -190,7 +190,7 @@ def agree() -> None:
     Raises:
         LookupError: There is no current request.
     """
-    _SERVING.get().agree()
+    _being_answered().agree()
 
 
 def attended() -> contextlib.AbstractContextManager[bool]:
@@ -201,7 +201,7 @@ def attended() -> contextlib.AbstractContextManager[bool]:
     Raises:
         LookupError: There is no current request.
     """
-    return _SERVING.get().attended()
+    return _being_answered().attended()
 
 
 def asker() -> AgentName:
@@ -210,4 +210,11 @@ def asker() -> AgentName:
     Raises:
         LookupError: There is no current request.
     """
-    return _SERVING.get().message.sender
+    return _being_answered().message.sender
+
+
+def _being_answered() -> ResponderConversation:
+    conversation = _SERVING.get(None)
+    if conversation is None:
+        raise LookupError("no request is being answered; call this in the method that answers it")
+    return conversation
