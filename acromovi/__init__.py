@@ -1,1 +1,1 @@
-"""The `acromovi` command, which ties the rooms together."""
+"""The `acromovi` command, which connects the packages."""

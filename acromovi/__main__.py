@@ -53,8 +53,8 @@ exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopp
 """
 
 
-class Terminated(BaseException):
-    """SIGTERM came: unwind, so that terminals are restored and sessions closed."""
+class _Terminated(BaseException):
+    """SIGTERM was received; unwinds the stack, so that terminals are restored and sessions closed."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -83,7 +83,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
-    except Terminated:
+    except _Terminated:
         return 128 + signal.SIGTERM
     except BrokenPipeError:  # the reader, `head` for example, has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -94,7 +94,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser(given: Sequence[str]) -> CommandParser:
-    """The parser, with the arguments of the command asked for."""
+    """Return the parser with the arguments of one command."""
     raw = argparse.RawDescriptionHelpFormatter
     parser = CommandParser(
         prog="acromovi", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw, allow_abbrev=False
@@ -112,7 +112,7 @@ def _parser(given: Sequence[str]) -> CommandParser:
 
 
 def _user_errors() -> tuple[type[Exception], ...]:
-    """What is reported in one sentence; imported late, since it brings Zenoh."""
+    """Return the errors that are reported in one sentence; imported late, since they load Zenoh."""
     from agents.platform.errors import AgentError
     from bus.errors import BusError
     from configs.loader import ConfigError
@@ -125,7 +125,7 @@ def _terminable() -> Iterator[None]:
     """Let SIGTERM unwind the stack as Ctrl-C does."""
 
     def terminate(number: int, frame: FrameType | None) -> None:
-        raise Terminated
+        raise _Terminated
 
     before = signal.signal(signal.SIGTERM, terminate)
     try:

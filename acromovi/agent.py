@@ -1,4 +1,4 @@
-"""`acromovi agent`: start an agent in a container, stop it, let it rest and go on, or move it elsewhere."""
+"""`acromovi agent`: start, stop, suspend, resume or move an agent."""
 
 import argparse
 import json
@@ -44,23 +44,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             formatter_class=parser.formatter_class,
             allow_abbrev=False,
         )
-        action.add_argument("agent", metavar="NAME", help="the agent's, such as follow@happy")
+        action.add_argument("agent", metavar="NAME", help="name of the agent, such as follow@happy")
         if name == "start":
             action.add_argument("kind", metavar="KIND", help="module:Class, such as follow:Follow")
             action.add_argument(
                 "properties", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="JSON, or else text"
             )
             action.add_argument(
-                "--in", dest="container", metavar="CONTAINER", required=True, help="where it is to live"
+                "--in", dest="container", metavar="CONTAINER", required=True, help="container of the agent"
             )
         if name == "move":
-            action.add_argument("container", metavar="CONTAINER", help="where it is to live")
-        action.add_argument("--json", action="store_true", help="one line of JSON")
+            action.add_argument("container", metavar="CONTAINER", help="container to move it to")
+        action.add_argument("--json", action="store_true", help="print one line of JSON")
         add_bus(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Tell the container, and say what became of the agent."""
+    """Send the request to the container and print the result."""
     from acromovi.known_containers import find_container, home_of, tell
     from agents.platform.names import AgentName
     from bus.session import ZenohBus

@@ -46,6 +46,6 @@ async def live_alone(bus: "Bus", agent: "Agent", command: str, end: EndRequest) 
 
 
 async def _deserted(container: "Container") -> None:
-    """Wait until nobody lives there: who has stopped the last one has heard so by then."""
+    """Wait until the container has no agents; the answer to the last stop request has been sent by then."""
     while container.agents:
         await asyncio.sleep(LOOK)

@@ -38,16 +38,14 @@ usage, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("agent", metavar="AGENT", help="its name, such as base@happy")
-    parser.add_argument("request", metavar="REQUEST", help="what it is to do")
+    parser.add_argument("agent", metavar="AGENT", help="name of the agent, such as base@happy")
+    parser.add_argument("request", metavar="REQUEST", help="name of the request")
+    parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="arguments")
     parser.add_argument(
-        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="what goes with it"
+        "--timeout", type=seconds, default=PATIENCE, metavar="S", help="wait for the end [%(default)g s]"
     )
-    parser.add_argument(
-        "--timeout", type=seconds, default=PATIENCE, metavar="S", help="wait so long for the end (%(default)g)"
-    )
-    parser.add_argument("--json", action="store_true", help="the result on one line")
-    parser.add_argument("--follow", action="store_true", help="subscribe to it: print each value as it comes")
+    parser.add_argument("--json", action="store_true", help="print the result as one line of JSON")
+    parser.add_argument("--follow", action="store_true", help="subscribe: print each value when it arrives")
     add_bus(parser)
 
 
@@ -106,7 +104,7 @@ async def follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]
 
 @asynccontextmanager
 async def asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
-    """An agent that lives for the questions of one block.
+    """An agent that exists while the block runs.
 
     Raises:
         NotAllowed: A secure bus does not let this program ask agents.

@@ -1,4 +1,4 @@
-"""A small certificate authority: who may come to a secure bus, and as what.
+"""A small certificate authority: members of a secure bus and their roles.
 
 A folder holds one folder for each: `authority`, which signs, and ROLE.NAME with `ca.pem`, `cert.pem` and `key.pem`,
 which is what its owner takes along. A router's has the list `admitted` besides. A
@@ -38,7 +38,7 @@ class KeysError(BusError):
 
 
 @dataclass(frozen=True, slots=True)
-class Issued:
+class _Issued:
     """A certificate that was made.
 
     owner: ROLE.NAME.
@@ -77,7 +77,7 @@ class Authority:
             OSError: The folder cannot be written, or has one.
         """
         key = ec.generate_private_key(ec.SECP256R1())
-        _lay_down(folder / AUTHORITY, {CA: _pem(_root(key, now)), PRIVATE_KEY: _pem_of_key(key)})
+        _write_folder(folder / AUTHORITY, {CA: _pem(_root(key, now)), PRIVATE_KEY: _pem_of_key(key)})
         return cls(folder, now)
 
     def make(self, role: str, name: str, now: datetime, life: timedelta, hosts: Sequence[str] = ()) -> Path:
@@ -107,7 +107,7 @@ class Authority:
         files = {CA: _pem(self._certificate), CERTIFICATE: _pem(signed), PRIVATE_KEY: _pem_of_key(key)}
         if role == ROUTER:
             files[ADMITTED] = "".join(f"{each}\n" for each in owners(self.folder)).encode()
-        _lay_down(self.folder / owner, files)
+        _write_folder(self.folder / owner, files)
         for router in self.folder.glob(f"{ROUTER}.*"):
             if router.name != owner:
                 with (router / ADMITTED).open("a", encoding="utf-8") as admitted:
@@ -115,7 +115,7 @@ class Authority:
         return self.folder / owner
 
     def renew(self, owner: str, now: datetime, life: timedelta) -> Path:
-        """Sign an owner's key for another while.
+        """Sign an owner's key again.
 
         Raises:
             KeysError: There is no such key, or its files are damaged.
@@ -135,7 +135,7 @@ class Authority:
     def _sign(
         self, owner: str, key: ec.EllipticCurvePublicKey, now: datetime, life: timedelta, hosts: Iterable[str]
     ) -> x509.Certificate:
-        """A certificate; only a router's serves to be dialled, so that nobody else can pass for one."""
+        """Return a certificate; only a router's allows incoming connections, so that no other owner can pose as one."""
         ends = min(now + life, self._certificate.not_valid_after_utc)
         names = [_host(host) for host in hosts]
         usages = [ExtendedKeyUsageOID.CLIENT_AUTH] + [ExtendedKeyUsageOID.SERVER_AUTH] * bool(names)
@@ -151,11 +151,11 @@ class Authority:
 
 
 def owners(folder: Path) -> list[str]:
-    """Whose keys are in a folder, sorted."""
+    """Return the owners of the keys in a folder, sorted."""
     return sorted(path.parent.name for path in folder.glob(f"*.*/{CERTIFICATE}"))
 
 
-def issued(folder: Path) -> list[Issued]:
+def issued(folder: Path) -> list[_Issued]:
     """The certificates in a folder, by owner.
 
     Raises:
@@ -163,11 +163,11 @@ def issued(folder: Path) -> list[Issued]:
     """
     _authority(folder)
     found = [(owner, _certificate(folder / owner / CERTIFICATE)) for owner in owners(folder)]
-    return [Issued(owner, each.not_valid_after_utc, _hosts(each)) for owner, each in found]
+    return [_Issued(owner, each.not_valid_after_utc, _hosts(each)) for owner, each in found]
 
 
 def _authority(folder: Path) -> Path:
-    """Where the authority is, and is there."""
+    """Return the folder of an existing authority."""
     if not (folder / AUTHORITY).is_dir():
         raise KeysError(f"there are no keys in {folder}; make the first with: acromovi keys make")
     return folder / AUTHORITY
@@ -200,7 +200,7 @@ def _root(key: ec.EllipticCurvePrivateKey, now: datetime) -> x509.Certificate:
 def _builder(
     name: str, issuer: x509.Name, key: ec.EllipticCurvePublicKey, now: datetime, ends: datetime
 ) -> x509.CertificateBuilder:
-    """What every certificate says."""
+    """Return a builder with the fields of every certificate."""
     return (
         x509.CertificateBuilder()
         .subject_name(_name(name))
@@ -233,7 +233,7 @@ def _host(text: str) -> x509.GeneralName:
 
 
 def _hosts(certificate: x509.Certificate) -> tuple[str, ...]:
-    """By which names a certificate's owner may be reached."""
+    """Return the host names of a certificate."""
     try:
         names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     except x509.ExtensionNotFound:
@@ -266,8 +266,8 @@ def _pem_of_key(key: ec.EllipticCurvePrivateKey) -> bytes:
     return key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
 
 
-def _lay_down(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a folder whole or not at all, and never over one that is there."""
+def _write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write a folder completely or not at all; never overwrite an existing one."""
     folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     fresh = Path(tempfile.mkdtemp(prefix=".new-", dir=folder.parent))
     try:
@@ -280,6 +280,6 @@ def _lay_down(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Write a new file that nobody else may read."""
+    """Write a new file that only its owner may read."""
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
         file.write(data)

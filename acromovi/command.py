@@ -1,4 +1,4 @@
-"""`acromovi command`: tell a robot something, as any program on the bus can."""
+"""`acromovi command`: send a command to a robot."""
 
 import argparse
 import json
@@ -24,12 +24,10 @@ Exit codes: 0 accepted, 1 refused or no such robot (the reason is on stderr), 2 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("what", metavar="COMMAND", help="such as stop, gripper, ptz; or lease, or description")
-    parser.add_argument(
-        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="what goes with it"
-    )
-    parser.add_argument("--timeout", type=seconds, default=3.0, metavar="S", help="wait so long for the answer (3)")
+    parser.add_argument("robot", metavar="ROBOT", help="name of the robot on the bus")
+    parser.add_argument("what", metavar="COMMAND", help="command, such as stop, gripper, ptz; or lease, or description")
+    parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="arguments")
+    parser.add_argument("--timeout", type=seconds, default=3.0, metavar="S", help="wait for the answer [3 s]")
     add_bus(parser)
 
 
@@ -45,7 +43,7 @@ def argument(text: str) -> tuple[str, Any]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask once, print the answer."""
+    """Send the command once and print the answer."""
     from acromovi.presence import RobotPresence
     from bus import NoAnswer, ZenohBus, keys
     from configs.suggestion import hint

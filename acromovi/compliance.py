@@ -1,4 +1,4 @@
-"""Print PROTOCOL.md: the tables of `p2os` and what the emulator's microcontroller makes of them."""
+"""Print PROTOCOL.md: the tables of `p2os` and how much of them the emulator implements."""
 
 from p2os.compliance import Emulated, render
 from p2os_emu.microcontroller import EMULATED, EMULATED_PACKETS, simulator

@@ -1,4 +1,4 @@
-"""`acromovi container`: a process in which agents live: a robot's, a team's, or whoever is started there."""
+"""`acromovi container`: a process for agents: those of a robot, of a team, or any that are started there."""
 
 import argparse
 import asyncio
@@ -53,16 +53,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     which = parser.add_mutually_exclusive_group(required=True)
-    which.add_argument("name", metavar="NAME", nargs="?", help="an empty container of this name")
-    which.add_argument("--robot", metavar="ROBOT", help="the container of a robot's agents")
-    which.add_argument("--services", metavar="TEAM", help="the container of a team's services")
+    which.add_argument("name", metavar="NAME", nargs="?", help="start an empty container of this name")
+    which.add_argument("--robot", metavar="ROBOT", help="start the container of a robot's agents")
+    which.add_argument("--services", metavar="TEAM", help="start the container of a team's services")
     parser.add_argument(
         "--property",
         metavar="SERVICE.KEY=VALUE",
         type=argument,
         action="append",
         default=[],
-        help="what one of the services is given; a value is JSON, or text where it is no JSON; repeat for more",
+        help="set a property of a service; a value is JSON, or text where it is not JSON; repeatable",
     )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")
@@ -73,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Let agents live until a signal comes."""
+    """Host agents until a signal is received."""
     from agents.platform import Container, Kinds
     from agents.platform.names import ContainerName
     from bus.session import ZenohBus
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
-        check_may_serve(bus, ContainerName(name, platform or bus.own_name or name))
+        _check_may_serve(bus, ContainerName(name, platform or bus.own_name or name))
         await_name(bus, name, end, forces=arguments.force)
         if end.code:
             return end.code
@@ -93,8 +93,8 @@ def run(arguments: argparse.Namespace) -> int:
     return end.code
 
 
-def check_may_serve(bus: "Bus", called: "ContainerName") -> None:
-    """See that the key of a secure bus allows this container, before anything is said of its name.
+def _check_may_serve(bus: "Bus", called: "ContainerName") -> None:
+    """Check that the key of a secure bus allows this container; done before its name is checked.
 
     Raises:
         NotAllowed: It does not.
@@ -105,7 +105,7 @@ def check_may_serve(bus: "Bus", called: "ContainerName") -> None:
 
 
 def await_name(bus: "Bus", name: str, end: "EndRequest", *, forces: bool = False) -> None:
-    """See that no other container of this name is on the bus; wait until it is free if that is asked for.
+    """Check that no other container on the bus has this name, or wait until the name is free.
 
     Raises:
         NameTaken: There is one; the message says what to do.
@@ -129,7 +129,7 @@ def await_name(bus: "Bus", name: str, end: "EndRequest", *, forces: bool = False
 
 
 def reporter(program: str) -> "Callable[[Report], None]":
-    """Says in a program's name what goes wrong with an agent: in one sentence where that is all there is to know."""
+    """Return a function that reports an agent's errors under a program's name, in one sentence where possible."""
     from agents.client.errors import RobotError
     from agents.platform import AgentError
     from agents.platform.container.container import log_report
@@ -158,7 +158,7 @@ def _modules(arguments: argparse.Namespace) -> Iterator[str]:
 
 
 class EndRequest:
-    """Whether this program has been told to end, and how.
+    """Whether this program was asked to end, and how.
 
     code: the exit code.
     """
@@ -183,7 +183,7 @@ class EndRequest:
 
 @contextmanager
 def ending_in_time() -> Iterator[EndRequest]:
-    """Let SIGINT and SIGTERM end this program in order, and by force when that takes too long.
+    """Let SIGINT and SIGTERM end this program in order, or by force after a time.
 
     The handlers run even while an agent blocks the event loop.
     """
@@ -228,11 +228,11 @@ def _cut_off_late() -> Iterator[None]:
 
 
 async def live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
-    """Have the agents live that are asked for, until the end."""
+    """Host the requested agents until the end."""
     async with container:
         tasks = [asyncio.ensure_future(leave_if_second(container, end))]
         if arguments.robot:
-            tasks.append(asyncio.ensure_future(follow_robot(container, arguments.robot, end)))
+            tasks.append(asyncio.ensure_future(_follow_robot(container, arguments.robot, end)))
         if arguments.services:
             await start_services(container, arguments.services, dict(arguments.property))
         if arguments.json:
@@ -245,7 +245,7 @@ async def live(container: "Container", arguments: argparse.Namespace, end: EndRe
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-async def follow_robot(container: "Container", robot: str, end: EndRequest) -> None:
+async def _follow_robot(container: "Container", robot: str, end: EndRequest) -> None:
     """Keep the container's agents the same as the robot's elements."""
     from agents.components.robot_agents import RobotAgents
     from agents.platform.errors import in_words
@@ -258,7 +258,7 @@ async def follow_robot(container: "Container", robot: str, end: EndRequest) -> N
 
 
 async def start_services(container: "Container", team: str, properties: Mapping[str, Any]) -> None:
-    """Start the agents of a team's upper layer; one that fails is reported and holds up no other.
+    """Start the agents of a team's upper layer; one that fails is reported and does not delay the others.
 
     Args:
         container: Where.
@@ -281,7 +281,7 @@ async def start_services(container: "Container", team: str, properties: Mapping[
 
 
 async def leave_if_second(container: "Container", end: EndRequest) -> None:
-    """End if another container of this name began at the same moment, but earlier: two would double every agent."""
+    """End if another container of this name started slightly earlier; two would duplicate every agent."""
     from bus import BusError, NameTaken
     from bus.name_holder import check_name_free
 

@@ -1,4 +1,4 @@
-"""The main job in a minute: an emulated robot, its gateway, a drive round the office, and a picture of it.
+"""`acromovi demo`: an emulated robot, its gateway, a drive in one minute, and a picture of it.
 
 The drive knows only the bus. The control socket of the emulator is asked where the robot really is, for the picture.
 """
@@ -7,16 +7,20 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
 from apps.waypoints import Follower
 from bus import Bus, BusError, Sample, ZenohBus, keys, messages
 from configs.extras import require
-from geometry import Pose2D
+from geometry import Polygon, Pose2D
+
+if TYPE_CHECKING:
+    from p2os_emu.world import WorldSpec
 
 EPILOG = """\
 example:
@@ -28,14 +32,16 @@ MODEL = "powerbot"
 ROBOT = "powerbot"
 WORLD = "office"
 ROUTE = "round"
+TRUE_COLOUR = "#1f6f4a"
+BELIEVED_COLOUR = "#c2571a"
 PERIOD_S = 0.1
 CONNECT_TIMEOUT_S = 10.0
 DRIVE_TIMEOUT_S = 90.0
 
 
 @dataclass
-class StreamCounts:
-    """What the robot has said on the bus, and how often."""
+class _StreamCounts:
+    """The robot's messages on the bus, and their number."""
 
     pose: Pose2D | None = None
     speed: float = 0.0
@@ -67,7 +73,7 @@ class StreamCounts:
 
 @dataclass
 class Drive:
-    """What a drive leaves behind: both paths in the world's frame, and how long it took."""
+    """Result of a drive: both paths in the world's frame, and its duration."""
 
     true_path: list[Pose2D] = field(default_factory=list)
     odometry_path: list[Pose2D] = field(default_factory=list)
@@ -75,13 +81,13 @@ class Drive:
 
     @property
     def length(self) -> float:
-        """The way really driven, m."""
+        """Length of the true path, m."""
         steps = zip(self.true_path, self.true_path[1:], strict=False)
         return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in steps)
 
     @property
     def drift(self) -> float:
-        """How far odometry ends from the truth, m."""
+        """Distance between true and odometry pose at the end, m."""
         true, believed = self.true_path[-1], self.odometry_path[-1]
         return math.hypot(believed.x - true.x, believed.y - true.y)
 
@@ -89,14 +95,13 @@ class Drive:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the picture (default: demo)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the robot's imperfections (default: 1)")
+    parser.add_argument("--out", type=Path, default=Path("demo"), help="set the folder for the picture [demo]")
+    parser.add_argument("--seed", type=int, default=1, help="set the seed of the robot's imperfections [1]")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo: 0 when the whole route was driven, 1 otherwise."""
     require("the demo", "emu", "plots")
-    from acromovi.picture import draw_drive
     from p2os_emu.world import load_world
 
     world = load_world(WORLD)
@@ -117,8 +122,8 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, StreamCounts]:
-    heard = StreamCounts()
+def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, _StreamCounts]:
+    heard = _StreamCounts()
     bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
     bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
     bus.subscribe(keys.BATTERY.key(ROBOT), heard.on_battery)
@@ -142,7 +147,7 @@ def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive,
     raise TimeoutError(f"the robot passed {follower.passed} waypoints in {DRIVE_TIMEOUT_S:.0f} s and then no more")
 
 
-def _wait_for_odometry(heard: StreamCounts) -> None:
+def _wait_for_odometry(heard: _StreamCounts) -> None:
     for _ in _every(PERIOD_S / 4, until=time.monotonic() + CONNECT_TIMEOUT_S):
         if heard.pose is not None:
             return
@@ -155,7 +160,7 @@ def _truth(robots: EmulatedRobots) -> Pose2D:
 
 
 def _every(period: float, until: float) -> Iterator[float]:
-    """The time at each beat of a period, s on the steady clock, until a deadline."""
+    """Yield the time at each period, s on the steady clock, until a deadline."""
     due = time.monotonic()
     while due < until:
         time.sleep(max(0.0, due - time.monotonic()))
@@ -183,7 +188,7 @@ def _table() -> Iterator[Callable[[str], None]]:
         print()
 
 
-def _row(drive: Drive, heard: StreamCounts, follower: Follower) -> str:
+def _row(drive: Drive, heard: _StreamCounts, follower: Follower) -> str:
     pose = drive.odometry_path[-1]
     return (
         f"{drive.seconds:5.1f}s {pose.x:6.2f}m {pose.y:6.2f}m {math.degrees(pose.heading):5.0f}° {heard.speed:6.2f} "
@@ -191,7 +196,7 @@ def _row(drive: Drive, heard: StreamCounts, follower: Follower) -> str:
     )
 
 
-def _summary(drive: Drive, heard: StreamCounts, picture: Path) -> str:
+def _summary(drive: Drive, heard: _StreamCounts, picture: Path) -> str:
     return (
         f"\ndrove {drive.length:.1f} m in {drive.seconds:.0f} s; heard {heard.odometry_count} poses and "
         f"{heard.sonar_count} sonar ranges; odometry ends {drive.drift:.2f} m from the truth; picture: {picture}\n"
@@ -200,3 +205,47 @@ def _summary(drive: Drive, heard: StreamCounts, picture: Path) -> str:
         "  .venv/bin/p2os-gateway /tmp/powerbot\n"
         "  .venv/bin/acromovi teleop powerbot"
     )
+
+
+def draw_drive(path: Path, world: "WorldSpec", true_path: Sequence[Pose2D], odometry_path: Sequence[Pose2D]) -> None:
+    """Draw a PNG or SVG, by the ending of `path`.
+
+    Args:
+        path: Where to write.
+        world: What stands where.
+        true_path: Poses in the world, m.
+        odometry_path: Likewise, as the robot's odometry has them.
+    """
+    from matplotlib.figure import Figure  # slow to import
+
+    page = Figure(figsize=(11, 7.5), layout="constrained")
+    axes = page.subplots()
+    _fill(axes, (block.footprint for block in world.walls), "#3d4248", "walls")
+    _fill(axes, (block.footprint for block in world.furniture), "#b9b2a3", "furniture")
+    axes.plot([p.x for p in true_path], [p.y for p in true_path], color=TRUE_COLOUR, linewidth=2.2, label="true path")
+    axes.plot(
+        [p.x for p in odometry_path],
+        [p.y for p in odometry_path],
+        color=BELIEVED_COLOUR,
+        linewidth=1.4,
+        linestyle="--",
+        label="odometry",
+    )
+    for pose, mark, what in ((true_path[0], "o", "start"), (true_path[-1], "s", "end")):
+        axes.plot(pose.x, pose.y, mark, color=TRUE_COLOUR, markersize=8, label=what)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+    axes.set_title(f"World '{world.name}': where the robot drove, and where its odometry has it", loc="left")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    axes.spines[["top", "right"]].set_visible(False)
+    page.savefig(path, dpi=110)
+
+
+def _fill(axes: object, polygons: Iterable[Polygon], colour: str, label: str) -> None:
+    from matplotlib.axes import Axes
+
+    assert isinstance(axes, Axes)
+    for number, polygon in enumerate(polygons):
+        outline = [x for x, _ in polygon], [y for _, y in polygon]
+        axes.fill(*outline, color=colour, linewidth=0, label=label if number == 0 else None)

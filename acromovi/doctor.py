@@ -1,4 +1,4 @@
-"""`acromovi doctor [PORT]`: step by step from this computer to the robot, and what to do where the way ends.
+"""`acromovi doctor [PORT]`: check the connection to a robot step by step, and advise what to do.
 
 It moves nothing: the robot hears STOP and CLOSE first, motors and sonar are left alone, and CLOSE comes last.
 """
@@ -63,9 +63,11 @@ class Finding(NamedTuple):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("port", nargs="?", metavar="PORT", help="the robot's; without it only this computer is checked")
+    parser.add_argument(
+        "port", nargs="?", metavar="PORT", help="port of the robot; without it only this computer is checked"
+    )
     add_bus(parser)
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -82,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def examine(port: str | None, bus_profile: str) -> Iterator[Finding]:
-    """Take the steps one after the other; the way to the robot ends with the first that is not OK."""
+    """Run the checks in order; those of the robot end with the first that is not OK."""
     yield _python()
     yield from map(_package, PACKAGES)
     yield from map(_extra, EXTRAS)
@@ -150,7 +152,7 @@ def _robot(name: str) -> Iterator[Finding]:
     yield Finding("port", True, f"{name} is there and free")
     driver = Driver(model_finder(QUIET_SETTINGS), rates_to_try(port, None), QUIET_SETTINGS)
     bridge = Bridge(driver, port, lambda: open_port(name))
-    visit = _Visit(name, driver, bridge.stop)
+    visit = _RobotProbe(name, driver, bridge.stop)
     try:
         bridge.run(visit)
         yield from visit.findings()
@@ -160,7 +162,7 @@ def _robot(name: str) -> Iterator[Finding]:
         bridge.close()
 
 
-class _Visit:
+class _RobotProbe:
     """Listens to a robot until enough is known."""
 
     def __init__(self, port: str, driver: Driver, leave: Callable[[], None]) -> None:
@@ -180,7 +182,7 @@ class _Visit:
             self._leave()
 
     def findings(self) -> Iterator[Finding]:
-        """What was learnt."""
+        """Return the findings."""
         found = self._search.found
         if found is None:
             problem = self._driver.link_problem

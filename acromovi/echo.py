@@ -1,4 +1,4 @@
-"""`acromovi echo`: print what flows on a key."""
+"""`acromovi echo`: print the messages on a key."""
 
 import argparse
 import json
@@ -32,9 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument("key", metavar="KEY", help="a key, or an expression: * is one chunk, ** any number of chunks")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     parser.add_argument("--count", type=count, metavar="N", help="end after N messages")
-    parser.add_argument("--timeout", type=seconds, metavar="S", help="fail when no message has come for S seconds")
+    parser.add_argument("--timeout", type=seconds, metavar="S", help="fail when no message arrives for S seconds")
     add_bus(parser)
 
 
@@ -54,7 +54,7 @@ def echo(
     timeout: float | None = None,
     output: TextIO = sys.stdout,
 ) -> int:
-    """Print what flows on a key.
+    """Print the messages on a key.
 
     Args:
         bus: Where to listen.
@@ -105,7 +105,7 @@ def record(sample: "Sample") -> dict[str, Any]:
 
 
 def type_of(sample: "Sample") -> str:
-    """What the encoding says, else what the table says of the key, else nothing."""
+    """Return the type by the encoding, else by the table of keys, else None."""
     from bus.bus import JSON
     from bus.keys import topic_of
 
@@ -116,7 +116,7 @@ def type_of(sample: "Sample") -> str:
 
 
 def text(sample: "Sample") -> str:
-    """A sample for people: a head line, then a line for each field."""
+    """Return a sample as text: a head line, then a line for each field."""
     shown = record(sample)
     head = f"--- {shown['key']}  {shown['type']}"
     if shown["stamp_ns"] is not None:
@@ -145,7 +145,7 @@ def _plain(value: Any) -> str:
 
 
 def _hint(key: str, robots: list[str]) -> str:
-    """Why a key may be silent."""
+    """Return why a key may have no messages."""
     import difflib
 
     from acromovi.presence import advice

@@ -1,4 +1,4 @@
-"""`acromovi introspect`: look into a live agent."""
+"""`acromovi introspect`: print the state of a running agent."""
 
 import argparse
 import json
@@ -26,8 +26,8 @@ Exit codes: 0 done, 1 no such agent, or it does not answer (the reason is on std
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("agent", metavar="AGENT", help="its name, such as base@happy")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("agent", metavar="AGENT", help="name of the agent, such as base@happy")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def lines(seen: Mapping[str, Any]) -> Iterator[str]:
-    """What was seen of an agent, for people."""
+    """Return the state of an agent as lines of text."""
     yield f"{seen['name']} is {seen['state']} in {seen['container']}, of the kind {seen['kind']}"
     for title, of_what in (("services", "services"), ("requests", "requests")):
         yield f"{title}: {', '.join(seen[of_what]) or 'none'}"

@@ -1,4 +1,4 @@
-"""`acromovi keys`: the certificates with which robots, people and routers come to a secure bus."""
+"""`acromovi keys`: make certificates for robots, people and routers of a secure bus."""
 
 import argparse
 import json
@@ -47,20 +47,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG.format(roles="\n".join(f"  {role:<10}{meaning}" for role, meaning in ROLES.items()))
     actions = parser.add_subparsers(dest="action", metavar="make|renew|list", required=True)
     make = actions.add_parser("make", help="make a key; with the first, the authority too", allow_abbrev=False)
-    make.add_argument("--role", choices=ROLES, required=True, help="what its owner may do")
-    make.add_argument("--name", required=True, help="its owner; a robot's is its name on the bus")
+    make.add_argument("--role", choices=ROLES, required=True, help="set the rights of the owner")
+    make.add_argument("--name", required=True, help="set the owner; that of a robot is its name on the bus")
     make.add_argument(
-        "--host", action="append", default=[], help="a router's name or address besides localhost; repeatable"
+        "--host", action="append", default=[], help="add a name or address of a router besides localhost; repeatable"
     )
-    renew = actions.add_parser("renew", help="make a key valid for another while", allow_abbrev=False)
-    renew.add_argument("owner", metavar="ROLE.NAME", help="as the list shows it")
+    renew = actions.add_parser("renew", help="extend the validity of a key", allow_abbrev=False)
+    renew.add_argument("owner", metavar="ROLE.NAME", help="owner, as the list shows it")
     listing = actions.add_parser("list", help="list the keys, and until when they are valid", allow_abbrev=False)
-    listing.add_argument("--json", action="store_true", help="one JSON object")
+    listing.add_argument("--json", action="store_true", help="print one JSON object")
     for action in (make, renew):
-        action.add_argument("--days", type=count, default=DAYS, metavar="N", help="how long (default: %(default)d)")
+        action.add_argument("--days", type=count, default=DAYS, metavar="N", help="set the validity [%(default)d days]")
     for action in (make, renew, listing):
         action.add_argument(
-            "--out", type=Path, default=Path("keys"), metavar="DIR", help="where all keys are (default: %(default)s)"
+            "--out", type=Path, default=Path("keys"), metavar="DIR", help="set the folder of keys [%(default)s]"
         )
 
 
@@ -110,7 +110,7 @@ def show(folder: Path, now: datetime, as_json: bool) -> None:
 
 
 def _advice(role: str, folder: Path) -> str:
-    """What to do with a new key."""
+    """Return what to do with a new key."""
     if role == "router":
         return f"run it with: acromovi router --config secure-router:{folder}"
     return f"use it with: --bus secure:{folder}; start the router again, that it admits {folder.name}"

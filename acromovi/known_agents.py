@@ -1,4 +1,4 @@
-"""Which agents are there, by the tokens that they show."""
+"""Agents on the bus, found by their liveliness tokens."""
 
 import asyncio
 import difflib
@@ -16,11 +16,11 @@ QUIET_TIME = 0.3  # s without a new token after which a session has met everybod
 
 
 class NoSuchAgent(AgentError, LookupError):
-    """An agent is asked for that nobody knows."""
+    """There is no agent of this name."""
 
 
 class KnownAgents(Closeable):
-    """The agents that are there, for a program that has just come to the bus and lives for a moment."""
+    """The agents on the bus, for a short-lived program with a new session."""
 
     def __init__(self, bus: Bus) -> None:
         self._changed = Condition()
@@ -43,7 +43,7 @@ class KnownAgents(Closeable):
                 raise NoSuchAgent(f"there is no agent {name}; {advice(name, self.names)}")
 
     def meet(self, timeout: float = MEETING_TIME) -> None:
-        """Wait until no new agents appear any more: a session that has just been opened has met them all then."""
+        """Wait until no new agents appear; a new session knows all agents then."""
         deadline = time.monotonic() + timeout
         with self._changed:
             while (now := time.monotonic()) < deadline:
@@ -55,7 +55,7 @@ class KnownAgents(Closeable):
     def describe(
         self, service: str | None = None, robot: str | None = None
     ) -> tuple[list[Description], list[AgentName]]:
-        """What they say of themselves, and who is there and does not answer, each in the order of their names.
+        """Return the descriptions of the agents, and the names of those that do not answer, both sorted by name.
 
         Raises:
             KeyNotValid: `robot` cannot name a robot.
@@ -68,7 +68,7 @@ class KnownAgents(Closeable):
         return [description for description in found if description.fits(service, {})], silent
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop watching."""
         self._directory.close()
 
     def _on_change(self, name: AgentName, is_alive: bool) -> None:
@@ -78,7 +78,7 @@ class KnownAgents(Closeable):
 
 
 def advice(name: AgentName, seen: list[AgentName]) -> str:
-    """What to try in place of an agent that is not there."""
+    """Return advice for the name of a missing agent."""
     if not seen:
         return "there are no agents at all: start a team with acromovi up, and see whether both use the same --bus"
     near = _nearest(name, seen)
@@ -97,6 +97,6 @@ def _nearest(name: AgentName, seen: list[AgentName]) -> AgentName | None:
 
 
 def _likeness(one: AgentName, other: AgentName) -> float:
-    """0 to 1, by the word that differs more: a robot in common makes no two names alike."""
+    """Return 0 to 1, by the part of the names that differs more: a common robot does not make names similar."""
     words = ((one.local, other.local), (one.platform, other.platform))
     return min(difflib.SequenceMatcher(None, *pair).ratio() for pair in words)

@@ -1,4 +1,4 @@
-"""Which containers are there, by the tokens that they show, and how they are told something."""
+"""Containers on the bus, found by their liveliness tokens, and requests to them."""
 
 import difflib
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ ORDER_TIME = 60.0  # s; longer than a setup may take, or a move
 
 
 class NoSuchContainer(AgentError, LookupError):
-    """A container is asked for that nobody knows."""
+    """There is no container of this name."""
 
 
 def find_container(bus: Bus, name: str, timeout: float = MEETING_TIME) -> ContainerName:
@@ -55,7 +55,7 @@ def home_of(bus: Bus, agent: AgentName) -> str:
 
 
 def tell(bus: Bus, container: ContainerName, do: str, **given: object) -> Mapping[str, Any]:
-    """Have a container do something.
+    """Send a request to a container.
 
     Raises:
         Refused: It does not; says why.

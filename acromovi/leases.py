@@ -1,4 +1,4 @@
-"""`acromovi leases`: who holds what, and how that came."""
+"""`acromovi leases`: print the leases and their history."""
 
 import argparse
 import asyncio
@@ -40,13 +40,15 @@ reached or there is no arbiter to ask for its record, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--audit", type=count, metavar="N", help="the last N rows of the arbiter's record as well")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument(
+        "--audit", type=count, metavar="N", help="print the last N rows of the arbiter's record as well"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask gateways and arbiter once, and print what they know."""
+    """Query gateways and arbiters once and print the leases."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
 
@@ -83,7 +85,7 @@ async def leases(bus: "Bus") -> list[dict[str, Any]]:
 
 
 def held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """What a gateway answers, a row for each lease."""
+    """Return a gateway's answer, a row for each lease."""
     elements = {robot: state} | {f"{name}@{robot}": lease for name, lease in state.get("elements", {}).items()}
     for element, lease in elements.items():
         if lease.get("holder") is not None:

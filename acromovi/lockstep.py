@@ -50,7 +50,7 @@ class Lockstep:
         perfect: bool = False,
         settings: Settings = SETTINGS,
     ) -> None:
-        """Put the robots on their places and open the bus; their drivers connect within the first second of `run`.
+        """Place the robots and open the bus; their drivers connect within the first second of `run`.
 
         Args:
             world: From `load_world`.
@@ -106,7 +106,7 @@ class Lockstep:
             self.run(STEP)
 
     def fault(self, spec: str) -> int:
-        """Let something go wrong, as `p2os-emu --fault` writes it; its start counts from now.
+        """Schedule a fault in the notation of `p2os-emu --fault`; its start counts from now.
 
         Returns:
             The number by which `clear` ends it.
@@ -116,7 +116,7 @@ class Lockstep:
         return self._faults.schedule(parse_fault(spec), self.time).number
 
     def clear(self, number: int) -> None:
-        """End a fault, or call off one that has not begun.
+        """End a fault, or cancel one that has not begun.
 
         Raises:
             FaultError: There is no fault of this number, or it is over.
@@ -124,15 +124,15 @@ class Lockstep:
         self._faults.clear(number)
 
     def truth(self, name: str) -> Pose2D:
-        """Where a robot really is in the world."""
+        """Return the true pose of a robot."""
         return self._emulator.truth(name).pose
 
     def touches(self, name: str) -> Touches:
-        """What a robot has really bumped into: hull or accessory against wall, furniture, door, person or robot."""
+        """Return the collisions of a robot: hull or accessory against wall, furniture, door, person or robot."""
         return self._world.touches(name)
 
     def people(self) -> Mapping[str, PersonPlace]:
-        """Where everybody really is who walks about."""
+        """Return the true poses of the people."""
         return self._world.people()
 
     def doors(self) -> Mapping[str, DoorState]:
@@ -140,7 +140,7 @@ class Lockstep:
         return self._world.doors()
 
     def set_door(self, name: str, is_open: bool) -> None:
-        """Open or shut a door; from then on it does no more by itself.
+        """Open or close a door; it no longer moves by itself.
 
         Raises:
             WorldError: There is no such door.
@@ -208,7 +208,7 @@ class _Element:
 
 
 class _Host:
-    """The host's end of one cable: what the gateway's bridge is between threads, without threads."""
+    """The host's end of one cable: does the work of the gateway's bridge without threads."""
 
     def __init__(
         self,

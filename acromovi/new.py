@@ -1,4 +1,4 @@
-"""`acromovi new`: write an application to begin with."""
+"""`acromovi new`: write an example application."""
 
 import argparse
 import inspect
@@ -19,7 +19,7 @@ TEMPLATE = "apps.wander"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("name", metavar="NAME", type=identifier, help="of the application: letters, digits and _")
+    parser.add_argument("name", metavar="NAME", type=identifier, help="name of the application: letters, digits and _")
 
 
 def identifier(text: str) -> str:
@@ -33,7 +33,7 @@ def identifier(text: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write it, unless it is there."""
+    """Write the file, unless it exists."""
     file = Path(f"{options.name}.py")
     try:
         with file.open("x", encoding="utf-8") as written:
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def application(name: str) -> str:
-    """The text of a new application: the one that Acromovi brings, under its own name."""
+    """Return the source of a new application: the one shipped with Acromovi, renamed."""
     from apps import wander
 
     return (

@@ -12,7 +12,7 @@ def add_bus(parser: argparse.ArgumentParser) -> None:
         "--bus",
         metavar="PROFILE",
         default=default_bus(),
-        help="how to reach the bus: local[:NAME] (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
+        help="set the bus profile: local[:NAME] (this machine only), lan, router, secure[:FOLDER OF KEYS], or a file "
         f"[%(default)s; {VARIABLE} changes it]",
     )
 
@@ -25,7 +25,7 @@ def add_apps(parser: argparse.ArgumentParser) -> None:
         action="append",
         type=folder,
         default=[],
-        help="a folder of applications that may be started as agents: follow.py is the module follow; repeatable",
+        help="add a folder of applications that can be started as agents: follow.py is the module follow; repeatable",
     )
 
 

@@ -1,4 +1,4 @@
-"""Which robots are there, by the tokens that their gateways show."""
+"""Robots on the bus, found by the tokens of their gateways."""
 
 import difflib
 from threading import Condition
@@ -11,11 +11,11 @@ MEETING_TIME = 2.0  # s in which a robot that is there must have been seen, on a
 
 
 class UnknownRobot(BusError, LookupError):
-    """A robot is asked for that nobody announces."""
+    """There is no robot of this name."""
 
 
 class RobotPresence:
-    """The robots that are there, kept up to date."""
+    """The robots on the bus, kept up to date."""
 
     def __init__(self, bus: Bus) -> None:
         self._robots: set[str] = set()
@@ -48,7 +48,7 @@ class RobotPresence:
 
 
 def advice(robot: str, seen: list[str]) -> str:
-    """What to try in place of a robot that is not there."""
+    """Return advice for the name of a missing robot."""
     if not seen:
         return "there are no robots at all: start one with p2os-gateway PORT, and see whether both use the same --bus"
     near = difflib.get_close_matches(robot, seen, 1)

@@ -37,17 +37,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     add_application(parser)
-    parser.add_argument("--name", help="of the agent, such as night_watch or night_watch@lab (default: the file's)")
+    parser.add_argument(
+        "--name", help="set the agent's name, such as night_watch or night_watch@lab [that of the file]"
+    )
     parser.add_argument(
         "--into",
         metavar="PLACE",
-        help="where it is to live: a container, or loader, in the care of the team that runs (loader@TEAM of several)",
+        help="send it to a container, or to loader, the running team's (loader@TEAM with several teams)",
     )
     add_bus(parser)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Let the agent live until it ends, or a signal comes; or send it where it is to live."""
+    """Host the agent until it ends or a signal is received, or send it to another container."""
     from agents import RobotError
     from agents.platform import AgentError
 
@@ -83,7 +85,7 @@ def _live(program: "RunningApplication", options: argparse.Namespace) -> int:
 
 
 def _send(program: "RunningApplication", options: argparse.Namespace) -> int:
-    """Have a loader or a container host it."""
+    """Send it to a loader or a container."""
     from acromovi.sending import into_container, into_loader
     from agents.services.loaded import digest
     from bus.session import ZenohBus

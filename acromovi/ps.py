@@ -1,4 +1,4 @@
-"""`acromovi ps`: which agents live, where, and in which state."""
+"""`acromovi ps`: list the agents, their containers and states."""
 
 import argparse
 import json
@@ -27,12 +27,12 @@ be reached, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask everybody once, and print the list."""
+    """Query all agents once and print the list."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
 

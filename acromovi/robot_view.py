@@ -1,4 +1,4 @@
-"""What teleoperation shows of a robot: its state first, then why a key has no effect. No bus, no clock."""
+"""The screen of teleoperation: the robot's state, then why a key has no effect. No bus, no clock."""
 
 import re
 import textwrap
@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from acromovi.keypad import HELP
+from acromovi.keyboard import HELP
 
 SEPARATOR, DOT = " | ", " · "
 LATCHED = "the e-stop is latched"  # among the faults of a robot's state, as the two below

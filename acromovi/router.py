@@ -1,4 +1,4 @@
-"""`acromovi router`: Zenoh's own router mode, so that robots of several sites meet."""
+"""`acromovi router`: run a Zenoh router, which connects the robots of several sites."""
 
 import argparse
 import json
@@ -29,13 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--listen",
         action="append",
         metavar="ENDPOINT",
-        help="where to listen; repeatable (default: tcp/127.0.0.1:7447)",
+        help="listen on this endpoint; repeatable [tcp/127.0.0.1:7447]",
     )
     parser.add_argument(
         "--connect",
         action="append",
         metavar="ENDPOINT",
-        help="another router to dial, now or when it comes; repeatable",
+        help="connect to another router, now or when it starts; repeatable",
     )
     parser.add_argument(
         "--config",

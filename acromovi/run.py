@@ -1,4 +1,4 @@
-"""`acromovi run`: run an application on the robots that are there."""
+"""`acromovi run`: run an application on the robots on the bus."""
 
 import argparse
 import sys
@@ -37,7 +37,7 @@ def add_application(parser: argparse.ArgumentParser) -> None:
     """Add which application, and what it is given."""
     parser.add_argument("application", metavar="APP", help="a .py file with main(team), or the name of one in --apps")
     parser.add_argument(
-        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="what main is given"
+        "arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="arguments of main"
     )
     add_apps(parser)
 

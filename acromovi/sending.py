@@ -1,4 +1,4 @@
-"""Sending an application to where it is to live. What is sent is its name; its program must lie there already."""
+"""Send an application to a loader or container. Only its name is sent; the program must be installed there."""
 
 import asyncio
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ PATIENCE = 60.0  # s for a process to begin, and an application in it
 
 
 def into_loader(bus: Bus, which: str, agent: AgentName, given: Mapping[str, Any]) -> str:
-    """Have a team's loader load an application.
+    """Ask a team's loader to load an application.
 
     Args:
         bus: Where the team is.
@@ -41,7 +41,7 @@ def into_loader(bus: Bus, which: str, agent: AgentName, given: Mapping[str, Any]
 
 
 def into_container(bus: Bus, which: str, agent: AgentName, given: Mapping[str, Any]) -> str:
-    """Have a container start an application.
+    """Ask a container to start an application.
 
     Raises:
         NoSuchContainer: There is none of this name.

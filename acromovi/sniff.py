@@ -1,4 +1,4 @@
-"""`acromovi sniff`: who says what to whom among the agents."""
+"""`acromovi sniff`: print the messages between agents."""
 
 import argparse
 import json
@@ -14,8 +14,8 @@ from acromovi.options import add_bus, seconds
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
+    from acromovi.sniffer.captured import CapturedMessage, Heard
     from acromovi.sniffer.listener import Listener
-    from acromovi.sniffer.overheard import Heard, Overheard
     from acromovi.sniffer.sequence import Diagram
 
 SILENCE = 3.0  # s without a word until a hint is given
@@ -49,13 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
     parser.add_argument(
-        "agents", metavar="AGENT", nargs="*", help="only what these say and hear; * stands for any letters"
+        "agents", metavar="AGENT", nargs="*", help="print only messages of these agents; * matches any letters"
     )
-    parser.add_argument("--conversation", metavar="ID", help="only this one; the beginning of its id is enough")
-    parser.add_argument("--seconds", type=seconds, metavar="S", help="end after S seconds (else with Ctrl-C)")
+    parser.add_argument(
+        "--conversation", metavar="ID", help="print only this conversation; the beginning of its id is enough"
+    )
+    parser.add_argument("--seconds", type=seconds, metavar="S", help="end after S seconds [with Ctrl-C]")
     parser.add_argument("--diagram", action="store_true", help="print a sequence diagram in the end")
     parser.add_argument("--svg", type=new_file, metavar="FILE", help="write a sequence diagram as SVG in the end")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     add_bus(parser)
 
 
@@ -72,14 +74,14 @@ def new_file(text: str) -> Path:
 def run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
+    from acromovi.sniffer.captured import wanted
     from acromovi.sniffer.listener import Listener
-    from acromovi.sniffer.overheard import wanted
     from bus.session import ZenohBus
 
     if arguments.json and arguments.diagram:
         print("acromovi sniff: --json and --diagram both print; --svg FILE goes with --json", file=sys.stderr)
         return 2
-    transcript = Transcript(wanted(arguments.agents, arguments.conversation), arguments.json)
+    transcript = _Transcript(wanted(arguments.agents, arguments.conversation), arguments.json)
     is_drawn = True
     with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known, Listener(bus) as ear:
 
@@ -94,8 +96,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if is_drawn else 1
 
 
-class Transcript:
-    """Prints what is heard, and remembers the last of it for the diagrams.
+class _Transcript:
+    """Prints messages, and keeps the latest for the diagrams.
 
     count: messages that were printed and can be drawn.
     """
@@ -104,16 +106,16 @@ class Transcript:
         self.count = 0
         self._is_wanted = is_wanted
         self._as_json = as_json
-        self._last: deque[Overheard] = deque(maxlen=MOST_DRAWN)
+        self._last: deque[CapturedMessage] = deque(maxlen=MOST_DRAWN)
 
     def add(self, heard: "Iterable[Heard]") -> None:
         """Print what is wanted of it."""
-        from acromovi.sniffer.overheard import Overheard
+        from acromovi.sniffer.captured import CapturedMessage
 
         for each in filter(self._is_wanted, heard):
             shown = json.dumps(each.record()) if self._as_json else line(each)
             print(shown, flush=True)
-            if isinstance(each, Overheard):
+            if isinstance(each, CapturedMessage):
                 self.count += 1
                 self._last.append(each)
 
@@ -124,8 +126,8 @@ class Transcript:
         return diagram_of(self._last, self.count - len(self._last))
 
 
-def follow(ear: "Listener", transcript: Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
-    """Print what is said for so many seconds, or for ever; tell once when nobody says anything."""
+def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
+    """Print messages for a time, s, or without end; give advice once when there are none."""
     begun = time.monotonic()
     quiet_until = begun + min(SILENCE, duration or SILENCE)
     while duration is None or time.monotonic() < begun + duration:
@@ -136,8 +138,8 @@ def follow(ear: "Listener", transcript: Transcript, duration: float | None, on_s
 
 
 def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
-    """What to try when nobody says anything."""
-    from acromovi.sniffer.overheard import matches
+    """Return advice for when there are no messages."""
+    from acromovi.sniffer.captured import matches
 
     if not known.names:
         return "there are no agents: start a team with acromovi up, and see whether both use the same --bus"
@@ -148,7 +150,7 @@ def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
 
 def line(heard: "Heard") -> str:
     """Something heard, for people."""
-    from acromovi.sniffer.overheard import SHORT_ID, Unreadable, brief, shortened
+    from acromovi.sniffer.captured import SHORT_ID, Unreadable, brief, shortened
     from acromovi.sniffer.text import clock
 
     if isinstance(heard, Unreadable):
@@ -162,7 +164,7 @@ def line(heard: "Heard") -> str:
     return f"{clock(heard.time)}  {mark:<{SHORT_ID}}  {who:<{WHO}}  {message.performative:<8} {text}".rstrip()
 
 
-def draw(transcript: Transcript, as_text: bool, picture: Path | None) -> bool:
+def draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
     """Print or write the diagram, as is wanted; False when the file cannot be written."""
     from acromovi.sniffer.svg import svg
     from acromovi.sniffer.text import lines

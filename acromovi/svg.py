@@ -1,4 +1,4 @@
-"""What all our drawings in SVG share: one file each that needs no other, in one style."""
+"""Parts shared by all SVG drawings: self-contained files in one style."""
 
 from collections.abc import Iterable, Iterator
 from xml.sax.saxutils import escape

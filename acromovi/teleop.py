@@ -8,7 +8,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from acromovi.keypad import HELP, MOVES, PERIOD, SPECIAL, Action, Keypad, KeyReader
+from acromovi.keyboard import HELP, MOVES, PERIOD, SPECIAL, Action, KeyboardControl, KeyReader
 from acromovi.options import add_bus
 from acromovi.robot_view import RobotView, in_keys
 
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="the robot's name")
     parser.add_argument("--speed", type=float, default=0.3, metavar="M_S", help="forward, m/s (default: %(default)g)")
     parser.add_argument(
-        "--turn", type=float, default=0.8, metavar="RAD_S", help="turning, rad/s (default: %(default)g)"
+        "--turn", type=float, default=0.8, metavar="RAD_S", help="set the turning speed [%(default)g rad/s]"
     )
     add_bus(parser)
 
@@ -90,7 +90,7 @@ class Teleop:
 
         self.robot = robot
         self._bus = bus
-        self._keypad = Keypad(linear_speed, angular_speed)
+        self._keyboard = KeyboardControl(linear_speed, angular_speed)
         self._command = bus.publisher(keys.CMD_VEL.key(robot), keys.CMD_VEL.type_name)
         self.view = RobotView(robot)
         # An answer may take its time, the wheels may not; and no stop waits for the answer to something else.
@@ -114,7 +114,7 @@ class Teleop:
 
     def press(self, key: str, now: float) -> bool:
         """Take one key; False when it asks to quit."""
-        action = self._keypad.press(key, now)
+        action = self._keyboard.press(key, now)
         if action is Action.QUIT:
             return False
         if action is not None:
@@ -127,7 +127,7 @@ class Teleop:
 
     def step(self, now: float) -> None:
         """Command what is due."""
-        due = self._keypad.due(now)
+        due = self._keyboard.due(now)
         if due is not None:
             self._publish(*due)
 

@@ -1,4 +1,4 @@
-"""The terminal of a live program: keys as they come, a screen that is written again and again, everything put back."""
+"""Terminal of an interactive program: reads keys, redraws a screen, restores the terminal at the end."""
 
 import os
 import select

@@ -1,4 +1,4 @@
-"""`acromovi topics`: which robots are there, and what flows now."""
+"""`acromovi topics`: list the robots and the keys with messages."""
 
 import argparse
 import json
@@ -28,9 +28,9 @@ Exit codes: 0 also when nothing flows, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "--seconds", type=seconds, default=3.0, metavar="S", help="how long to listen (default: %(default)g)"
+        "--seconds", type=seconds, default=3.0, metavar="S", help="listen for this time [%(default)g s]"
     )
     add_bus(parser)
 
@@ -46,8 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 @dataclass
-class Flow:
-    """What has been heard on one key; times in s on one steady clock."""
+class _Flow:
+    """Messages counted on one key; times in s on one steady clock."""
 
     type_name: str
     first: float
@@ -64,7 +64,7 @@ class Tally:
     """Counts messages by key; the bus's thread counts while another reads."""
 
     def __init__(self) -> None:
-        self._flows: dict[str, Flow] = {}
+        self._flows: dict[str, _Flow] = {}
         self._lock = Lock()
 
     def add(self, sample: "Sample", now: float) -> None:
@@ -74,7 +74,7 @@ class Tally:
         with self._lock:
             flow = self._flows.get(sample.key)
             if flow is None:
-                self._flows[sample.key] = Flow(type_of(sample) or sample.encoding, now, now)
+                self._flows[sample.key] = _Flow(type_of(sample) or sample.encoding, now, now)
             else:
                 flow.count += 1
                 flow.last = now

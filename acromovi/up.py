@@ -1,4 +1,4 @@
-"""`acromovi up`: a whole team from one file, until Ctrl-C."""
+"""`acromovi up`: start a whole team from one file, and end it with Ctrl-C."""
 
 import argparse
 import asyncio
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from acromovi.options import add_apps, add_bus, seconds
 
 if TYPE_CHECKING:
-    from acromovi.team.plan import Choices, TeamPlan
+    from acromovi.team.plan import TeamOptions, TeamPlan
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
@@ -45,9 +45,9 @@ Exit codes: 1 the team cannot come up (the reason is on stderr), 2 wrong usage, 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("team", metavar="TEAM", help="a name in configs/teams, or a file")
-    parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="these robots and no others")
-    parser.add_argument("--seed", type=int, metavar="N", help="decides everything that chance would, in the emulator")
+    parser.add_argument("team", metavar="TEAM", help="team: a name in configs/teams, or a file")
+    parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="start only these robots")
+    parser.add_argument("--seed", type=int, metavar="N", help="set the seed of the emulator's random generator")
     parser.add_argument(
         "--timeout",
         type=seconds,
@@ -56,14 +56,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once all serve")
-    parser.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Bring a team up, hold it, and end it in order."""
+    """Start a team, keep it running, and end it in order."""
     from acromovi.team.identities import folder_of_keys
-    from acromovi.team.plan import Choices, load_team
+    from acromovi.team.plan import TeamOptions, load_team
     from acromovi.team.team import TeamFailed, TeamTimedOut
     from configs.extras import require
 
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     if team.emulated:
         require("a team with emulated robots", "emu")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
-    choices = Choices(arguments.bus, arguments.seed, tuple(arguments.apps), keys)
+    choices = TeamOptions(arguments.bus, arguments.seed, tuple(arguments.apps), keys)
     folder = Path(tempfile.mkdtemp(prefix=FOLDER))
     try:
         return asyncio.run(_hold(team, choices, folder, arguments))
@@ -86,7 +86,7 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-async def _hold(team: "TeamPlan", choices: "Choices", folder: Path, arguments: argparse.Namespace) -> int:
+async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, arguments: argparse.Namespace) -> int:
     from acromovi.team.identities import teams_key
     from acromovi.team.processes import Processes
     from acromovi.team.team import STARTING_TIME, TeamAtWork
@@ -151,7 +151,7 @@ def signals(numbers: Iterable[signal.Signals]) -> "asyncio.Future[int]":
 
 
 async def _see_that_nobody_is_there(bus: "Bus", team: "TeamPlan") -> None:
-    """Refuse to bring up what is up already: two of one name would both obey.
+    """Refuse to start a robot or team that is running already: two of one name would both carry out commands.
 
     Raises:
         TeamFailed: The team, or a robot of this name, is on this bus.

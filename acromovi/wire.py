@@ -1,4 +1,4 @@
-"""`acromovi wire PORT|FILE`: what flows on a robot's cable, in words."""
+"""`acromovi wire PORT|FILE`: print the frames on a robot's cable."""
 
 import argparse
 import contextlib
@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import TextIO
 
 import configs
+from configs.defaults import ROBOT
 from gateway.errors import GatewayError
 from gateway.serial_port import Port, open_port
 from p2os import PARTIAL_TIMEOUT, RobotModel
 from p2os.wire_log import FrameSource, WireLog, WireLogEntry, as_json, as_text
-from p2os_emu.cassette import CassetteError, Recorder, read
 from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
 from p2os_emu.links.tcp import TcpLink
+from p2os_emu.recording import LineRecorder, RecordingError, read
 
-DEFAULT_MODEL = "p3dx-sh"
 GLANCE = 0.01
 """Seconds between two looks at the client's baud rate, and at a silent line."""
 EPILOG = """\
@@ -45,17 +45,17 @@ Exit codes: 0 the recording ended, 1 the port or file cannot be used or was lost
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("line", metavar="PORT|FILE", help="the robot's port, or a recording")
-    parser.add_argument("--listen", metavar="PATH|TCP", help="where the client finds the robot: a path, or a TCP port")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument("line", metavar="PORT|FILE", help="port of the robot, or a recording")
+    parser.add_argument("--listen", metavar="PATH|TCP", help="offer the robot to a client at a path or a TCP port")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     parser.add_argument(
-        "--record", type=Path, metavar="FILE", help="record the live line; a file that exists is an error"
+        "--record", type=Path, metavar="FILE", help="record the live line; an existing file is an error"
     )
-    parser.add_argument("--force", action="store_true", help="let --record overwrite a file that exists")
+    parser.add_argument("--force", action="store_true", help="let --record overwrite an existing file")
     parser.add_argument(
         "--model",
         metavar="MODEL",
-        help=f"gives the scales (default: what the robot says it is, and {DEFAULT_MODEL} until then)",
+        help=f"set the model, for the scales [that of the robot, {ROBOT} until it answers]",
     )
 
 
@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
             replay(Path(arguments.line), arguments.model, show)
         else:
             _listen(arguments, show)
-    except (CassetteError, GatewayError, PortError) as error:
+    except (RecordingError, GatewayError, PortError) as error:
         print(f"acromovi wire: {error}", file=sys.stderr)
         return 1
     return 0
@@ -77,24 +77,24 @@ def replay(path: Path, model: str | None, show: Callable[[Iterable[WireLogEntry]
     """Show a recording.
 
     Args:
-        path: A cassette.
+        path: A recording.
         model: Gives the scales, also where the robot says something else; None leaves that to the recording.
         show: Takes what is found, in the order of the line.
     Raises:
-        CassetteError: It cannot be read.
+        RecordingError: It cannot be read.
         ConfigError: There is no such model.
     """
-    cassette = read(path)
-    log = _wire_log(model, cassette.model)
-    for moment in cassette.moments:
+    recording = read(path)
+    log = _wire_log(model, recording.model)
+    for moment in recording.moments:
         show(log.receive(moment.source, moment.data, moment.time))
-    end = cassette.moments[-1].time + 2 * PARTIAL_TIMEOUT
+    end = recording.moments[-1].time + 2 * PARTIAL_TIMEOUT
     for source in FrameSource:
         show(log.receive(source, b"", end))
 
 
 class Tap:
-    """Stands between a robot's port and a client: bytes go through, and the log reads along.
+    """Sits between a robot's port and a client, passes the bytes on and logs them.
 
     Args:
         port: The robot's.
@@ -159,7 +159,7 @@ def _listen(arguments: argparse.Namespace, show: Callable[[Iterable[WireLogEntry
         keep = None
         if arguments.record is not None:
             keep = stack.enter_context(
-                contextlib.closing(Recorder(arguments.record, "", arguments.model or "", force=arguments.force))
+                contextlib.closing(LineRecorder(arguments.record, "", arguments.model or "", force=arguments.force))
             )
         tap = Tap(port, link, _wire_log(arguments.model, ""), show, keep)
         start = time.monotonic()
@@ -180,7 +180,7 @@ def _wire_log(given: str | None, recorded: str) -> WireLog:
     if given is not None:
         return WireLog(configs.load(RobotModel, "robots", given))
     first = _find_model(recorded) if recorded else None
-    return WireLog(first or configs.load(RobotModel, "robots", DEFAULT_MODEL), _find_model)
+    return WireLog(first or configs.load(RobotModel, "robots", ROBOT), _find_model)
 
 
 def _find_model(subtype: str) -> RobotModel | None:

@@ -1,4 +1,4 @@
-"""`acromovi wrap`: make an agent of a program or a C library, as a file says."""
+"""`acromovi wrap`: run a program or a C library as an agent, described by a file."""
 
 import argparse
 import asyncio
@@ -23,13 +23,13 @@ The program starts and ends with its agent, and is started again when it ends by
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("file", metavar="FILE", help="the wrapper: one of configs/wrappers, or a path")
-    parser.add_argument("--name", metavar="AGENT", required=True, help="of the agent, such as colours@happy")
+    parser.add_argument("file", metavar="FILE", help="wrapper: a name in configs/wrappers, or a path")
+    parser.add_argument("--name", metavar="AGENT", required=True, help="set the agent's name, such as colours@happy")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Let the agent live until it is stopped, or a signal comes."""
+    """Host the agent until it is stopped or a signal is received."""
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
     from agents.platform import AgentError, AgentName

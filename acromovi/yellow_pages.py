@@ -1,4 +1,4 @@
-"""`acromovi directory`: who offers what, and what each can be asked for."""
+"""`acromovi directory`: list the agents with their services and requests."""
 
 import argparse
 import json
@@ -32,22 +32,22 @@ reached, 130 stopped by Ctrl-C.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--service", metavar="S", help="those that offer this")
-    parser.add_argument("--robot", metavar="R", help="those of this robot, or of this platform")
+    parser.add_argument("--service", metavar="S", help="list only agents with this service")
+    parser.add_argument("--robot", metavar="R", help="list only agents of this robot or platform")
     parser.add_argument(
         "--property",
         metavar="KEY=VALUE",
         type=argument,
         action="append",
         default=[],
-        help="those that have this; a value is JSON, or text where it is no JSON; repeat for more",
+        help="list only agents with this property; a value is JSON, or text where it is not JSON; repeatable",
     )
-    parser.add_argument("--json", action="store_true", help="one JSON object")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask everybody once, and print those that fit."""
+    """Query all agents once and print those that match."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
 

@@ -1,9 +1,8 @@
-"""Cameras, which are on no robot's cable: an IP camera at a URL, or a device of this computer. They give JPEG files."""
+"""Cameras beside the robot's line: an IP camera at a URL, or a device of this computer. They deliver JPEG files."""
 
 from cameras.errors import CameraError, CameraLost, CameraNotUsable
-from cameras.jpeg import picture_size
+from cameras.jpeg import picture_size, shrunk
 from cameras.reader import CameraFrame, CameraReader
-from cameras.shrink import shrunk
 from cameras.source import CameraSource, check_source, open_source
 
 __all__ = [

@@ -68,7 +68,7 @@ def open_source(where: str) -> CameraSource:
         CameraNotUsable: `where` is not an address.
     """
     parts = _split(where)
-    return UrlSource(parts) if parts.scheme else DeviceSource(where)
+    return _UrlSource(parts) if parts.scheme else _DeviceSource(where)
 
 
 def _split(where: str) -> SplitResult:
@@ -85,7 +85,7 @@ def _split(where: str) -> SplitResult:
     return parts
 
 
-class UrlSource:
+class _UrlSource:
     """An IP camera; its pictures are passed on as they are."""
 
     def __init__(self, url: SplitResult) -> None:
@@ -143,7 +143,7 @@ class UrlSource:
         return self._socket.fileno() >= 0 and bool(select.select([self._socket], (), (), 0.0)[0])
 
 
-class DeviceSource:
+class _DeviceSource:
     """A camera of this computer."""
 
     def __init__(self, where: str) -> None:

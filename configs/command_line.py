@@ -1,4 +1,4 @@
-"""What the command lines of all programs have in common: `--version`, suggestions, options anywhere."""
+"""Command line parser of all programs: `--version`, suggestions, options anywhere."""
 
 import argparse
 from collections.abc import Iterator, Sequence
@@ -11,7 +11,7 @@ DISTRIBUTION = "acromovi"
 
 
 class CommandParser(argparse.ArgumentParser):
-    """A parser that suggests what may have been meant, and that accepts options between repeated positional arguments.
+    """A parser that suggests similar words, and that accepts options between repeated positional arguments.
 
     `argparse` by itself ends a repetition such as `KEY=VALUE ...` at the first option, and then rejects the rest. The
     parsers of subcommands are of this class too.
@@ -34,7 +34,7 @@ class CommandParser(argparse.ArgumentParser):
     def parse_args(  # type: ignore[override]  # as above
         self, args: Sequence[str] | None = None, namespace: Any = None
     ) -> Any:
-        """Parse the whole command line; what is not recognized ends the program with a suggestion and exit code 2."""
+        """Parse the whole command line; an unknown argument ends the program with a suggestion and exit code 2."""
         parsed, strange = self.parse_known_args(args, namespace)
         if strange:
             self.error(self.unrecognized(strange))

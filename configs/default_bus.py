@@ -1,4 +1,4 @@
-"""Which bus profile programs use that are not given one."""
+"""The default bus profile of programs."""
 
 import os
 

@@ -16,7 +16,7 @@ CHECKOUT = Path(__file__).resolve().parents[1]
 
 
 @dataclass(frozen=True, slots=True)
-class Extra:
+class _Extra:
     """One extra.
 
     modules: that it installs. purpose: what needs them.
@@ -27,11 +27,11 @@ class Extra:
 
 
 EXTRAS = {
-    "emu": Extra(("pybullet", "PIL"), "the emulator"),
-    "plots": Extra(("matplotlib",), "pictures of drives and missions"),
-    "vision": Extra(("cv2",), "camera devices and the pixels of pictures"),
-    "security": Extra(("cryptography",), "a secure bus"),
-    "console": Extra(("nicegui",), "the web console, which no command starts yet"),
+    "emu": _Extra(("pybullet", "PIL"), "the emulator"),
+    "plots": _Extra(("matplotlib",), "pictures of drives and missions"),
+    "vision": _Extra(("cv2",), "camera devices and the pixels of pictures"),
+    "security": _Extra(("cryptography",), "a secure bus"),
+    "console": _Extra(("nicegui",), "the web console, which no command starts yet"),
 }
 
 

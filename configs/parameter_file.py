@@ -9,11 +9,12 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from configs.defaults import ROBOT
+
 Row = tuple[int, str, list[str]]
 """Number of the line, section, and the line's words."""
 
 _MM = 1000  # in a m
-_DEFAULT_BASE = "p3dx-sh"
 _P2OS_RANGE = 0.3  # mm per count; finer ones are timer units of P2OS
 
 
@@ -78,7 +79,7 @@ def _base(values: Mapping[str, Row], names: Sequence[str]) -> str:
         return subclass
     shorter = [name for name in names if subclass.startswith(name)]
     near = [max(shorter, key=len)] if shorter else difflib.get_close_matches(subclass, names, 1, 0.6)
-    return near[0] if near else _DEFAULT_BASE
+    return near[0] if near else ROBOT
 
 
 def _converted(values: Mapping[str, Row]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What may have been meant by a misspelt word."""
+"""Suggestions for misspelt words."""
 
 import difflib
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ LIKENESS = 0.6  # of `difflib`, from which on a word counts as misspelt
 
 
 def meant(word: str, known: Iterable[str]) -> str:
-    """The known word that is spelt most like another one; empty when none is."""
+    """Return the known word most similar to another one; empty when none is."""
     if len(word) > LONGEST:
         return ""
     near = difflib.get_close_matches(word, list(known), 1, LIKENESS)
@@ -17,7 +17,7 @@ def meant(word: str, known: Iterable[str]) -> str:
 
 
 def not_taken(name: str, unknown: Iterable[str], known: Iterable[str]) -> str:
-    """The error for arguments that a command does not know.
+    """Return the error for arguments that a command does not know.
 
     `move does not take 'distanc' (did you mean distance?); it takes distance, speed`.
     """
@@ -28,6 +28,6 @@ def not_taken(name: str, unknown: Iterable[str], known: Iterable[str]) -> str:
 
 
 def hint(word: str, known: Iterable[str]) -> str:
-    """A suggestion in brackets, ` (did you mean distance?)`; empty when no known word is spelt alike."""
+    """Return a suggestion in brackets, ` (did you mean distance?)`; empty when no known word is similar."""
     near = meant(word, known)
     return f" (did you mean {near}?)" if near else ""

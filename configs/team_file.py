@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from configs.defaults import LINK, WORLD
 from configs.loader import ConfigError, find, load
 
 MOST_ROBOTS = 100
@@ -51,8 +52,8 @@ class TeamFile:
 
     robots: tuple[TeamRobot, ...]
     about: str = ""
-    world: str = "office"
-    link: str = "ideal"
+    world: str = WORLD
+    link: str = LINK
     services: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 

@@ -1,4 +1,4 @@
-"""Packets of what can be fitted to a robot: gyro, compass, joystick, gripper, arm, AUX ports, sounds, batteries.
+"""Packets of accessories: gyro, compass, joystick, gripper, arm, AUX ports, sounds, batteries.
 
 Each class has its table beside it; the values are SI and in the wire's own sense of direction.
 Sources: manuals of the accessories (gripper, arm, compass), Amigo manual (PLAYLISTpac), Pioneer LX guide (JOYSTICKpac);
@@ -68,7 +68,7 @@ class GripperReport(NamedTuple):
 
 
 class CompassReport(NamedTuple):
-    """TCM2pac: what the compass module measures.
+    """TCM2pac: measurements of the compass module.
 
     heading, pitch, roll: rad; heading clockwise from north, as on the wire. field_x, field_y, field_z: T in the
     module's axes. temperature: °C. errors: the module's error bits. h_score, v_score, m_score: how well the last
@@ -174,7 +174,7 @@ class Reset(NamedTuple):
 
 
 class MtxPacket(NamedTuple):
-    """A packet of a controller that no robot here has (MTX, Seekur): known, and ignored."""
+    """A packet of a controller that no robot here has (MTX, Seekur); it is passed on undecoded."""
 
     packet_type: int
     body: bytes

@@ -1,4 +1,4 @@
-"""Commands: what a host may say to a robot, and how its argument is written.
+"""Commands of a host to a robot, and the encoding of their arguments.
 
 `encode_command` is the host's side, `decode_command` the robot's; both read the table in `command_table`.
 Source: Pioneer 3 operations manual, client command argument types; deviations are those of the client libraries in use.

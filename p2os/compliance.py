@@ -1,4 +1,4 @@
-"""The compliance page: what of the protocol is decoded, encoded, emulated and tested, from the packet tables."""
+"""The compliance page: parts of the protocol that are decoded, encoded, emulated and tested, by the packet tables."""
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
@@ -85,7 +85,7 @@ _PRINTED = (
 
 
 class Emulated(NamedTuple):
-    """What the emulator does.
+    """Commands and packets of the emulator.
 
     commands: numbers of those that it acts on. packets: types of those that it sends.
     simulator_commands, simulator_packets: those of them that exist only when it is started as a simulator.

@@ -1,4 +1,4 @@
-"""CONFIGpac: what the controller is and is set to.
+"""CONFIGpac: identity and settings of the controller.
 
 Source: Pioneer 3/2 H8-series manual, CONFIGpac; its later fields as client libraries read them.
 """
@@ -38,7 +38,7 @@ class AutoBaud(IntEnum):
 
 
 class Configuration(NamedTuple):
-    """CONFIGpac: what the controller is and is set to; SI.
+    """CONFIGpac: identity and settings of the controller; SI.
 
     The packets of older firmware end earlier: what they lack is zero or empty. Baud rates are codes as in HOSTBAUD.
     """

@@ -1,4 +1,4 @@
-"""What can go wrong on the wire.
+"""Errors of the wire protocol.
 
 P2OSError
  +-- EncodeError (ValueError)       a value does not fit its field

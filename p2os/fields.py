@@ -1,4 +1,4 @@
-"""Fields: how a count on the wire becomes a quantity in SI, and back. The one place where units are scaled.
+"""Fields: conversion between counts on the wire and quantities in SI. The only place where units are scaled.
 
 A packet is a tuple of `Field`; `pack` and `unpack` of the module `packing` read it, one at each end of a cable.
 """
@@ -20,7 +20,7 @@ POSITION_UNITS = 32768
 
 
 class Quantity(Enum):
-    """What a wire count measures: its name in messages, and its unit above the wire."""
+    """Quantity of a wire count: its name in messages, and its SI unit."""
 
     COUNT = "count", ""
     FLAG = "yes or no", ""
@@ -184,7 +184,7 @@ def fields_of(packet: Callable[..., tuple[Any, ...]]) -> tuple[Field, ...]:
 
 
 def to_count(field: Field, value: float, scales: Scales) -> int:
-    """The wire count nearest to a value in SI.
+    """Return the wire count nearest to a value in SI.
 
     Raises:
         EncodeError: The value does not fit the field.
@@ -195,7 +195,7 @@ def to_count(field: Field, value: float, scales: Scales) -> int:
 
 
 def fits(field: Field, value: float, scales: Scales) -> bool:
-    """Whether a field can carry a value."""
+    """Return whether a field can carry a value."""
     low, high = limits(field.code)
     try:
         return math.isfinite(value) and low <= _nearest(field, value, scales) <= high
@@ -213,7 +213,7 @@ def misfit(field: Field, value: float, scales: Scales) -> EncodeError:
 
 
 def to_value(field: Field, count: int, scales: Scales) -> float:
-    """What a wire count means, in SI."""
+    """Return the SI value of a wire count."""
     if field.quantity is Quantity.FLAG:
         return count != 0
     return ((field.bound.fit(count) if field.bound else count) - field.zero) * scales[field.quantity]
@@ -225,6 +225,6 @@ def _nearest(field: Field, value: float, scales: Scales) -> int:
 
 
 def limits(code: str) -> tuple[int, int]:
-    """The lowest and highest count of a struct code."""
+    """Return the lowest and highest count of a struct code."""
     bits = 8 * struct.calcsize("<" + code)
     return (0, 2**bits - 1) if code.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)

@@ -22,13 +22,13 @@ class Family(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class FlashDefaults:
-    """What a controller's FLASH holds when it leaves the factory; SI.
+    """Factory settings of a controller's FLASH; SI.
 
     Source: FLASH parameter table of the Pioneer 3/2 H8-series manual; `assumed` marks what it does not say.
     sonar_cycle: s between two firings of one array. stall_value: in PWM units; above `pwm_max` it would never stall.
     bump_stall: as the BUMPSTALL command counts: 0 none, 1 front, 2 rear, 3 both.
     auto_baud: as CONFIGpac says: 1 the host may change the rate, 2 it should do so by itself, for one connection.
-    low_battery, shutdown_battery: fractions of the nominal voltage.
+    low_battery, shutdown_battery: fractions of the nominal voltage. charger: as `ChargerKind` in CONFIGpac.
     """
 
     sip_cycle: float = 0.1
@@ -61,6 +61,7 @@ class FlashDefaults:
     bump_stall: int = 3
     e_stall: bool = True
     kinematics_delay: float = 0.0
+    charger: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ MAX_NAME = 19
 
 
 class Identity(NamedTuple):
-    """What a robot answers to SYNC2."""
+    """A robot's answer to SYNC2."""
 
     name: str
     robot_type: str

@@ -43,5 +43,5 @@ class OdometryUnwrapper:
         return self._total[0] * self._scale, self._total[1] * self._scale
 
     def rebase(self) -> None:
-        """The counters were set anew (SETO, a new connection): the next SIP is no movement, whatever it holds."""
+        """Take the position of the next SIP as the new reference, after SETO or a new connection."""
         self._last = None

@@ -42,7 +42,7 @@ from p2os.sip import COUNT, HEAD, SIP_TYPES, SONAR, TAIL, SipCodec, StandardSip
 
 
 class PacketType(IntEnum):
-    """First payload byte of what a robot sends."""
+    """First payload byte of a robot's packets."""
 
     SYNC0 = 0x00
     SYNC1 = 0x01

@@ -18,8 +18,8 @@ MOST = 255
 Value = float | str | bytes | tuple[Any, ...]
 
 
-class Unpacked(NamedTuple):
-    """What a packet holds.
+class _Unpacked(NamedTuple):
+    """The values of a packet.
 
     values: SI, one per field. is_whole: no field was cut short; bytes behind the last one do no harm.
     """
@@ -37,7 +37,7 @@ def pack(fields: Sequence[Field], values: Sequence[Value], scales: Scales) -> by
     return b"".join(_pack_field(field, value, scales) for field, value in zip(fields, values, strict=True))
 
 
-def unpack(fields: Sequence[Field], body: bytes, scales: Scales) -> Unpacked:
+def unpack(fields: Sequence[Field], body: bytes, scales: Scales) -> _Unpacked:
     """Turn the bytes of a packet into SI values, one per field.
 
     Fields that the body ends before read as zero or empty, bytes after the last field are ignored: firmware has grown
@@ -45,7 +45,7 @@ def unpack(fields: Sequence[Field], body: bytes, scales: Scales) -> Unpacked:
     """
     reader = _Reader(body, scales)
     values = [reader.field(field) for field in fields]
-    return Unpacked(values, reader.offset <= len(body))
+    return _Unpacked(values, reader.offset <= len(body))
 
 
 def _pack_field(field: Field, value: Any, scales: Scales) -> bytes:

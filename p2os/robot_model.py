@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from math import radians
 from typing import Any, NamedTuple
 
@@ -41,7 +41,7 @@ class InfraredSensor(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LaserMount:
-    """Where a laser sits: m and rad in `base_link`. ignore: bearings that see the robot itself, (from, to) in rad."""
+    """Pose of a laser, m and rad in `base_link`. ignore: bearings that see the robot itself, (from, to) in rad."""
 
     kind: str
     x: float
@@ -55,13 +55,14 @@ class LaserMount:
 
 @dataclass(frozen=True, slots=True)
 class RobotModel:
-    """What one robot model is; SI.
+    """Properties of a robot model; SI.
 
     name: the subtype that the robot answers. full_name: what people call it, `Pioneer 3-DX`.
     wheel_track: effective, as turning implies it (2 / DiffConvFactor).
     vel2_unit: m/s per count of a VEL2 wheel speed. ticks_per_metre: of the encoders. scales: of the wire.
     front_bumpers, rear_bumpers: segments fitted, 0 for none. sonar: discs that exist, rising numbers.
     request_io_packets: clients ask for IOpac by themselves. flash: what the controller starts from.
+    power_ports: SETPBIOPORT switches power outputs. parts: accessory to the variant that goes onto this robot.
     """
 
     name: str
@@ -91,10 +92,12 @@ class RobotModel:
     lasers: tuple[LaserMount, ...]
     flash: FlashDefaults
     full_name: str = ""
+    power_ports: bool = False
+    parts: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     @property
     def laser(self) -> LaserMount:
-        """Where a laser goes on this robot; over the middle of the axle on one of which nobody says."""
+        """Mount of the laser; over the middle of the axle where the model has none."""
         return self.lasers[0] if self.lasers else LaserMount("lms2xx", 0.0, 0.0)
 
     @classmethod
@@ -140,6 +143,8 @@ class RobotModel:
             lasers=tuple(_laser(each) for each in row.tables("laser")),
             flash=_flash(FIRMWARES[firmware].flash, row.table("flash")),
             full_name=row.text("full_name") if row.has("full_name") else row.text("name"),
+            power_ports=row.flag("power_ports") if row.has("power_ports") else False,
+            parts=row.table("parts").texts(),
         )
         row.finish()
         return model
@@ -182,24 +187,24 @@ FLASH_UNITS = {
 
 def _flash(defaults: FlashDefaults, row: "_Table") -> FlashDefaults:
     changes: dict[str, Any] = {}
-    for field in fields(FlashDefaults):
-        suffix = FLASH_UNITS.get(field.name, "")
-        key = field.name + suffix
+    for each in fields(FlashDefaults):
+        suffix = FLASH_UNITS.get(each.name, "")
+        key = each.name + suffix
         if not row.has(key):
             continue
-        default = getattr(defaults, field.name)
+        default = getattr(defaults, each.name)
         if isinstance(default, bool):
-            changes[field.name] = row.flag(key)
+            changes[each.name] = row.flag(key)
         elif isinstance(default, int):
-            changes[field.name] = row.integer(key)
+            changes[each.name] = row.integer(key)
         else:
-            changes[field.name] = radians(row.number(key)) if suffix.startswith("_deg") else row.number(key)
+            changes[each.name] = radians(row.number(key)) if suffix.startswith("_deg") else row.number(key)
     row.finish()
     return replace(defaults, **changes)
 
 
 class _Table:
-    """A TOML table that is read key by key, and says which keys nobody read."""
+    """A TOML table that is read key by key and reports unread keys."""
 
     def __init__(self, table: Mapping[str, Any], path: str) -> None:
         self._table = table
@@ -212,6 +217,10 @@ class _Table:
 
     def text(self, key: str) -> str:
         return str(self._get(key, str, "text"))
+
+    def texts(self) -> dict[str, str]:
+        """Read every key as a text."""
+        return {key: self.text(key) for key in self._table}
 
     def number(self, key: str) -> float:
         return float(self._get(key, (int, float), "a number"))

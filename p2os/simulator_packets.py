@@ -147,12 +147,12 @@ def simulator_state_fields(flags: int) -> tuple[Field, ...]:
 
 
 def simulator_state(fields: Sequence[Field], values: Sequence[Any]) -> SimulatorState:
-    """Put the values of a SIMSTAT where they belong."""
+    """Return a SIMSTAT of these fields and values."""
     return SimulatorState(**dict(zip((field.name for field in fields), values, strict=True)))
 
 
 class SimulatorDevice(NamedTuple):
-    """What a device of the simulator measures, such as a GPS. data: as the kind of device has it."""
+    """Measurements of a device of the simulator, such as a GPS. data: as the kind of device has it."""
 
     name: Annotated[str, Field("z", Quantity.TEXT)]
     kind: Annotated[str, Field("z", Quantity.TEXT)]

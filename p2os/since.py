@@ -38,7 +38,7 @@ class Since:
 
     @classmethod
     def read(cls, text: str) -> "Since":
-        """Read what the command table says; words that name no family count for nothing."""
+        """Parse an entry of the command table; words that name no family are ignored."""
         versions: dict[Family, tuple[int, ...]] = {}
         for entry in text.split(","):
             name, version, *_ = (*entry.split(), "")
@@ -50,7 +50,7 @@ class Since:
         return self.text
 
     def known_to(self, family: Family, version: str) -> bool:
-        """Whether firmware of a family and version, such as "1.M", knows the command."""
+        """Return whether firmware of a family and version, such as "1.M", knows the command."""
         if not self.versions:
             return True
         for relative in _DESCENT[family]:

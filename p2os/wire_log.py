@@ -1,4 +1,4 @@
-"""What flows on a cable, in words: both directions of a line decoded with the tables of `commands` and `packets`.
+"""Log of a line: frames of both directions decoded with the tables of `commands` and `packets`.
 
 Bytes and time in, entries out; no port and no clock. Damaged bytes are entries too, with the reason.
 """
@@ -23,7 +23,7 @@ STREAMING = 3
 
 
 class FrameSource(StrEnum):
-    """Who sent it."""
+    """Sender of a frame."""
 
     HOST = "host"
     ROBOT = "robot"
@@ -62,7 +62,7 @@ class WireLog:
         """
         self._find_model = find_model
         self._decoders = {source: FrameDecoder() for source in FrameSource}
-        self._talk = Talk()
+        self._talk = ConnectionTracker()
         self._use(model)
 
     def receive(self, source: FrameSource, data: bytes, now: float) -> list[WireLogEntry]:
@@ -114,7 +114,7 @@ class WireLog:
         return WireLogEntry(now, FrameSource.ROBOT, name, fields, _PACKET_UNITS.get(packet_type, {}), problem, payload)
 
     def _answer(self, payload: bytes) -> Mapping[str, str]:
-        """What a SYNC answer tells; a SYNC2 answer tells the model."""
+        """Return the fields of a SYNC answer; a SYNC2 answer sets the model."""
         identity = read_identity(payload) if payload[0] == PacketType.SYNC2 else None
         if identity is None:
             return {}
@@ -124,8 +124,8 @@ class WireLog:
         return identity._asdict()
 
 
-class Talk:
-    """Where a connection stands: commands 0, 1 and 2 are SYNCs before OPEN, and PULSE, OPEN, CLOSE behind it."""
+class ConnectionTracker:
+    """State of a connection: commands 0, 1 and 2 are SYNCs before OPEN, and PULSE, OPEN, CLOSE after it."""
 
     def __init__(self) -> None:
         self._is_open = False
@@ -134,7 +134,7 @@ class Talk:
         self._sips = 0  # since the connection was not open
 
     def name(self, payload: bytes) -> str | None:
-        """What the host means by a payload; None for other commands."""
+        """Return the meaning of a host's payload; None for other commands."""
         number = payload[0]
         if number > Command.CLOSE:
             return None
@@ -212,7 +212,7 @@ def _shown(value: Any) -> str:
 
 
 def _is_text(raw: bytes) -> bool:
-    """Whether somebody, a modem for example, speaks plain words."""
+    """Return whether bytes are plain text, of a modem for example."""
     return len(raw) > 1 and raw.isascii() and raw.translate(None, b"\r\n\t").decode("ascii").isprintable()
 
 

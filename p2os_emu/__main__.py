@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import configs
 from configs.extras import ExtraMissing
-from p2os_emu.cassette import CassetteError
 from p2os_emu.control import ControlSocket
 from p2os_emu.control_requests import ControlRequestHandler
 from p2os_emu.degradation import STAGES
@@ -24,7 +23,6 @@ from p2os_emu.emulator import Emulator
 from p2os_emu.factory import Factory
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
-from p2os_emu.faults.file import schedule_file
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import HUNG_UP, Poller
@@ -32,8 +30,9 @@ from p2os_emu.lists import listing
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXIT_PORT, EmulatorOptions, parse
 from p2os_emu.ports import Ports
 from p2os_emu.private_folder import CONTROL, private_folder
+from p2os_emu.record_and_replay import RobotRecorders, check, serve
+from p2os_emu.recording import RecordingError
 from p2os_emu.runner import Runner
-from p2os_emu.tapes import Recording, check, serve
 from p2os_emu.team import EmulatedTeam, TeamError
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
 _ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-class PhysicsError(Exception):
+class _PhysicsError(Exception):
     """There is no physics engine, or it cannot start."""
 
 
@@ -62,11 +61,11 @@ def main(argv: Sequence[str] | None = None) -> int:
                 serve(options.serve, options)
             else:
                 _emulate(options)
-    except (configs.ConfigError, TeamError, FaultError, CassetteError) as error:
+    except (configs.ConfigError, TeamError, FaultError, RecordingError) as error:
         return _fail(error, EXIT_CONFIG)
     except PortError as error:
         return _fail(error, EXIT_PORT)
-    except PhysicsError as error:
+    except _PhysicsError as error:
         return _fail(error, EXIT_PHYSICS)
     except BrokenPipeError:
         # Whoever was to read this is gone, and so is the reason to go on. What is still buffered goes nowhere.
@@ -101,7 +100,7 @@ def _emulate(options: EmulatorOptions) -> None:
             links=options.links,
         )
         if options.record is not None:
-            recording = Recording(options.record, len(options.robots), force=options.force)
+            recording = RobotRecorders(options.record, len(options.robots), force=options.force)
             stack.callback(recording.close)
             team.whenever_added.append(recording.add)
         cameras = stack.enter_context(contextlib.closing(_open_cameras(emulator, world, team)))
@@ -112,7 +111,7 @@ def _emulate(options: EmulatorOptions) -> None:
         for spec in options.faults:
             faults.schedule(spec, emulator.time)
         for path in options.fault_files:
-            schedule_file(faults, path, emulator.time)
+            faults.schedule_file(path, emulator.time)
         runner = Runner(emulator, poller, clock=time.monotonic, sleep=time.sleep, speed=options.speed)
         requests = ControlRequestHandler(team, faults, runner)
         control = ControlSocket(_control_path(options, stack), poller, requests.answer)
@@ -153,7 +152,7 @@ def _check(path: Path, options: EmulatorOptions) -> int:
 
 @contextlib.contextmanager
 def _clean_output() -> Iterator[None]:
-    """Let what the engine's window prints go nowhere: only Python's own output reaches standard output."""
+    """Discard what the engine's window prints; only Python's output reaches standard output."""
     with open(os.dup(1), "w", encoding="utf-8") as own, open(os.devnull, "wb") as nowhere:  # noqa: PTH123 - descriptors
         os.dup2(nowhere.fileno(), 1)
         try:
@@ -169,7 +168,7 @@ def _make_world(options: EmulatorOptions) -> "World":
     try:
         from p2os_emu.world import World, WorldError, load_world
     except ExtraMissing as error:
-        raise PhysicsError(str(error)) from error
+        raise _PhysicsError(str(error)) from error
     try:
         spec = load_world(options.world)
     except WorldError as error:
@@ -179,7 +178,7 @@ def _make_world(options: EmulatorOptions) -> "World":
     try:
         return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
     except WorldError as error:
-        raise PhysicsError(str(error)) from error
+        raise _PhysicsError(str(error)) from error
 
 
 def _open_cameras(emulator: Emulator, world: "World", team: EmulatedTeam) -> "Cameras":
@@ -207,7 +206,7 @@ def _open_factory(options: EmulatorOptions, poller: Poller, team: EmulatedTeam, 
 
 
 def _end_with_stdin(poller: Poller, runner: Runner) -> None:
-    """Whoever holds the other end of the pipe on standard input need not be able to say goodbye."""
+    """End the program when standard input closes."""
     try:
         poller.watch(sys.stdin.fileno(), lambda events: runner.leave(), HUNG_UP)
     except PermissionError as error:
@@ -279,7 +278,7 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 class _EndSignal(BaseException):
-    """A signal asked for the end; not an error, and nobody on the way may take it for one."""
+    """A signal ended the program; derived from BaseException, so that no handler of errors catches it."""
 
 
 def _leave(number: int, frame: FrameType | None) -> NoReturn:

@@ -1,4 +1,4 @@
-"""What lies between the microcontroller and the world: motors, encoders, bumpers, sonar discs, gripper and arm.
+"""Interface between the microcontroller and the world: motors, encoders, bumpers, sonar discs, gripper and arm.
 
 The microcontroller reads a `BodyState` and calls the methods of a `Body`. It knows nothing of PyBullet, and the world
 knows nothing of packets; tests of the firmware use a body of a few lines.

@@ -1,4 +1,4 @@
-"""Where a recorded robot and the emulated one part: the recorded client's bytes again, in virtual time.
+"""Comparison of a recorded robot with the emulated one, which receives the recorded client's bytes in virtual time.
 
 The host's bytes reach the emulator at their recorded times, so both robots' packets lie on one clock. They are compared
 kind by kind: how many, how often, when, how long, and field by field. Rooms differ, so what only the room decides is
@@ -16,11 +16,11 @@ from p2os import RobotModel
 from p2os.fields import POSITION_UNITS
 from p2os.sip import SONAR_SIZE
 from p2os.wire_log import FrameSource, WireLog, WireLogEntry, plain
-from p2os_emu.cassette import Cassette, RecordedBytes
 from p2os_emu.emulator import Emulator
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from p2os_emu.recording import RecordedBytes, Recording
 from p2os_emu.surroundings import EmulatedSurroundings
 
 LEAD = 0.5
@@ -52,12 +52,12 @@ SIPS_OF_ALL_DISCS = 10
 ODOMETRY = ("x", "y", "heading")
 
 
-class Parting(NamedTuple):
+class RecordingDifference(NamedTuple):
     """One way in which the two differ.
 
     kind: name of the packet. aspect: "number of packets", "period" (s), "time" (of an answer, s), "size" (of the
     payload, without sonar readings, bytes), "sonar numbers" or a field. recorded, emulated: SI.
-    packets, of: how many differ of how many compared. time: of the first, s on the cassette.
+    packets, of: how many differ of how many compared. time: of the first, s on the recording.
     """
 
     kind: str
@@ -81,7 +81,7 @@ class Parting(NamedTuple):
 
 
 def replay(
-    cassette: Cassette,
+    recording: Recording,
     model: RobotModel,
     world: EmulatedSurroundings,
     fit: Fit = BARE,
@@ -89,26 +89,26 @@ def replay(
     *,
     as_simulator: bool = False,
 ) -> list[RecordedBytes]:
-    """Let an emulated robot hear the recorded host.
+    """Send the recorded host's bytes to an emulated robot.
 
     Args:
-        cassette: Gives the host's bytes, their times and the robot's name.
+        recording: Gives the host's bytes, their times and the robot's name.
         model: Of the emulated robot.
         world: An empty one; it is stepped.
         fit: Accessories.
         seed: Of every chance.
         as_simulator: The robot executes the commands of MobileSim.
     Returns:
-        What the robot said, on the cassette's clock.
+        What the robot said, on the recording's clock.
     """
-    name = cassette.identity.name if cassette.identity else cassette.name or model.name
+    name = recording.identity.name if recording.identity else recording.name or model.name
     emulator = Emulator(world, LinkProfile("ideal"), seed=seed, as_simulator=as_simulator)
     link = MemoryLink()
     emulator.add(name, model, link, fit=fit, cables={part: MemoryLink() for part in fit.cables})
-    start = cassette.moments[0].time - LEAD - emulator.time
-    host = cassette.of(FrameSource.HOST)
+    start = recording.moments[0].time - LEAD - emulator.time
+    host = recording.of(FrameSource.HOST)
     said: list[RecordedBytes] = []
-    while start + emulator.time < cassette.moments[-1].time:
+    while start + emulator.time < recording.moments[-1].time:
         while host and host[0].time <= start + emulator.time:
             link.client_write(host.pop(0).data)
         emulator.step()
@@ -117,8 +117,10 @@ def replay(
     return said
 
 
-def compare(recorded: Iterable[RecordedBytes], emulated: Iterable[RecordedBytes], model: RobotModel) -> list[Parting]:
-    """Say where two robots part that heard the same.
+def compare(
+    recorded: Iterable[RecordedBytes], emulated: Iterable[RecordedBytes], model: RobotModel
+) -> list[RecordingDifference]:
+    """Return the differences between two robots that received the same bytes.
 
     Args:
         recorded, emulated: What each said; what hosts said is left out.
@@ -127,15 +129,15 @@ def compare(recorded: Iterable[RecordedBytes], emulated: Iterable[RecordedBytes]
         Nothing where they agree.
     """
     ours, theirs = _by_kind(emulated, model), _by_kind(recorded, model)
-    partings: list[Parting] = []
+    differences: list[RecordingDifference] = []
     for kind in sorted(ours.keys() | theirs.keys()):
         if kind not in ours or kind not in theirs:
             here, there = len(theirs.get(kind, ())), len(ours.get(kind, ()))
             first = (theirs.get(kind) or ours[kind])[0].time
-            partings.append(Parting(kind, "number of packets", here, there, 1, 1, first))
+            differences.append(RecordingDifference(kind, "number of packets", here, there, 1, 1, first))
         else:
-            partings += _Comparison(kind, theirs[kind], ours[kind], model).partings()
-    return partings
+            differences += _Comparison(kind, theirs[kind], ours[kind], model).differences()
+    return differences
 
 
 def _by_kind(moments: Iterable[RecordedBytes], model: RobotModel) -> dict[str, list[WireLogEntry]]:
@@ -166,7 +168,7 @@ class _Comparison:
         self._span = POSITION_UNITS * model.scales.distance
         self._pairs = list(zip(recorded, self._counterparts(), strict=True))
 
-    def partings(self) -> list[Parting]:
+    def differences(self) -> list[RecordingDifference]:
         """All of them."""
         found = [*self._numbers(), *self._differing("size", _size, _equal)]
         if self._kind == SIP:
@@ -189,24 +191,24 @@ class _Comparison:
             near = self._emulated[first : bisect_right(times, entry.time + ONE_CYCLE)]
             yield near or self._emulated[min(first, len(times) - 1) :][:1]
 
-    def _numbers(self) -> Iterator[Parting]:
+    def _numbers(self) -> Iterator[RecordingDifference]:
         here, there = len(self._recorded), len(self._emulated)
         first = self._recorded[0].time
         if abs(here - there) > 1 + COUNT_SLACK * here:
-            yield Parting(self._kind, "number of packets", here, there, 1, 1, first)
+            yield RecordingDifference(self._kind, "number of packets", here, there, 1, 1, first)
         if self._kind == SIP and min(here, there) > 2:
             recorded, emulated = _period(self._recorded), _period(self._emulated)
             if abs(recorded - emulated) > PERIOD_SLACK * recorded:
-                yield Parting(self._kind, "period", recorded, emulated, 1, 1, first)
+                yield RecordingDifference(self._kind, "period", recorded, emulated, 1, 1, first)
 
-    def _sonar(self) -> Iterator[Parting]:
+    def _sonar(self) -> Iterator[RecordingDifference]:
         recorded, emulated = _discs(self._recorded), _discs(self._emulated)
         if recorded != emulated and min(len(self._recorded), len(self._emulated)) >= SIPS_OF_ALL_DISCS:
-            yield Parting(SIP, "sonar numbers", recorded, emulated, 1, 1, self._recorded[0].time)
+            yield RecordingDifference(SIP, "sonar numbers", recorded, emulated, 1, 1, self._recorded[0].time)
 
     def _differing(
         self, aspect: str, value: Callable[[WireLogEntry], Any], agree: Callable[[Any, Any], bool]
-    ) -> Iterator[Parting]:
+    ) -> Iterator[RecordingDifference]:
         differing = [
             (value(entry), value(near[len(near) // 2]), entry.time)
             for entry, near in self._pairs
@@ -214,7 +216,7 @@ class _Comparison:
         ]
         if differing:
             recorded, emulated, time = differing[0]
-            yield Parting(self._kind, aspect, recorded, emulated, len(differing), len(self._pairs), time)
+            yield RecordingDifference(self._kind, aspect, recorded, emulated, len(differing), len(self._pairs), time)
 
     def _reader(self, name: str) -> Callable[[WireLogEntry], Any]:
         """Reads a field; those of odometry from each robot's own start."""

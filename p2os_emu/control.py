@@ -26,7 +26,7 @@ _PATH_LIMIT = 107  # bytes; what the address of a Unix socket holds
 
 
 class RequestError(Exception):
-    """A request cannot be met; the message is the answer's `error`."""
+    """A request cannot be carried out; the message is the answer's `error`."""
 
 
 @dataclass(slots=True)
@@ -64,7 +64,7 @@ class ControlSocket:
         return bool(self._requests)
 
     def serve(self) -> None:
-        """Answer what has been asked, but no more than leaves time for the next step."""
+        """Answer waiting requests, at most as many as leave time for the next step."""
         for _ in range(min(len(self._requests), _REQUESTS_PER_STEP)):
             client, line = self._requests.popleft()
             client.waiting -= 1
@@ -74,7 +74,7 @@ class ControlSocket:
                 self._say(client, answer)
 
     def close(self) -> None:
-        """Let every client go and remove the socket."""
+        """Close every connection and remove the socket."""
         for client in list(self._clients.values()):
             self._let_go(client)
         self._poller.forget(self._listener.fileno())
@@ -140,7 +140,7 @@ class ControlSocket:
             self._let_go(client)
 
     def _send(self, client: _Client) -> bool:
-        """Send what goes now; False when the client is gone."""
+        """Send as much as possible; return False when the client is gone."""
         try:
             with contextlib.suppress(BlockingIOError):  # the rest goes when there is room
                 del client.unsent[: client.connection.send(client.unsent)]
@@ -150,7 +150,7 @@ class ControlSocket:
         return self._settle(client)
 
     def _settle(self, client: _Client) -> bool:
-        """Watch for what is still to come from or go to this client; False when that is nothing and it was let go."""
+        """Set which events of this client to watch; return False when it was closed because there are none."""
         if client.has_finished and not client.unsent and not client.waiting:
             self._let_go(client)
             return False

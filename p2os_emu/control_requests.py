@@ -1,4 +1,4 @@
-"""What the control socket can be asked: every `do`, the keys it takes and what it answers. SI and radians."""
+"""Requests of the control socket: every `do`, its keys and its answer. SI and radians."""
 
 import difflib
 import math
@@ -11,9 +11,8 @@ from geometry import Pose2D
 from p2os_emu.control import RequestError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
-from p2os_emu.faults.board import Fault, FaultBoard
+from p2os_emu.faults.board import FAULTS, Fault, FaultBoard
 from p2os_emu.faults.kind import FaultKind
-from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
 from p2os_emu.pacing import FASTEST, SLOWEST
@@ -34,7 +33,7 @@ class _Request:
 
 
 class ControlRequestHandler:
-    """Meets the requests of the control socket.
+    """Carries out the requests of the control socket.
 
     Args:
         team: The robots and how more of them are made.
@@ -49,11 +48,11 @@ class ControlRequestHandler:
 
     @property
     def emulator(self) -> Emulator:
-        """What is run."""
+        """The emulator."""
         return self.team.emulator
 
     def answer(self, request: Fields) -> Mapping[str, Any]:
-        """Meet one request.
+        """Carry out one request.
 
         Raises:
             RequestError: It cannot be met; the message says why.
@@ -72,7 +71,7 @@ class ControlRequestHandler:
         return kind.meet(self, fields)
 
     def robot(self, fields: Fields) -> EmulatedRobot:
-        """The robot that a request means: the one it names, or the only one."""
+        """Return the robot of a request: the one it names, or the only one."""
         robots = self.emulator.robots
         if "robot" in fields:
             return self._named(fields["robot"])
@@ -81,7 +80,7 @@ class ControlRequestHandler:
         return next(iter(robots.values()))
 
     def robots(self, fields: Fields) -> Iterable[EmulatedRobot]:
-        """The robots that a request means: the one it names, or all."""
+        """Return the robots of a request: the one it names, or all."""
         return [self._named(fields["robot"])] if "robot" in fields else list(self.emulator.robots.values())
 
     def _named(self, name: str) -> EmulatedRobot:
@@ -167,7 +166,7 @@ def _fault_explained(handler: ControlRequestHandler, kind: FaultKind) -> dict[st
         "meaning": kind.meaning,
         "ending": kind.ending,
         "parameters": {key: parameter.meaning for key, parameter in kind.parameters.items()},
-        "robots": [robot.name for robot in handler.emulator.robots.values() if kind.can_befall(robot)],
+        "robots": [robot.name for robot in handler.emulator.robots.values() if kind.applies_to(robot)],
     }
 
 

@@ -1,4 +1,4 @@
-"""What an emulator does without when the machine is too busy, so that robots lose no time. It reads no clock.
+"""Load reduction: what an emulator gives up on a busy machine, so that robots keep real time. It reads no clock.
 
 Stages come one after the other with growing lateness, and go one after the other once the emulator has kept up for a
 while. Whether they come is a matter of wall time and so never the same twice; without load nothing here has an effect.
@@ -17,7 +17,7 @@ REPORT_PERIOD = 60.0
 
 
 class Degradation:
-    """How much an emulator does without.
+    """Level of load reduction of an emulator.
 
     level: how many of `STAGES` are given up.
     """

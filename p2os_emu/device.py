@@ -1,4 +1,4 @@
-"""Something with a serial port of its own: a laser scanner, an arm's modules, a camera head behind an AUX port."""
+"""Devices with a serial port of their own: a laser scanner, an arm's modules, a camera head behind an AUX port."""
 
 from collections.abc import Callable
 from math import inf
@@ -63,7 +63,7 @@ class Cable:
         return self.device.silence if self.is_powered else inf
 
     def think(self, now: float, dt: float) -> bytes:
-        """Take what has come over the line and let the device take a step; returns what it has to say."""
+        """Pass the received bytes to the device and advance it by a step; return the bytes that it sends."""
         data = self.line.receive(now, self.device.baud)
         if not self.is_powered:
             return b""
@@ -72,6 +72,6 @@ class Cable:
         return self.device.step(dt)
 
     def power_cycle(self) -> None:
-        """Give the device power; it forgets what it was told before."""
+        """Switch the device on; it forgets its earlier commands."""
         self.device = self._make()
         self.is_powered = True

@@ -1,4 +1,4 @@
-"""Robots in a world, each on its own line: one step moves them all. It opens no port and reads no clock."""
+"""Robots in a world, each with its own line. One step moves all of them. Opens no port and reads no clock."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -57,7 +57,7 @@ class EmulatedRobot:
         return min(own, *(cable.silence for cable in self.cables.values())) if self.cables else own
 
     def think(self, now: float) -> bytes:
-        """Take what has come over the line and let the firmware take a step; returns what it has to say."""
+        """Pass the received bytes to the firmware and advance it by a step; return the bytes that it sends."""
         controller = self.microcontroller
         data = self.line.receive(now, controller.host_baud)
         if self.is_frozen or not self.is_powered:
@@ -67,7 +67,7 @@ class EmulatedRobot:
         return controller.step(STEP, self.body)
 
     def power_off(self) -> None:
-        """Take the power from controller and accessories; the wheels roll free."""
+        """Switch off controller and accessories; the wheels roll freely."""
         self.is_powered = False
         self.body.release()
         gripper, arm = self.body.gripper, self.body.arm
@@ -80,7 +80,7 @@ class EmulatedRobot:
             cable.is_powered = False
 
     def power_on(self) -> None:
-        """Give it back: everything is as after the power switch."""
+        """Switch on again: everything starts as after the power switch."""
         self.is_powered = True
         self.microcontroller.power_cycle()
         self.microcontroller.power_cycle_aux()
@@ -95,19 +95,19 @@ class EmulatedRobot:
 
 
 @dataclass(frozen=True, slots=True)
-class Hand:
-    """What a simulator's commands do from above; implements `Stage`."""
+class EmulatedSimulatorControl:
+    """Carries out simulator commands for one robot; implements `SimulatorControl`."""
 
     emulator: "Emulator"
     robot: EmulatedRobot
 
     @property
     def pose(self) -> Pose2D:
-        """Where the robot truly is."""
+        """True pose of the robot."""
         return self.emulator.truth(self.robot.name).pose
 
     def place(self, pose: Pose2D) -> str:
-        """Put the robot elsewhere; returns why not."""
+        """Move the robot to a pose; return why it is refused, empty when it is done."""
         try:
             self.emulator.place(self.robot.name, pose)
         except ValueError as error:
@@ -115,7 +115,7 @@ class Hand:
         return ""
 
     def restart(self) -> None:
-        """Put the robot back to where it began, and its odometry to zero."""
+        """Move the robot back to its first pose, and set its odometry to zero."""
         self.place(self.robot.start)
         self.robot.microcontroller.forget_travels()
 
@@ -183,7 +183,7 @@ class Emulator:
         cables: Mapping[str, Link] | None = None,
         profile: LinkProfile | None = None,
     ) -> EmulatedRobot:
-        """Put a robot into the world and its line on a link.
+        """Add a robot to the world and connect its line to a link.
 
         Args:
             name: Not yet taken; at most 19 characters.
@@ -208,7 +208,7 @@ class Emulator:
         line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
-            controller.simulate(Simulator(model, Hand(self, robot), body))
+            controller.simulate(Simulator(model, EmulatedSimulatorControl(self, robot), body))
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot
@@ -243,7 +243,7 @@ class Emulator:
         self._world.remove_robot(name)
 
     def truth(self, name: str) -> TrueMotion:
-        """How a robot really moves."""
+        """Return the true motion of a robot."""
         return self._world.truth(name)
 
     def objects(self) -> Mapping[str, tuple[float, float, float, float]]:
@@ -255,7 +255,7 @@ class Emulator:
         return self._world.held(name)
 
     def touches(self, name: str) -> TouchCounter:
-        """What a robot has bumped into since the start."""
+        """Return the collisions of a robot since the start."""
         return self._world.touches(name)
 
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
@@ -263,7 +263,7 @@ class Emulator:
         return self._world.people()
 
     def economise(self, *, people: bool, parked: bool) -> None:
-        """Save computing time: let people stand still, and do not compute robots that stand; or stop saving it."""
+        """Reduce the load or stop reducing it: people stand still, and robots at rest are not simulated."""
         self._world.economise(people=people, parked=parked)
 
     def doors(self) -> Mapping[str, tuple[float, float]]:
@@ -271,11 +271,11 @@ class Emulator:
         return self._world.doors()
 
     def set_door(self, name: str, is_open: bool) -> None:
-        """Open or shut a door; from then on it does no more by itself."""
+        """Open or close a door; it no longer moves by itself."""
         self._world.set_door(name, is_open)
 
     def place(self, name: str, pose: Pose2D) -> None:
-        """Put a robot elsewhere, as a hand would; its odometry does not notice.
+        """Move a robot to another pose; its odometry does not change.
 
         Raises:
             ValueError: The place is not free, or farther away than `FARTHEST`.
@@ -284,13 +284,13 @@ class Emulator:
         self._world.place(name, pose)
 
     def restart(self, name: str) -> None:
-        """Carry a robot back to where it started and press its RESET button: odometry zero, connection closed."""
+        """Move a robot back to its first pose and reset it: odometry zero, connection closed."""
         robot = self.robots[name]
         self._world.place(name, robot.start)
         robot.microcontroller.power_cycle()
 
     def step(self) -> None:
-        """Move everything on by `STEP`: lines, firmware, world, lines."""
+        """Advance everything by `STEP`: lines, firmware, world, lines."""
         self.before_step(self._world.time)
         if self._hangup_stops:
             self._stop_deserted()
@@ -308,7 +308,7 @@ class Emulator:
                 cable.line.send(report, now, cable.device.baud)
 
     def close(self) -> None:
-        """Close every port; the world belongs to who made it."""
+        """Close every port; the caller closes the world."""
         for robot in self.robots.values():
             robot.close()
 

@@ -1,4 +1,4 @@
-"""A robot for every client: a TCP port on which each one that connects finds a robot of its own, and takes it along."""
+"""One robot for each client: a TCP port where every connection gets a robot, which is removed with the connection."""
 
 import socket
 import sys
@@ -6,7 +6,7 @@ import sys
 from configs import ConfigError
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller
-from p2os_emu.links.tcp import VisitorLink, address, listen
+from p2os_emu.links.tcp import ClientLink, address, listen
 from p2os_emu.team import EmulatedTeam, TeamError
 
 
@@ -31,13 +31,13 @@ class Factory:
         self._poller = poller
         self._team = team
         self._waiting: list[socket.socket] = []
-        self._visitors: dict[str, VisitorLink] = {}
+        self._visitors: dict[str, ClientLink] = {}
         self._listener = listen(port)
         self.port = address(self._listener)
         poller.watch(self._listener.fileno(), self._on_knock)
 
     def tend(self) -> None:
-        """Between two steps: make robots for the clients that have come, and remove those whose clients have gone."""
+        """Between two steps: make robots for new clients, and remove the robots of clients that are gone."""
         while self._waiting:
             self._serve(self._waiting.pop(0))
         for name in [name for name, link in self._visitors.items() if not link.attached]:
@@ -46,7 +46,7 @@ class Factory:
                 self._team.emulator.remove(name)
 
     def close(self) -> None:
-        """Listen no longer; the robots belong to the emulator."""
+        """Stop listening; the robots belong to the emulator."""
         self._poller.forget(self._listener.fileno())
         self._listener.close()
         for connection in self._waiting:
@@ -61,7 +61,7 @@ class Factory:
         self._waiting.append(connection)
 
     def _serve(self, connection: socket.socket) -> None:
-        link = VisitorLink(self._poller, connection)
+        link = ClientLink(self._poller, connection)
         try:
             robot = self._team.add(self.model, link=link)
         except (TeamError, ConfigError, PortError) as error:

@@ -1,4 +1,4 @@
-"""How a fault is written: `NAME[:key=value,...][@START[+DURATION]]`, for example `line-cut:robot=happy@5+10`."""
+"""Notation of faults: `NAME[:key=value,...][@START[+DURATION]]`, for example `line-cut:robot=happy@5+10`."""
 
 import math
 import re
@@ -13,12 +13,12 @@ _TEXT = re.compile(r"[^,=@:\s]+")
 
 
 class FaultError(ValueError):
-    """A fault is not written or not used as it must be; the message says what to write."""
+    """The notation or the use of a fault is wrong; the message says what to write."""
 
 
 @dataclass(frozen=True, slots=True)
 class FaultSpec:
-    """A fault as somebody asked for it; whether it exists and takes these parameters is not known yet.
+    """A parsed fault; whether it exists and takes these parameters is not checked yet.
 
     start: s of emulated time, from the start of the emulator or from the moment it was asked for.
     duration: s; None lasts until it is cleared.

@@ -1,4 +1,4 @@
-"""A body that things can go wrong with: between the microcontroller and the machine of the world."""
+"""A body with faults, between the microcontroller and the machine of the world."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ NO_BUMPERS = (0, 0)
 
 @dataclass(frozen=True, slots=True)
 class SonarFaults:
-    """What is wrong with sonar discs, by number.
+    """Faults of sonar discs, by number.
 
     dead: hear nothing. stuck: report this range, m, whatever they hear. noisy: chance from 0 to 1 that a firing reports
     an echo that never was, anywhere within `reach`, m.
@@ -27,7 +27,7 @@ class SonarFaults:
     reach: tuple[float, float] = (0.1, 5.0)
 
     def heard(self, disc: int, distance: float, rng: Random) -> float:
-        """What a disc reports in place of what it heard, m."""
+        """Return the range that a disc reports instead of the measured one, m."""
         if disc in self.stuck:
             return self.stuck[disc]
         if disc in self.dead:
@@ -48,7 +48,7 @@ class FaultyBody:
     """
 
     def __init__(self, body: Body, rng: Random) -> None:
-        """Put a body behind its faults, of which there are none yet.
+        """Wrap a body; it has no faults yet.
 
         Args:
             body: The machine; nobody else drives it from now on.
@@ -76,7 +76,7 @@ class FaultyBody:
 
     @property
     def blocked(self) -> tuple[bool, bool]:
-        """Wheels that something holds, left and right; their motors strive in vain."""
+        """Blocked wheels, left and right; their motors push without turning."""
         return self._blocked
 
     @blocked.setter
@@ -159,7 +159,7 @@ class FaultyBody:
         )
 
     def _drive_anew(self) -> None:
-        """Let the motors' last command meet the wheels as they are now."""
+        """Repeat the last motor command for the present state of the wheels."""
         # Encoders never forget what a rim has spun: once slipped, they stay apart from the machine.
         self._is_untrue = self._grip != WHOLE or self._blocked != FREE or any(self._slipped)
         if self._wanted is not None:

@@ -1,4 +1,4 @@
-"""What a robot has beyond its model, and what of the model it lacks: `--fit gripper,laser,ptz:vcc4,no-rear-sonar`."""
+"""Accessories of a robot, and parts of its model that it lacks: `--fit gripper,laser,ptz:vcc4,no-rear-sonar`."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -11,11 +11,11 @@ _NOT = "no-"
 
 
 class FitError(ValueError):
-    """A part is not written as it must be, or does not go onto this robot; the message says what to write."""
+    """A part does not exist or does not fit this robot; the message says what to write."""
 
 
 @dataclass(frozen=True, slots=True)
-class FittedPart:
+class _FittedPart:
     """One accessory.
 
     variants: what `part:VARIANT` may say; the first one is meant when nothing is said. Empty where there is one kind.
@@ -35,45 +35,45 @@ class FittedPart:
 _PIONEER_KG, _POWERBOT_KG = 9.0, 100.0
 """What the lightest robots weigh onto which the makers built arms, heads and lasers, and the heavy arm."""
 
-PARTS: Mapping[str, FittedPart] = {
+PARTS: Mapping[str, _FittedPart] = {
     part.name: part
     for part in (
-        FittedPart(
+        _FittedPart(
             "gripper",
             "paddles with break-beams and contacts, on a lift",
             ("pioneer", "peoplebot"),
             least_kg=dict.fromkeys(("pioneer", "peoplebot"), _PIONEER_KG),
         ),
-        FittedPart(
+        _FittedPart(
             "laser",
             "a SICK LMS200 on a port of its own",
             ("lms200",),
             ("lms200",),
             least_kg={"lms200": _PIONEER_KG},
         ),
-        FittedPart(
+        _FittedPart(
             "ptz",
             "a camera head behind AUX1",
             ("vcc4", "evid30"),
             least_kg=dict.fromkeys(("vcc4", "evid30"), _PIONEER_KG),
         ),
-        FittedPart(
+        _FittedPart(
             "arm",
             "the Pioneer's 5-DOF arm, or the PowerBot's 7-DOF arm of PowerCube modules on a port of its own",
             ("pioneer", "powercube"),
             ("powercube",),
             least_kg={"pioneer": _PIONEER_KG, "powercube": _POWERBOT_KG},
         ),
-        FittedPart(
+        _FittedPart(
             "camera",
             "a camera whose pictures an IP camera serves, in any WIDTHxHEIGHT@RATE",
             ("320x240@10", "160x120@10"),
             check=read_format,
         ),
-        FittedPart("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
-        FittedPart("compass", "a TCM2 compass", ("tcm2",)),
-        FittedPart("joystick", "a joystick in the robot's socket"),
-        FittedPart("ledge", "infrared sensors that look for edges of the floor, far and near"),
+        _FittedPart("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
+        _FittedPart("compass", "a TCM2 compass", ("tcm2",)),
+        _FittedPart("joystick", "a joystick in the robot's socket"),
+        _FittedPart("ledge", "infrared sensors that look for edges of the floor, far and near"),
     )
 }
 
@@ -99,7 +99,7 @@ BARE = Fit()
 
 
 def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
-    """Read what somebody asked for.
+    """Parse the parts of `--fit`.
 
     Args:
         texts: Parts as they are written: `gripper`, `ptz:vcc4`, `no-rear-sonar`; later ones win.
@@ -119,13 +119,13 @@ def read_fit(texts: Iterable[str], model: RobotModel) -> tuple[RobotModel, Fit]:
                 f"there is no part {name!r}; {nearest(name, [*PARTS, *(_NOT + each for each in REMOVABLE)])}"
             )
         else:
-            parts[name] = _variant(PARTS[name], variant if colon else _usual(name, model))
+            parts[name] = _variant(PARTS[name], variant if colon else model.parts.get(name, ""))
     for name, variant in parts.items():
         _check_load(PARTS[name], variant, model)
     return model, Fit(parts)
 
 
-def _variant(part: FittedPart, variant: str) -> str:
+def _variant(part: _FittedPart, variant: str) -> str:
     if variant and part.check is not None:
         try:
             part.check(variant)
@@ -137,28 +137,13 @@ def _variant(part: FittedPart, variant: str) -> str:
     return variant or next(iter(part.variants), "")
 
 
-def _check_load(part: FittedPart, variant: str, model: RobotModel) -> None:
+def _check_load(part: _FittedPart, variant: str, model: RobotModel) -> None:
     least = part.least_kg.get(variant, 0.0)
     if model.mass < least:
         raise FitError(
             f"a {model.name} of {model.mass:g} kg cannot carry {part.name}:{variant}; "
             f"fit it to a robot of {least:g} kg or more"
         )
-
-
-def _usual(part: str, model: RobotModel) -> str:
-    """The variant that goes onto a model when none is named; empty for the first of the part's."""
-    return _USUAL.get((part, model.name.partition("-")[0]), "")
-
-
-_USUAL: Mapping[tuple[str, str], str] = {
-    ("arm", "powerbot"): "powercube",
-    ("gripper", "peoplebot"): "peoplebot",
-    ("gripper", "p2pb"): "peoplebot",
-    ("gripper", "p2pp"): "peoplebot",
-    ("gripper", "perfpb"): "peoplebot",
-    ("gripper", "perfpb+"): "peoplebot",
-}
 
 
 def _without(name: str, model: RobotModel, parts: dict[str, str]) -> RobotModel:

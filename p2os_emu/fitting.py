@@ -1,4 +1,4 @@
-"""From the parts of a fit to the devices that hang on a robot: on cables of their own, or behind its AUX ports."""
+"""Devices for the parts of a fit: on cables of their own, or behind the robot's AUX ports."""
 
 from collections.abc import Callable, Mapping
 from random import Random
@@ -25,7 +25,7 @@ LASER_POWER = "lrf"
 
 
 class FittingContext(NamedTuple):
-    """Everything that a device may be connected to.
+    """Everything that a device may need to connect to.
 
     rng: of this device alone, seeded.
     """
@@ -100,7 +100,7 @@ def cabled(part: str, bench: FittingContext) -> CableDevice:
 
 
 def plug_in(part: str, bench: FittingContext) -> None:
-    """Connect a part to the microcontroller, if it is one that hangs on it."""
+    """Connect a part to the microcontroller, if it belongs there."""
     plug = PLUGGED.get((part, bench.fit.parts[part]))
     if plug is not None:
         plug(bench)

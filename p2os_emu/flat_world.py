@@ -1,4 +1,4 @@
-"""A world without physics, for tests of what stands above it: an endless floor on which wheels obey at once.
+"""A world without physics, for tests: an endless floor on which wheels reach the commanded speed at once.
 
 It has the face of `p2os_emu.world.World` as far as the emulator needs it, and starts in no time.
 """
@@ -15,7 +15,7 @@ from p2os_emu.emulator import STEP
 from p2os_emu.fit import BARE, Fit
 
 
-class FlatTruth(NamedTuple):
+class _FlatTruth(NamedTuple):
     """Where a robot is and how it moves: m, rad, m/s, rad/s."""
 
     pose: Pose2D
@@ -24,7 +24,7 @@ class FlatTruth(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class FlatTouches:
+class _FlatTouches:
     """What a robot has bumped into: nothing."""
 
     count: int = 0
@@ -116,10 +116,10 @@ class FlatWorld:
         """Take a robot away."""
         del self.bodies[name]
 
-    def truth(self, name: str) -> FlatTruth:
+    def truth(self, name: str) -> _FlatTruth:
         """Where a robot is and how it moves."""
         body = self.bodies[name]
-        return FlatTruth(body.pose, body.twist.linear, body.twist.angular)
+        return _FlatTruth(body.pose, body.twist.linear, body.twist.angular)
 
     def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
         """There are none."""
@@ -129,9 +129,9 @@ class FlatWorld:
         """Return None: there are no objects."""
         return None
 
-    def touches(self, name: str) -> FlatTouches:
+    def touches(self, name: str) -> _FlatTouches:
         """There is nothing to bump into."""
-        return FlatTouches()
+        return _FlatTouches()
 
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
         """There are none."""

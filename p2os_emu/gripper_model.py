@@ -1,4 +1,4 @@
-"""What a gripper is: figures of a file of `configs/accessories`, for its body and for its servers in the firmware."""
+"""Dimensions and limits of a gripper, from a file of `configs/accessories`, for the world and the firmware."""
 
 from dataclasses import dataclass
 
@@ -45,12 +45,12 @@ class GripperModel:
 
     @property
     def reach(self) -> float:
-        """How far the paddles stick out ahead of the hull, m."""
+        """Length of the paddles ahead of the hull, m."""
         return self.gap_m + self.paddle_length_m
 
 
 def gripper_of(fit: Fit) -> GripperModel | None:
-    """The gripper among the parts of a fit.
+    """Return the gripper of a fit.
 
     Raises:
         ConfigError: Its file has an error.

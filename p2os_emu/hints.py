@@ -1,11 +1,11 @@
-"""What to suggest to somebody who wrote a name that does not exist."""
+"""Suggestions for misspelt names."""
 
 import difflib
 from collections.abc import Iterable
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """The end of a sentence that says which name may have been meant, or which names there are."""
+    """Return the end of an error message: similar names, or all known names."""
     names = sorted(known)
     near = difflib.get_close_matches(name, names, 3, 0.5)
     if near:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 import configs
 from configs.team_file import TeamFile
 from p2os import RobotModel
-from p2os_emu.faults.table import FAULTS
+from p2os_emu.faults.board import FAULTS
 from p2os_emu.fit import PARTS, REMOVABLE
 from p2os_emu.links.line import LinkProfile
 
@@ -70,7 +70,7 @@ def _faults() -> Iterator[Row]:
         for key, parameter in kind.parameters.items():
             default = f" ({parameter.default})" if parameter.default else ""
             yield "", f"  {key}=: {parameter.meaning}{default}"
-    yield "every fault", "robot=NAME says whom it befalls; every robot that can suffer it if not given"
+    yield "every fault", "robot=NAME: the robot that has the fault; every robot that can have it if not given"
     yield "", "@START+DURATION says when it begins and how long it lasts, in s"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import configs
 from configs.command_line import CommandParser, add_version
+from configs.defaults import EMPTY_WORLD, LINK, WORLD
 from configs.team_file import MOST_ROBOTS, TeamFile, read_team
 from geometry import Pose2D
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
@@ -113,10 +114,10 @@ def parse(argv: Sequence[str] | None = None) -> EmulatorOptions:
         places=places,
         factory=given.factory,
         fits=tuple(given.fit),
-        world=given.world or ("office" if given.check is None else "empty"),
+        world=given.world or (WORLD if given.check is None else EMPTY_WORLD),
         pty=given.pty,
         tcp=given.tcp,
-        link=links.pop("", "ideal"),
+        link=links.pop("", LINK),
         links=links,
         seed=given.seed,
         speed=given.speed,
@@ -167,7 +168,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_team(parser)
     _add_ports(parser)
     _add_run(parser)
-    _add_cassettes(parser)
+    _add_recordings(parser)
     _add_lists(parser)
     return parser
 
@@ -179,16 +180,16 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="MODEL[:NAME]",
-        help="a robot of this model; repeat for more; without a name it is called as its model, then MODEL-2 and so on",
+        help="add a robot of this model; repeatable; its default name is that of its model, then MODEL-2 and so on",
     )
     group.add_argument(
-        "--team", metavar="NAME|FILE", help="the emulated robots of a team, with their accessories, world and line"
+        "--team", metavar="NAME|FILE", help="add the emulated robots of a team, with their accessories, world and line"
     )
     group.add_argument(
         "--only",
         type=lambda text: text.split(","),
         metavar="NAME,...",
-        help="of a team, these robots and no others",
+        help="start only these robots of a team",
     )
     group.add_argument(
         "-r",
@@ -196,21 +197,21 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="MODEL[:NAME]",
-        help=f"the same on TCP, as MobileSim has it: at port {MOBILESIM_PORT} unless -p says otherwise",
+        help=f"add a robot on TCP, as MobileSim does [port {MOBILESIM_PORT}, or that of -p]",
     )
     group.add_argument(
         "-R",
         "--robot-factory",
         dest="factory",
         metavar="MODEL",
-        help="a robot of this model for every client that connects, on TCP; it goes with its client",
+        help="make a robot of this model for each client on TCP; it is removed with its client",
     )
     group.add_argument(
         "--fit",
         action="append",
         default=[],
         metavar="[NAME=]PART,...",
-        help="accessories for every robot or for the one named; no-PART takes one off; --list-parts shows them",
+        help="fit accessories to every robot or to the one named; no-PART removes one; --list-parts shows them",
     )
     group.add_argument(
         "-m",
@@ -218,7 +219,8 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         "--world",
         dest="world",
         metavar="NAME|FILE",
-        help="a world, a .toml or .map file, or plan:SEED for a made-up floor plan (office; empty for --check)",
+        help="set the world: a name, a .toml or .map file, or plan:SEED for a random floor plan "
+        f"[{WORLD}; {EMPTY_WORLD} for --check]",
     )
     group.add_argument(
         "--as-simulator",
@@ -226,21 +228,24 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         help="execute MobileSim's commands, which a real robot does not know: SIM_SET_POSE, SIM_STAT and the others, "
         "and 35 to 38 for a laser in the robot's own line; the serial number is SIM",
     )
-    group.add_argument("--perfect", action="store_true", help="no imperfections: exact wheels, sonar without noise")
+    group.add_argument("--perfect", action="store_true", help="remove imperfections: exact wheels, sonar without noise")
     group.add_argument(
         "--flash",
         type=Path,
         metavar="FILE",
-        help="TOML file of FLASH parameters that replace the factory's, in every robot",
+        help="replace FLASH parameters of every robot by those of a TOML file",
     )
-    group.add_argument("--seed", type=int, default=0, metavar="N", help="decides everything that chance would (0)")
+    group.add_argument("--seed", type=int, default=0, metavar="N", help="set the seed of the random generator [0]")
     group.add_argument("--gui", action="store_true", help="show the world in a window")
 
 
 def _add_ports(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("ports")
     group.add_argument(
-        "--pty", type=Path, metavar="PATH", help="a symbolic link to the port; of several robots each has PATH-NAME"
+        "--pty",
+        type=Path,
+        metavar="PATH",
+        help="make a symbolic link to the port; with several robots one PATH-NAME for each",
     )
     group.add_argument(
         "-p",
@@ -248,37 +253,37 @@ def _add_ports(parser: argparse.ArgumentParser) -> None:
         dest="tcp",
         type=_tcp_port,
         metavar="PORT",
-        help="listen on TCP instead, on this machine only; the next robots get the next ports; 0: any free ones",
+        help="listen on TCP instead, on this machine only; further robots get the next ports; 0: any free port",
     )
     group.add_argument(
         "--link",
         action="append",
         default=[],
         metavar="[NAME=]PROFILE",
-        help="what the cable does to bytes, of every robot or of the one named (ideal)",
+        help="set the line profile of every robot or of the one named [ideal]",
     )
     group.add_argument(
         "--hangup-stops", action="store_true", help="stop a robot whose client closed the port; no real one could"
     )
     group.add_argument(
-        "--control", type=Path, metavar="PATH", help="the control socket; without it, one in a private folder"
+        "--control", type=Path, metavar="PATH", help="set the path of the control socket [in a private folder]"
     )
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("run")
-    group.add_argument("--duration", type=_positive, metavar="SECONDS", help="end after so much emulated time")
+    group.add_argument("--duration", type=_positive, metavar="SECONDS", help="end after this emulated time, s")
     group.add_argument(
         "--until-stdin-closes",
         action="store_true",
-        help="end when the pipe on standard input is closed: so that no program leaves its emulator behind",
+        help="end when the pipe on standard input is closed, so that no program leaves its emulator behind",
     )
     group.add_argument(
         "--speed",
         type=_speed,
         default=1.0,
         metavar="X",
-        help=f"emulated seconds per second, {SLOWEST:g} to {FASTEST:g} (1); at any other than 1 the clients' "
+        help=f"set the emulated seconds per second, {SLOWEST:g} to {FASTEST:g} [1]; at any other than 1 the clients' "
         "watchdogs and the robot's no longer agree",
     )
     group.add_argument(
@@ -287,7 +292,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME[:key=value,...][@START[+DURATION]]",
-        help="let something go wrong; START counts from the start; repeat for more",
+        help="schedule a fault; START counts from the start, s; repeatable",
     )
     group.add_argument(
         "--fault-file",
@@ -295,34 +300,34 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="faults from a file, one a line as above, # begins a comment; repeat for more",
+        help="schedule the faults of a file, one a line as above, # begins a comment; repeatable",
     )
     group.add_argument("--json", action="store_true", help="print one line of JSON once every robot is ready")
-    group.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    group.add_argument("--quiet", action="store_true", help="print errors only")
 
 
-def _add_cassettes(parser: argparse.ArgumentParser) -> None:
+def _add_recordings(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
-        "cassettes", "recorded lines: one JSON object a line, with t (s), from (host or robot) and hex"
+        "recordings", "recorded lines: one JSON object a line, with t (s), from (host or robot) and hex"
     )
     group.add_argument(
         "--record",
         type=Path,
         metavar="FILE",
-        help="record the robot's line; of several robots each has FILE-NAME; a file that exists is an error",
+        help="record the robot's line; with several robots one FILE-NAME for each; an existing file is an error",
     )
-    group.add_argument("--force", action="store_true", help="let --record overwrite files that exist")
+    group.add_argument("--force", action="store_true", help="let --record overwrite existing files")
     group.add_argument(
         "--serve",
         type=Path,
         metavar="FILE",
-        help="no emulation: answer a client with what the recorded robot answered to the same commands",
+        help="replay a recording: answer a client as the recorded robot answered the same commands",
     )
     group.add_argument(
         "--check",
         type=Path,
         metavar="FILE",
-        help="send the recorded client's bytes to an emulated robot and say where its answers differ; the model is "
+        help="send the recorded client's bytes to an emulated robot and print where its answers differ; the model is "
         "the recorded one unless --robot gives another",
     )
 
@@ -330,9 +335,7 @@ def _add_cassettes(parser: argparse.ArgumentParser) -> None:
 def _add_lists(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("lists")
     for kind in ("robots", "parts", "teams", "worlds", "links", "faults"):
-        group.add_argument(
-            f"--list-{kind}", action="store_const", const=kind, dest="listing", help=f"show the {kind} there are"
-        )
+        group.add_argument(f"--list-{kind}", action="store_const", const=kind, dest="listing", help=f"list the {kind}")
 
 
 def _tcp_port(text: str) -> int:

@@ -25,13 +25,13 @@ from typing import Any
 
 import pytest
 
+from configs.defaults import TEST_ROBOT
 from p2os_emu.program import ChildFailed
 from p2os_emu.robot_for_tests import RobotForTests, start
 
 __all__ = ["emulate_robots", "emulated_robot"]
 
 MARKER = "emulated_robot"
-_USUAL = "p3dx"
 
 EmulateRobots = Callable[..., tuple[RobotForTests, ...]]
 
@@ -40,8 +40,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Make the marker known."""
     config.addinivalue_line(
         "markers",
-        f"{MARKER}(model='{_USUAL}', *, fit, world, link, faults, flash, seed, perfect): what the fixture of this name "
-        "gives; see p2os_emu.start",
+        f"{MARKER}(model='{TEST_ROBOT}', *, fit, world, link, faults, flash, seed, perfect): "
+        "what the fixture of this name gives; see p2os_emu.start",
     )
 
 
@@ -57,7 +57,7 @@ def emulate_robots() -> Iterator[EmulateRobots]:
         def emulate(*models: str, **options: Any) -> tuple[RobotForTests, ...]:
             __tracebackhide__ = True
             try:
-                return running.enter_context(start(*(models or (_USUAL,)), **options))
+                return running.enter_context(start(*(models or (TEST_ROBOT,)), **options))
             except ChildFailed as error:
                 complaint = str(error)
             pytest.fail(complaint, pytrace=False)  # out here, where it does not drag the first error along

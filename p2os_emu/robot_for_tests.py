@@ -1,4 +1,4 @@
-"""A running emulated robot as a test sees it: its ports, where it truly is, and what can go wrong with it."""
+"""A running emulated robot for tests: ports, true state and faults."""
 
 import json
 import tempfile
@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from configs.defaults import EMPTY_WORLD, LINK
 from p2os_emu.program import ChildFailed, EmulatedRobots, emulator
 
 PATIENCE_S = 20.0
@@ -115,7 +116,7 @@ class RobotForTests:
     def wait_until(
         self, condition: Callable[[RobotTruth], object], seconds: float = PATIENCE_S, what: str = "the condition held"
     ) -> RobotTruth:
-        """Wait until something is true of the robot; return the truth in which it was.
+        """Wait until a condition holds; return the true state that met it.
 
         Args:
             condition: Asked about a hundred times a second.
@@ -140,12 +141,12 @@ class RobotForTests:
         return self.wait_until(lambda truth: truth.connected, seconds, "a client connected")
 
     def wait_until_it_moves(self, seconds: float = PATIENCE_S) -> RobotTruth:
-        """Wait until the robot moves, by itself or pushed."""
+        """Wait until the robot moves."""
         __tracebackhide__ = True
         return self.wait_until(lambda truth: not _stands(truth), seconds, "the robot moved")
 
     def wait_until_it_stands(self, seconds: float = PATIENCE_S) -> RobotTruth:
-        """Wait until the robot stands, and not only for a moment."""
+        """Wait until the robot has come to rest."""
         __tracebackhide__ = True
         standing = 0
 
@@ -161,8 +162,8 @@ class RobotForTests:
 def start(
     *models: str,
     fit: str | Iterable[str] = (),
-    world: str | Path = "empty",
-    link: str = "ideal",
+    world: str | Path = EMPTY_WORLD,
+    link: str = LINK,
     faults: Iterable[str] = (),
     flash: str | Path | Mapping[str, object] | None = None,
     seed: int = 0,

@@ -21,7 +21,7 @@ _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met withi
 
 
 class Stepped(Protocol):
-    """What a runner moves: an emulator."""
+    """An object that a runner steps: an emulator."""
 
     @property
     def time(self) -> float:
@@ -39,7 +39,7 @@ class Stepped(Protocol):
 
 
 class Runner:
-    """Steps an emulator, lets it hear its ports before every step, and lets somebody speak between steps.
+    """Steps an emulator in real time, polls its ports before every step, and calls a function between steps.
 
     between_steps: all called after the ports were heard, also while paused; at least ten times a second.
     needs_each_step: while one of them returns true, every step is taken on time.
@@ -58,7 +58,7 @@ class Runner:
         sleep: Callable[[float], None],
         speed: float = 1.0,
     ) -> None:
-        """Make ready to run; time counts from `run`.
+        """Prepare; time counts from `run`.
 
         Args:
             emulator: What to move.
@@ -87,7 +87,7 @@ class Runner:
 
     @property
     def lost(self) -> float:
-        """Robot time that was given up so, s."""
+        """Emulated time lost by dropped steps, s."""
         return self._pacer.dropped * STEP
 
     @property
@@ -100,7 +100,7 @@ class Runner:
         self._pacer.set_speed(speed, self._clock())
 
     def pause(self, on: bool) -> None:
-        """Stop emulated time, or let it run on."""
+        """Pause or resume emulated time."""
         self.is_paused = on
         self._pacer.restart(self._clock())
 

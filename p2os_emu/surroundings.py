@@ -1,4 +1,4 @@
-"""What the emulator needs of a world: protocols, so that tests of what stands above it need no physics."""
+"""Protocols of a world, as far as the emulator needs it; tests can do without physics."""
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol
@@ -10,7 +10,7 @@ from p2os_emu.fit import BARE, Fit
 
 
 class TrueMotion(Protocol):
-    """How a robot really moves, which its odometry only estimates."""
+    """The true motion of a robot."""
 
     @property
     def pose(self) -> Pose2D:
@@ -29,7 +29,7 @@ class TrueMotion(Protocol):
 
 
 class TouchCounter(Protocol):
-    """What a robot has bumped into."""
+    """Collisions of a robot."""
 
     @property
     def count(self) -> int:
@@ -51,7 +51,7 @@ class EmulatedSurroundings(Protocol):
         ...
 
     def step(self) -> None:
-        """Move everything on by `STEP`."""
+        """Advance everything by `STEP`."""
         ...
 
     def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> Body:
@@ -63,11 +63,11 @@ class EmulatedSurroundings(Protocol):
         ...
 
     def truth(self, name: str) -> TrueMotion:
-        """How a robot really moves."""
+        """Return the true motion of a robot."""
         ...
 
     def place(self, name: str, pose: Pose2D) -> None:
-        """Put a robot elsewhere, as a hand would; its odometry does not notice."""
+        """Move a robot to another pose; its odometry does not change."""
         ...
 
     def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
@@ -79,7 +79,7 @@ class EmulatedSurroundings(Protocol):
         ...
 
     def touches(self, name: str) -> TouchCounter:
-        """What a robot has bumped into."""
+        """Collisions of a robot."""
         ...
 
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:

@@ -1,4 +1,4 @@
-"""The robots of one run: from `MODEL[:NAME]` to a robot with a name and a port of its own."""
+"""The robots of one run, from `MODEL[:NAME]` to a robot with a name and a port."""
 
 import re
 from collections.abc import Callable, Container, Mapping, Sequence
@@ -10,7 +10,6 @@ from configs import ConfigError
 from configs.team_file import MOST_ROBOTS
 from geometry import Pose2D
 from p2os import RobotModel
-from p2os_emu.cassette import CassetteError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fit import Fit, FitError, read_fit
 from p2os_emu.hints import nearest
@@ -18,12 +17,13 @@ from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.profile import LinkProfile
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
+from p2os_emu.recording import RecordingError
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,18}")
 
 
 class TeamError(ValueError):
-    """A robot cannot be had as asked; the message says why and what to do."""
+    """A robot cannot be made as requested; the message says why and what to do."""
 
 
 class EmulatedTeam:
@@ -60,7 +60,7 @@ class EmulatedTeam:
         self._fits = [_read_fit_option(text) for text in fits]
 
     def check_fits(self) -> None:
-        """See that every robot is there that a part or a line was meant for.
+        """Check that every robot named by a part or a line exists.
 
         Raises:
             TeamError: One is not.
@@ -72,7 +72,7 @@ class EmulatedTeam:
                     raise TeamError(f"{option} {name}=...: there is no robot {name!r}; {hint}")
 
     def check_model(self, text: str) -> None:
-        """See that robots can be made of a model.
+        """Check that a model exists.
 
         Raises:
             TeamError, ConfigError: As `add`.
@@ -119,7 +119,7 @@ class EmulatedTeam:
         try:
             for tell in self.whenever_added:
                 tell(robot)
-        except CassetteError as error:
+        except RecordingError as error:
             self.emulator.remove(name)
             raise TeamError(str(error)) from error
         except PortError:
@@ -128,7 +128,7 @@ class EmulatedTeam:
         return robot
 
     def entry(self, robot: EmulatedRobot) -> dict[str, str | None]:
-        """What a program needs to know to use a robot, ready for JSON; null for parts it does not have."""
+        """Return the connection data of a robot for JSON; null for parts it does not have."""
         return {
             "name": robot.name,
             "model": robot.model.name,
@@ -157,7 +157,7 @@ class EmulatedTeam:
 
 
 def read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
-    """Find the model and settle the name.
+    """Find the model and choose the name.
 
     Args:
         text: MODEL or MODEL:NAME.

@@ -1,4 +1,4 @@
-"""What the control socket tells as the truth: how robots, things, people and doors really are. SI and radians."""
+"""Rows of the true state for the control socket: robots, objects, people and doors. SI and radians."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ LAST_TOUCHES = 10
 
 
 def surroundings_rows(emulator: Emulator) -> dict[str, Any]:
-    """Where things are, and people and doors that move."""
+    """Return the places of objects, people and doors."""
     people = {
         name: {"x": x, "y": y, "heading": heading, "walks": walks}
         for name, (x, y, heading, walks) in emulator.people().items()
@@ -127,7 +127,7 @@ def _laser(robot: EmulatedRobot) -> dict[str, Any] | None:
 
 
 def _shown(controller: Microcontroller) -> dict[str, Any]:
-    """What people would see and hear of the board."""
+    """Return the visible and audible state of the board."""
     outputs = controller.outputs
     return {
         "notes": [note._asdict() for note in controller.notes],

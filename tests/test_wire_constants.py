@@ -36,7 +36,7 @@ ALLOWED: Mapping[tuple[str, Finding], str] = {
     ("p2os_emu.camera.news", Finding("bytes", r"b'\x00'")): "between two processes of the emulator",
     ("p2os_emu.camera.news", Finding("bytes", r"b'\x01'")): "between two processes of the emulator",
     ("p2os_emu.camera.server", Finding("bytes", r"b'\r\n'")): "HTTP",
-    ("p2os_emu.cassette", Finding("byte order", "bytes.fromhex(entry['hex'])")): "the file format of a recording",
+    ("p2os_emu.recording", Finding("byte order", "bytes.fromhex(entry['hex'])")): "the file format of a recording",
     ("p2os_emu.control", Finding("bytes", r"b'\n'")): "lines of JSON",
     ("p2os_emu.links.modem", Finding("bytes", r"b'\r'")): "ends the dial string of a modem",
     ("p2os_emu.world.collision", Finding("numbered names", "Group")): "collision groups of the physics engine",
@@ -46,6 +46,7 @@ ALLOWED: Mapping[tuple[str, Finding], str] = {
 }
 SHARED: Mapping[str, str] = {
     "PATIENCE": "times to wait for different things",
+    "ENDING_TIMEOUT_S": "time that a child process has to end",
     "EXIT_OK": "exit code of every program",
     "EXIT_USAGE": "exit code of every program",
 }

@@ -16,11 +16,11 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import configs
+from acromovi.demo import draw_drive
 from acromovi.lockstep import Lockstep
 from acromovi.missions.course import ROBOT, Course
 from acromovi.navigation.mission_picture import draw
 from acromovi.navigation.snapshot import Snapshot
-from acromovi.picture import draw_drive
 from apps.waypoints import Follower
 from bus import Sample, keys, messages
 from configs.team_file import TeamRobot, read_team

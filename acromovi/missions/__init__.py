@@ -1,1 +1,1 @@
-"""Missions of the navigation in lockstep: played, judged by the truth, and laid out in a table with pictures."""
+"""Navigation missions in lockstep: run, judged by the true state, and reported in a table with pictures."""

@@ -1,4 +1,4 @@
-"""`acromovi missions`: play missions of the indoor navigation faster than real time, and judge them by the truth."""
+"""`acromovi missions`: run navigation missions faster than real time, and judge them by the true state."""
 
 import argparse
 import sys
@@ -31,26 +31,32 @@ SMOKE = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("--case", type=Case, choices=list(Case), default=Case.ROOM, help="where to (default: room)")
+    parser.add_argument(
+        "--case", type=Case, choices=list(Case), default=Case.ROOM, help="set the case of the goal [room]"
+    )
     parser.add_argument(
         "--condition",
         type=Condition,
         choices=list(Condition),
         default=Condition.STATIC,
-        help="under which circumstances (default: static)",
+        help="set the conditions [static]",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of every chance (default: 0)")
-    parser.add_argument("--robot", default="", metavar="MODEL", help=f"default: by the seed, of {', '.join(ROBOTS)}")
-    parser.add_argument("--world", default="", help="default: by the seed, the house or a generated plan")
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw it, as PNG or SVG by the ending")
-    parser.add_argument("--smoke", action="store_true", help="play a few missions of all kinds")
-    parser.add_argument("--all", action="store_true", help="play the whole matrix")
-    parser.add_argument("--seeds", type=int, default=SEEDS, help=f"with --all: how many of each (default: {SEEDS})")
-    parser.add_argument("--out", type=Path, default=Path("bench"), help="with --all: folder for the table")
+    parser.add_argument("--seed", type=int, default=0, help="set the seed of the random generator [0]")
+    parser.add_argument(
+        "--robot", default="", metavar="MODEL", help=f"set the model [by the seed, of {', '.join(ROBOTS)}]"
+    )
+    parser.add_argument("--world", default="", help="set the world [by the seed, the house or a generated plan]")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the mission, as PNG or SVG by the ending")
+    parser.add_argument("--smoke", action="store_true", help="run a few missions of all kinds")
+    parser.add_argument("--all", action="store_true", help="run the whole matrix")
+    parser.add_argument("--seeds", type=int, default=SEEDS, help=f"with --all: set the number of seeds [{SEEDS}]")
+    parser.add_argument(
+        "--out", type=Path, default=Path("bench"), help="with --all: set the folder for the table [bench]"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Play what is asked for."""
+    """Run the requested missions."""
     if options.robot and options.robot not in ROBOTS:
         print(f"acromovi missions: --robot must be one of {', '.join(ROBOTS)}", file=sys.stderr)
         return 2
@@ -73,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def play_many(jobs: Sequence[Job], instead: Instead | None = None) -> list[Result]:
-    """Play on all cores, and say how it goes."""
+    """Run missions on all cores, and print the progress."""
     began, good = time.monotonic(), []
 
     def told(result: Result) -> None:

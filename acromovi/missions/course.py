@@ -40,7 +40,7 @@ class Track:
 
 @dataclass(slots=True)
 class Played:
-    """What happened on a mission.
+    """Result of a mission.
 
     state: how the navigation says that it ended; `late` if it did not in time. seconds: until it said so.
     told: what it told the person. reports: what went wrong in the components. touched: what the robot bumped into.
@@ -131,7 +131,7 @@ class Course:
                 self.track.believed.append(self.believed)
 
     def start_component(self, local: str) -> None:
-        """Let a component live that does not.
+        """Start a component.
 
         Raises:
             StopIteration: There is no such component.

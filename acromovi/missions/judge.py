@@ -1,4 +1,4 @@
-"""What a mission was worth: told by where the robot truly was, not by what it says of itself."""
+"""Judgement of a mission by the robot's true path, not by its own reports."""
 
 import math
 from collections.abc import Sequence
@@ -88,7 +88,7 @@ def _why_not(task: Task, played: Played, off: float, odometry_off: float) -> str
 
 
 def _sees(task: Task, end: Pose2D) -> bool:
-    """No wall stands between the robot and the goal."""
+    """Whether no wall is between the robot and the goal."""
     walls = FreeSpace(replace(task.world, furniture=(), objects=()), SIGHT)
     return bool(walls.reachable((end.x, end.y), np.array([task.goal]))[0])
 

@@ -51,7 +51,7 @@ def play(job: Job, instead: Instead | None = None) -> Result:
     """Play one mission; whatever is raised makes it a failed one."""
     try:
         task = prepare(job)
-        played = perform(task, instead)
+        played = _perform(task, instead)
         return Result(
             job,
             task,
@@ -65,7 +65,7 @@ def play(job: Job, instead: Instead | None = None) -> Result:
         return Result(job, error=traceback.format_exc())
 
 
-def perform(task: Task, instead: Instead | None = None) -> Played:
+def _perform(task: Task, instead: Instead | None = None) -> Played:
     """Let the robot do a task."""
     job = task.job
     limit = PATIENCE + SLOWNESS * task.way.length / CRUISING

@@ -25,7 +25,7 @@ def draw_mission(path: Path, result: Result) -> None:
     page = Figure(figsize=(11, 8), layout="constrained")
     axes = page.subplots()
     if (task := result.task) is not None:
-        draw_world(axes, task.world)
+        _draw_world(axes, task.world)
         _line(axes, task.way.points, SHORTEST, "shortest way", linestyle=":")
         _line(axes, [(p.x, p.y) for p in result.believed], BELIEVED, "as odometry has it", linestyle="--")
         _line(axes, [(p.x, p.y) for p in result.path], GOOD if result.is_good else BAD, "path", linewidth=2.0)
@@ -48,7 +48,7 @@ def draw_sheet(path: Path, results: Sequence[Result], world: str) -> None:
         for axes, condition in zip(row, Condition, strict=True):
             here = [r for r in results if (r.job.case, r.job.condition, r.job.world) == (case, condition, world)]
             for number, result in enumerate(here):
-                draw_path(axes, result, is_first=number == 0)
+                _draw_path(axes, result, is_first=number == 0)
             good = sum(result.is_good for result in here)
             axes.set_title(f"{case}, {condition}: {good} of {len(here)}", loc="left", fontsize=10)
             axes.set_axis_off()
@@ -68,7 +68,7 @@ def draw_grid(path: Path, results: Sequence[Result]) -> None:
     for axes in panels:
         axes.set_axis_off()
     for axes, result in zip(panels, results, strict=False):
-        draw_path(axes, result)
+        _draw_path(axes, result)
         job = result.job
         axes.set_title(f"{job.case}, {job.condition}, {job.seed}: {job.robot}", loc="left", fontsize=8)
     page.suptitle(f"True paths, each in a world of its own; a bar is {BAR:g} m", x=0.01, ha="left")
@@ -99,11 +99,11 @@ def _draw_bar(axes: "Axes") -> None:
     axes.plot([left, left + BAR], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
 
 
-def draw_path(axes: "Axes", result: Result, *, is_first: bool = True) -> None:
+def _draw_path(axes: "Axes", result: Result, *, is_first: bool = True) -> None:
     """A path with its start and its goal, over its world."""
     if (task := result.task) is None:
         return
-    draw_world(axes, task.world, is_first=is_first)
+    _draw_world(axes, task.world, is_first=is_first)
     if is_first:
         _draw_bar(axes)
     _line(axes, [(p.x, p.y) for p in result.path], GOOD if result.is_good else BAD, linewidth=1.2)
@@ -111,7 +111,7 @@ def draw_path(axes: "Axes", result: Result, *, is_first: bool = True) -> None:
     axes.plot(*task.goal, "*", color=GOOD, markersize=6)
 
 
-def draw_world(axes: "Axes", world: WorldSpec, *, is_first: bool = True) -> None:
+def _draw_world(axes: "Axes", world: WorldSpec, *, is_first: bool = True) -> None:
     """Walls, furniture, obstacles, and the ways of people. Walls and furniture only once for a panel."""
     if is_first:
         _fill(axes, [block.footprint for block in world.walls], WALL, "walls")

@@ -1,1 +1,1 @@
-"""Scenes: a robot with something special, and a few seconds in which one sees it at work. See `stage`."""
+"""Scenes: short demonstrations of one feature of a robot. See `stage`."""

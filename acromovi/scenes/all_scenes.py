@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-from acromovi.scenes import eyes, faults, hands, lines, sensors, tapes
+from acromovi.scenes import actuators, faults, lines, recordings, sensors
 from acromovi.scenes.stage import Scene
 
 SCENES: Mapping[str, Scene] = {
     scene.name: scene
-    for scene in (*hands.SCENES, *sensors.SCENES, *eyes.SCENES, *lines.SCENES, *faults.SCENES, *tapes.SCENES)
+    for scene in (*actuators.SCENES, *sensors.SCENES, *lines.SCENES, *faults.SCENES, *recordings.SCENES)
 }

@@ -1,4 +1,4 @@
-"""Scenes of robots that something has befallen, and of how their gateway tells."""
+"""Scenes of faults, and of how the gateway reports them."""
 
 import math
 from typing import Any

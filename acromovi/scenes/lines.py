@@ -1,4 +1,4 @@
-"""Scenes of cables and of what goes wrong with them."""
+"""Scenes of cables and their faults."""
 
 import time
 from typing import Any

@@ -1,4 +1,4 @@
-"""`acromovi try`: see something at work, with nothing but this machine."""
+"""`acromovi try`: show a feature with an emulated robot."""
 
 import argparse
 import sys
@@ -24,7 +24,7 @@ Exit codes: 0 all was seen, 1 something was not (the reason is on stderr), 2 the
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the command line."""
     parser.epilog = EPILOG
-    parser.add_argument("scene", metavar="SCENE", nargs="*", help="what to see; none lists what there is")
+    parser.add_argument("scene", metavar="SCENE", nargs="*", help="scene to play; without one all scenes are listed")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""What a scene plays on: an emulated robot, its gateway, the bus, and somebody who says what happens."""
+"""Environment of a scene: an emulated robot, its gateway, the bus, and printed comments."""
 
 import math
 import queue
@@ -21,12 +21,12 @@ LOST = "the robot is not connected"  # so the gateway refuses what it cannot pas
 
 
 class SceneFailed(Exception):
-    """Something that the scene was to show did not happen; the message says what."""
+    """An expected event of a scene did not happen; the message names it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A few seconds of one robot.
+    """A short demonstration with one robot.
 
     name: what one types. shows: for people. emulator, gateway: their arguments; `{laser_port}` and the like stand for
     what the emulator says of its robot, `{name}` and `{folder}` for the robot's name and a folder of the scene's own.
@@ -42,7 +42,7 @@ class Scene:
 
 
 class SceneStage:
-    """Where a scene plays.
+    """Robot, bus and output of a scene.
 
     robot: its name. robots: the emulator. folder: of the scene's own, removed with it.
     """

@@ -1,1 +1,1 @@
-"""What agents say to each other, overheard: read, put in order, and drawn as sequence diagrams in text and SVG."""
+"""Captured messages between agents: read, sorted, and drawn as sequence diagrams in text and SVG."""

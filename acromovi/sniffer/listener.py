@@ -1,4 +1,4 @@
-"""Listens to all that agents say, in the order in which they say it."""
+"""Listener for the messages of all agents, sorted by time."""
 
 import heapq
 import itertools
@@ -6,14 +6,14 @@ import queue
 import time
 from collections import deque
 
-from acromovi.sniffer.overheard import ALL_THAT_IS_SAID, Heard, read
+from acromovi.sniffer.captured import ALL_THAT_IS_SAID, Heard, read
 from bus.bus import Bus, Closeable
 
 HOLD = 0.2  # s that a message is held back, so that one from elsewhere that was said before it can come
 
 
-class InOrder:
-    """Holds what is heard for a moment, and gives it in the order of its times.
+class ReorderBuffer:
+    """Holds messages for a moment, and returns them in the order of their times.
 
     What comes later than that is given when it comes. `now` is s of any steady clock.
     """
@@ -25,12 +25,12 @@ class InOrder:
         self._came: deque[tuple[float, float]] = deque()  # when, and its time
 
     def add(self, heard: Heard, now: float) -> None:
-        """Something was heard."""
+        """Add a message."""
         heapq.heappush(self._waiting, (heard.time, next(self._numbers), heard))
         self._came.append((now, heard.time))
 
     def due(self, now: float) -> list[Heard]:
-        """What has been held long enough, and all that was said before it."""
+        """Return the messages that were held long enough, and all older ones."""
         until = -float("inf")
         while self._came and self._came[0][0] + self._hold <= now:
             until = max(until, self._came.popleft()[1])
@@ -45,14 +45,14 @@ class InOrder:
 
 
 class Listener(Closeable):
-    """Hears what the agents of all containers say, from when it is made until it is closed.
+    """Receives the messages of the agents of all containers until it is closed.
 
     Containers pass it on only while somebody listens; it takes them some milliseconds to notice.
     """
 
     def __init__(self, bus: Bus) -> None:
         self._came: queue.SimpleQueue[Heard] = queue.SimpleQueue()
-        self._in_order = InOrder()
+        self._in_order = ReorderBuffer()
         self._hearing = bus.subscribe(ALL_THAT_IS_SAID, lambda sample: self._came.put(read(sample, time.time())))
 
     def heard(self, timeout: float) -> list[Heard]:
@@ -70,7 +70,7 @@ class Listener(Closeable):
         return self._in_order.rest()
 
     def close(self) -> None:
-        """Hear no more."""
+        """Stop listening."""
         self._hearing.close()
 
     def _drain(self) -> None:

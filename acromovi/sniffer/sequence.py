@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from acromovi.sniffer.overheard import Overheard, brief
+from acromovi.sniffer.captured import CapturedMessage, brief
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class Diagram:
     left_out: int = 0
 
 
-def diagram_of(said: Iterable[Overheard], left_out: int = 0) -> Diagram:
+def diagram_of(said: Iterable[CapturedMessage], left_out: int = 0) -> Diagram:
     """The diagram of what was said, in the order of the times."""
     lifelines: dict[str, int] = {}
     colours: dict[str, int] = {}

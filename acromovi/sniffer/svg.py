@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from datetime import datetime
 from itertools import pairwise
 
-from acromovi.sniffer.overheard import brief, shortened
+from acromovi.sniffer.captured import brief, shortened
 from acromovi.sniffer.sequence import Arrow, Diagram
 from acromovi.sniffer.text import clock
 from acromovi.svg import COLOURS, LETTER, STYLE, document, head, width_of, written

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from datetime import datetime
 from itertools import pairwise
 
-from acromovi.sniffer.overheard import SHORT_ID, shortened
+from acromovi.sniffer.captured import SHORT_ID, shortened
 from acromovi.sniffer.sequence import Arrow, Diagram
 
 LINE, DASH, TO_RIGHT, TO_LEFT, SELF = "│", "─", "▶", "◀", "↺"

@@ -1,1 +1,1 @@
-"""A team as processes: which there are, how they begin, are kept going, and end in order. See `team`."""
+"""A team as processes: planned, started, supervised and ended in order. See `team`."""

@@ -1,4 +1,4 @@
-"""Why a robot of a team does not serve yet: a few words while the team comes up, and the cause when it gives up."""
+"""Why a robot of a team is not ready: a few words during the start, and the cause after a timeout."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

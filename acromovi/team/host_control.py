@@ -1,4 +1,4 @@
-"""`<team>/host/control`: what a team's own agents may ask of the program that holds its processes."""
+"""`<team>/host/control`: requests of a team's agents to the program that runs its processes."""
 
 import difflib
 from typing import Any, Protocol
@@ -11,28 +11,28 @@ MOST_EXTRAS = 32  # containers that others may ask for
 
 
 def control_key(team: str) -> str:
-    """Where the host of a team is asked."""
+    """Return the key for requests to the host of a team."""
     return f"{team}/host/control"
 
 
 def alive_key(team: str) -> str:
-    """The token that is there while a team is up."""
+    """Return the key of the token that exists while a team runs."""
     return f"{team}/host/alive"
 
 
-class Hands(Protocol):
-    """Who does what is asked for, soon, in the supervisor's event loop; called on the bus's thread."""
+class ProcessCommands(Protocol):
+    """Commands for processes, carried out later in the supervisor's event loop; called on the bus's thread."""
 
     def restart(self, entry: ProcessRow) -> None:
-        """Have a process started again."""
+        """Restart a process."""
         ...
 
     def start(self, container: str) -> None:
-        """Have an empty container, in addition to those of the team."""
+        """Start an empty container, in addition to those of the team."""
         ...
 
     def retire(self, entry: ProcessRow) -> None:
-        """Have such a container ended for good."""
+        """End such a container and do not restart it."""
         ...
 
 
@@ -43,7 +43,7 @@ class HostControl(Closeable):
     Queries come on the bus's thread; what follows from them is handed over to the supervisor's.
     """
 
-    def __init__(self, bus: Bus, team: str, supervisor: Supervisor, hands: Hands) -> None:
+    def __init__(self, bus: Bus, team: str, supervisor: Supervisor, hands: ProcessCommands) -> None:
         """Begin to answer, and show the token.
 
         Args:
@@ -61,7 +61,7 @@ class HostControl(Closeable):
         ]
 
     def answer(self, asked: dict[str, Any]) -> dict[str, Any]:
-        """Meet one request.
+        """Carry out one request.
 
         Raises:
             Refused: It asks for something else, or for a container that is not here.
@@ -81,7 +81,7 @@ class HostControl(Closeable):
         raise Refused('the host of a team takes {"do": "status"}, and restart, start or end with {"container": NAME}')
 
     def close(self) -> None:
-        """Answer no more."""
+        """Stop answering."""
         while self._open:
             self._open.pop().close()
 

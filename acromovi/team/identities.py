@@ -1,4 +1,4 @@
-"""Whose keys the processes of a team use on a secure bus.
+"""Keys of the processes of a team on a secure bus.
 
 What is a robot's comes with the robot's own key; the host and the team's services, which look after all, with the key
 of an admin who is called as the team is.
@@ -22,7 +22,7 @@ def teams_key(team: str) -> str:
 
 
 def folder_of_keys(profile: str, team: str, robots: Iterable[str]) -> Path | None:
-    """Where each process of a team finds a key of its own.
+    """Return the folder with the keys of a team's processes.
 
     Args:
         profile: The bus, as of `--bus`.

@@ -1,4 +1,4 @@
-"""From a team's file to the processes that make it up. Pure: nothing is started here."""
+"""Plan the processes of a team from its file. Starts nothing."""
 
 import difflib
 import json
@@ -72,8 +72,8 @@ class TeamPlan:
 
 
 @dataclass(frozen=True, slots=True)
-class Choices:
-    """What the command line says beyond the file.
+class TeamOptions:
+    """Options of the command line for a team.
 
     apps: folders of applications that the team's agents may start.
     keys: the folder where each process has a key of its own for the bus; None where all come as the bus says.
@@ -85,12 +85,12 @@ class Choices:
     keys: Path | None = None
 
     def bus_of(self, owner: str) -> str:
-        """How a process reaches the bus, with the key of this owner."""
+        """Return the bus options of a process, with the key of an owner."""
         return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
 
 
 def load_team(name: str, only: Sequence[str] = ()) -> TeamPlan:
-    """Read a team's file, and see that it makes sense.
+    """Read and check a team's file.
 
     Args:
         name: One of `configs/teams`, or a file.
@@ -118,7 +118,7 @@ def load_team(name: str, only: Sequence[str] = ()) -> TeamPlan:
     return TeamPlan(path.stem, str(path), replace(file, robots=chosen))
 
 
-def emulator(team: TeamPlan, folder: Path, choices: Choices) -> PlannedProcess:
+def emulator(team: TeamPlan, folder: Path, choices: TeamOptions) -> PlannedProcess:
     """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
     words = ["--team", team.source, "--json", "--quiet", "--until-stdin-closes"]
     words += ["--pty", str(folder / "port"), "--control", str(folder / "control")]
@@ -129,7 +129,7 @@ def emulator(team: TeamPlan, folder: Path, choices: Choices) -> PlannedProcess:
 
 
 def gateway(
-    team: TeamPlan, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: Choices
+    team: TeamPlan, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: TeamOptions
 ) -> PlannedProcess:
     """A robot's gateway.
 
@@ -153,7 +153,7 @@ def gateway(
     return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, _python("gateway", *words), robot.name)
 
 
-def container(robot: str, choices: Choices) -> PlannedProcess:
+def container(robot: str, choices: TeamOptions) -> PlannedProcess:
     """The container of a robot's agents."""
     words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
     return PlannedProcess(
@@ -161,7 +161,7 @@ def container(robot: str, choices: Choices) -> PlannedProcess:
     )
 
 
-def navigation(robot: str, choices: Choices) -> list[PlannedProcess]:
+def navigation(robot: str, choices: TeamOptions) -> list[PlannedProcess]:
     """The processes of a robot's indoor navigation, as its wiring has them."""
     bus = choices.bus_of(robots_key(robot))
     return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
@@ -176,7 +176,7 @@ def navigation_process(robot: str, process: str, options: Sequence[str], bus: st
     )
 
 
-def services(team: TeamPlan, choices: Choices) -> PlannedProcess:
+def services(team: TeamPlan, choices: TeamOptions) -> PlannedProcess:
     """The container of the team's own agents."""
     words = ["container", "--services", team.name, "--bus", choices.bus_of(teams_key(team.name)), "--json"]
     words += _folders(choices)
@@ -188,7 +188,7 @@ def services(team: TeamPlan, choices: Choices) -> PlannedProcess:
     )
 
 
-def extra(name: str, team: TeamPlan, choices: Choices) -> PlannedProcess:
+def extra(name: str, team: TeamPlan, choices: TeamOptions) -> PlannedProcess:
     """An empty container, for an application.
 
     Raises:
@@ -207,7 +207,7 @@ def settings_file(folder: Path) -> Path:
 _PORTS = {"laser": "laser_port", "arm": "arm_port", "camera": "camera_url"}
 
 
-def _folders(choices: Choices) -> list[str]:
+def _folders(choices: TeamOptions) -> list[str]:
     return [word for folder in choices.apps for word in ("--apps", str(folder))]
 
 

@@ -1,4 +1,4 @@
-"""Real processes for the supervisor: in one group, kept by a keeper that ends them in order."""
+"""Processes of a team: started a few at a time, in one process group, and ended in order by a reaper."""
 
 import asyncio
 import os
@@ -6,12 +6,48 @@ import re
 import signal
 import sys
 from asyncio.subprocess import DEVNULL, PIPE
+from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from acromovi.team.keeper import DEADLINES, Kept
 from acromovi.team.plan import PlannedProcess, ProcessKind
+from acromovi.team.reaper import DEADLINES, ReapedProcess
 from acromovi.team.supervisor import Hear
+
+AT_ONCE = (os.cpu_count() or 1) + 1
+"""How many programs start at the same time. All at once would keep gateways that drive already from running for half a
+second, and a gateway that was kept so long must stop its robot."""
+
+
+class StartQueue:
+    """Starts programs, a few at a time."""
+
+    def __init__(self, begin: Callable[[PlannedProcess], object], at_once: int = AT_ONCE) -> None:
+        self._begin = begin
+        self._at_once = at_once
+        self._waiting: deque[PlannedProcess] = deque()
+        self._starting: set[str] = set()
+        self._added: set[str] = set()
+
+    def add(self, program: PlannedProcess) -> None:
+        """Start a program as soon as fewer than the limit are starting; ignore one that was added before."""
+        if program.name not in self._added:
+            self._added.add(program.name)
+            self._waiting.append(program)
+            self._go_on()
+
+    def has_started(self, program: PlannedProcess) -> None:
+        """Note that a program runs, waits for another one, or has ended."""
+        self._starting.discard(program.name)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        while self._waiting and len(self._starting) < self._at_once:
+            program = self._waiting.popleft()
+            self._starting.add(program.name)
+            self._begin(program)
+
 
 LONGEST_LINE = 1 << 20  # bytes
 LAST_WORDS = 0.5  # s for what a process has said to arrive; a child of its own may hold the pipe open much longer
@@ -19,11 +55,11 @@ SWITCHES = re.compile(r"voluntary_ctxt_switches:\s+(\d+)")  # both kinds, of one
 KEEPER_TIME = DEADLINES[-1] + 0.3  # s
 
 
-class TeamProcess:
-    """One process and what it says."""
+class _TeamProcess:
+    """One process and its output."""
 
     def __init__(
-        self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: Kept | None
+        self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: ReapedProcess | None
     ) -> None:
         """Take what it is known by.
 
@@ -44,14 +80,14 @@ class TeamProcess:
 
     @property
     def turns(self) -> int:
-        """How often it has had a processor."""
+        """Number of times it was scheduled on a processor."""
         with suppress(OSError):  # it is just ending
             statuses = [path.read_text(encoding="ascii") for path in Path(f"/proc/{self.pid}/task").glob("*/status")]
             return sum(int(count) for status in statuses for count in SWITCHES.findall(status))
         return 0
 
     async def wait(self) -> int:
-        """Its exit code, once it has ended and its last words were heard."""
+        """Wait for its end; return the exit code after its last output was read."""
         code = await self._process.wait()
         kept, self._kept = self._kept, None
         if kept is not None:
@@ -77,19 +113,19 @@ class TeamProcess:
 class Processes:
     """All processes of a team."""
 
-    def __init__(self, keeper: asyncio.subprocess.Process) -> None:
-        self._keeper = keeper
+    def __init__(self, reaper: asyncio.subprocess.Process) -> None:
+        self._reaper = reaper
 
     @classmethod
     async def open(cls, folder: Path) -> "Processes":
-        """Begin with nothing but the keeper, which removes the folder in the end."""
-        keeper = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "acromovi.team.keeper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
+        """Begin with nothing but the reaper, which removes the folder in the end."""
+        reaper = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "acromovi.team.reaper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
         )
-        return cls(keeper)
+        return cls(reaper)
 
-    async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> TeamProcess:
-        """Start a program; it is out of reach of the terminal's Ctrl-C, since all end in order."""
+    async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> _TeamProcess:
+        """Start a program; Ctrl-C in the terminal does not reach it, since all end in order."""
         process = await asyncio.create_subprocess_exec(
             *program.command,
             # The emulator ends with its standard input; nothing is ever written there.
@@ -97,32 +133,32 @@ class Processes:
             stdout=PIPE,
             stderr=PIPE,
             limit=LONGEST_LINE,
-            process_group=self._keeper.pid,
+            process_group=self._reaper.pid,
         )
-        assert self._keeper.stdin is not None
+        assert self._reaper.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None
-        self._keeper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
+        self._reaper.stdin.write(f"{program.stage.value} {process.pid}\n".encode())
         reading = [_read(process.stdout, heard), _read(process.stderr, complained)]
-        return TeamProcess(
+        return _TeamProcess(
             process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid)
         )
 
     async def end(self) -> None:
-        """Have the keeper end all of them in order, and wait for that."""
-        assert self._keeper.stdin is not None
-        self._keeper.stdin.close()
+        """Let the reaper end all processes in order, and wait for it."""
+        assert self._reaper.stdin is not None
+        self._reaper.stdin.close()
         with suppress(TimeoutError):  # then it is killed
             async with asyncio.timeout(KEEPER_TIME):
-                await self._keeper.wait()
+                await self._reaper.wait()
         with suppress(ProcessLookupError, PermissionError):  # all have ended
-            os.killpg(self._keeper.pid, signal.SIGKILL)  # what a keeper that was killed itself has left behind
-        await self._keeper.wait()
+            os.killpg(self._reaper.pid, signal.SIGKILL)  # what a reaper that was killed itself has left behind
+        await self._reaper.wait()
 
 
-def _kept(stage: ProcessKind, pid: int) -> Kept | None:
+def _kept(stage: ProcessKind, pid: int) -> ReapedProcess | None:
     try:
-        return Kept(stage.value, pid)
+        return ReapedProcess(stage.value, pid)
     except ProcessLookupError:
         return None
 

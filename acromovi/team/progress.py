@@ -1,4 +1,4 @@
-"""What a team prints while it comes up: each robot as it becomes ready, and now and then what the others wait for."""
+"""Output of a team during its start: each robot when it is ready, and regularly what the others wait for."""
 
 from collections.abc import Callable, Sequence
 

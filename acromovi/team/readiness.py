@@ -1,4 +1,4 @@
-"""When a robot serves: its gateway talks to it, its container is there, and an agent for each of its elements."""
+"""Readiness of a robot: its gateway is connected, its container exists, with an agent for each element."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ SHOWN = ("gripper", "laser", "ptz", "arm", "camera", "gyro", "compass")
 
 @dataclass(slots=True)
 class RobotReadiness:
-    """How far one robot has come; times in s of one steady clock.
+    """Progress of one robot; times in s of one steady clock.
 
     parts: that it must show. agents: those there are, by their local names. connected_at: the latest time.
     """
@@ -48,7 +48,7 @@ class RobotReadiness:
         return sorted(self.parts - self.agents) or ([] if self.agents else ["agents"])
 
     def serves(self, now: float) -> bool:
-        """Whether it has all it must have, or has been given time enough to show it."""
+        """Whether it has all required parts, or has had enough time to show them."""
         if not (self.is_in_touch and self.container_serves and self.agents):
             return False
         if now - self.changed_at < QUIET_TIME:
@@ -57,7 +57,7 @@ class RobotReadiness:
 
 
 class Readiness:
-    """What is known of a team's robots while they come up."""
+    """Progress of a team's robots during the start."""
 
     def __init__(self, robots: Iterable[TeamRobot]) -> None:
         self._progress = {robot.name: RobotReadiness(fitted(robot)) for robot in robots}
@@ -89,7 +89,7 @@ class Readiness:
             self._services_serve = serves
 
     def agent(self, robot: str, local: str, is_there: bool, now: float) -> None:
-        """An agent has come or gone; those of other platforms are none of ours."""
+        """Note that an agent appeared or vanished; agents of other platforms are ignored."""
         progress = self._progress.get(robot)
         if progress is not None:
             (progress.agents.add if is_there else progress.agents.discard)(local)

@@ -1,4 +1,4 @@
-"""The table of a team's processes: starts them, and starts again what ends unasked."""
+"""Supervisor of a team's processes: starts them, and restarts those that end unexpectedly."""
 
 import asyncio
 import signal
@@ -15,7 +15,7 @@ HEALTHY_AFTER = 20.0  # s after which an end is the first one again
 GRACE = 0.5  # s for a process that is to be started again, before it is killed
 
 
-class Child(Protocol):
+class _Child(Protocol):
     """A process that runs."""
 
     @property
@@ -42,7 +42,7 @@ class Child(Protocol):
 
 
 Hear = Callable[[str], None]
-Start = Callable[[PlannedProcess, Hear, Hear], Awaitable[Child]]
+Start = Callable[[PlannedProcess, Hear, Hear], Awaitable[_Child]]
 """Starts a program; each line of its standard output goes to the first listener, of standard error to the second."""
 
 
@@ -66,7 +66,7 @@ class ProcessRow:
 
     program: PlannedProcess
     state: ProcessState = ProcessState.STARTING
-    child: Child | None = None
+    child: _Child | None = None
     ends: int = 0
     restarts: int = 0
     why: str = ""
@@ -87,7 +87,7 @@ class ProcessRow:
 
 
 class Watcher(Protocol):
-    """Who is told what the processes do."""
+    """Receives the events of the processes."""
 
     def heard(self, program: PlannedProcess, line: str) -> None:
         """A line of standard output."""
@@ -98,12 +98,12 @@ class Watcher(Protocol):
         ...
 
     def ended(self, entry: ProcessRow) -> None:
-        """One has ended unasked, and will be started again."""
+        """A process has ended unexpectedly and will be restarted."""
         ...
 
 
 class Supervisor:
-    """Keeps processes going. All of it happens in one event loop."""
+    """Starts and restarts processes in one event loop."""
 
     def __init__(self, start: Start, watcher: Watcher) -> None:
         self._start = start
@@ -118,7 +118,7 @@ class Supervisor:
         return list(self._entries.values())
 
     def begin(self, program: PlannedProcess) -> ProcessRow:
-        """Start a program, and keep it going until `end`."""
+        """Start a program, and restart it until `end`."""
         entry = self._entries[program.name] = ProcessRow(program)
         task = asyncio.ensure_future(self._keep(entry))
         self._tasks[task] = entry
@@ -147,7 +147,7 @@ class Supervisor:
         await self.restart(entry)
 
     def rest(self) -> None:
-        """Start nothing again from now on: all is about to end."""
+        """Restart nothing from now on."""
         self._ending.set()
 
     async def end(self) -> None:

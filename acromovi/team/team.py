@@ -1,4 +1,4 @@
-"""A team at work: emulator, gateways and containers, in the order in which each can begin."""
+"""A running team: emulator, gateways and containers, started in the order of their dependencies."""
 
 import asyncio
 import json
@@ -9,9 +9,9 @@ from typing import Any
 from acromovi.team import plan
 from acromovi.team.causes import cause, cause_of_services, plain
 from acromovi.team.host_control import HostControl
-from acromovi.team.plan import Choices, PlannedProcess, ProcessKind, TeamPlan
+from acromovi.team.plan import PlannedProcess, ProcessKind, TeamOptions, TeamPlan
+from acromovi.team.processes import StartQueue
 from acromovi.team.progress import ProgressLines
-from acromovi.team.queue import StartQueue
 from acromovi.team.readiness import PATIENCE, Readiness
 from acromovi.team.supervisor import ProcessRow, Start, Supervisor
 from agents.platform.directory import Directory
@@ -36,7 +36,7 @@ class TeamTimedOut(TeamFailed):
 
 
 class TeamAtWork(Closeable):
-    """Brings a team up and says what becomes of it.
+    """Starts a team and reports its progress.
 
     control: the emulator's control socket, once it is there.
     """
@@ -44,14 +44,14 @@ class TeamAtWork(Closeable):
     def __init__(
         self,
         team: TeamPlan,
-        choices: Choices,
+        choices: TeamOptions,
         folder: Path,
         start: Start,
         bus: Bus,
         tell: Callable[[str], None],
         complain: Callable[[str], None],
     ) -> None:
-        """Make ready, and watch who is there.
+        """Prepare, and watch the tokens on the bus.
 
         Args:
             team: Which.
@@ -126,7 +126,7 @@ class TeamAtWork(Closeable):
             await asyncio.sleep(TICK)
 
     def close(self) -> None:
-        """Watch no more."""
+        """Stop watching."""
         for each in self._open:
             each.close()
 
@@ -263,11 +263,11 @@ class TeamAtWork(Closeable):
         hand_over(self._loop, note)
 
     def restart(self, entry: ProcessRow) -> None:
-        """Have a process started again soon."""
+        """Schedule the restart of a process."""
         hand_over(self._loop, self._do, self.supervisor.restart, entry)
 
     def start(self, container: str) -> None:
-        """Have an extra container soon.
+        """Schedule the start of an extra container.
 
         Raises:
             KeyNotValid: Its name cannot be that of a container.
@@ -275,7 +275,7 @@ class TeamAtWork(Closeable):
         hand_over(self._loop, self._start, plan.extra(container, self._team, self._choices))
 
     def retire(self, entry: ProcessRow) -> None:
-        """Have a process ended soon, for good."""
+        """Schedule the end of a process."""
         hand_over(self._loop, self._do, self.supervisor.retire, entry)
 
     def _start(self, program: PlannedProcess) -> None:

@@ -1,1 +1,1 @@
-"""Accessories: what they are, and what they say on cables of their own, for both ends. No port, no clock."""
+"""Accessories: their models, and the protocols of those with a line of their own, for both ends. No port, no clock."""

@@ -1,4 +1,4 @@
-"""What an arm is: joints, parts and strength, from a file of `configs/accessories`.
+"""Model of an arm: joints, links and strength, from a file of `configs/accessories`.
 
 At zero every axis is the robot's: x forward, y left, z up. A joint carries a part, and the next joint sits on that.
 """
@@ -120,7 +120,7 @@ class GripperServo:
 
 @dataclass(frozen=True, slots=True)
 class CubeModel:
-    """What the modules of an arm have in common.
+    """Common properties of the modules of an arm.
 
     baud: bit/s of their line. watchdog_s: without a telegram after which a moving module halts.
     acceleration_s: in which a module reaches its full speed, at best. lag_deg, lag_m: behind its way, at which a joint

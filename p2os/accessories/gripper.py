@@ -1,4 +1,4 @@
-"""What GRIPPER, GRIPPERVAL and GRIPPERpac carry, and the bits of a gripper in the SIP.
+"""Values of GRIPPER, GRIPPERVAL and GRIPPERpac, and the bits of a gripper in the SIP.
 
 Source: gripper manual (commands, state byte, digital inputs), and the client libraries for which byte of the SIP means
 what.
@@ -24,7 +24,7 @@ class GripperOrder(IntEnum):
 
 
 class GripperFlags(IntFlag):
-    """Bits of the state byte; a pair of which both are set is where nobody knows."""
+    """Bits of the state byte; both bits of a pair are set while the position is unknown."""
 
     PADDLES_OPEN = 1 << 0
     PADDLES_CLOSED = 1 << 1
@@ -61,7 +61,7 @@ class GripperInput(IntFlag):
 
 
 class GripperKind(IntEnum):
-    """What a GRIPPERpac calls the gripper: by its wiring, a Pioneer's on the user I/O, a PeopleBot's on the general."""
+    """Kind of gripper in a GRIPPERpac: a Pioneer's is wired to the user I/O, a PeopleBot's to the general I/O."""
 
     NONE = 0
     PIONEER = 1

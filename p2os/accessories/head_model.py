@@ -1,4 +1,4 @@
-"""What a camera head is: axes, lens and times, from a file of `configs/accessories`. Angles are rad, REP 103."""
+"""Model of a camera head: axes, lens and times, from a file of `configs/accessories`. Angles are rad, REP 103."""
 
 from dataclasses import dataclass
 from enum import StrEnum

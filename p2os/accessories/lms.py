@@ -1,4 +1,4 @@
-"""What a SICK LMS 2xx and its host say to each other: telegrams by meaning, both directions, in SI and radians.
+"""Telegrams of a SICK LMS 2xx and its host by content, both directions, in SI and radians.
 
 Source: accessory sheet, section 1. The special distances are those of the maker's telegram listing.
 """
@@ -32,7 +32,7 @@ class LmsRequestCode(IntEnum):
 
 
 class LmsAnswerCode(IntEnum):
-    """Codes of what the laser says."""
+    """Codes of the laser's telegrams."""
 
     POWER_ON = 0x90
     NOT_UNDERSTOOD = 0x92
@@ -47,7 +47,7 @@ class LmsAnswerCode(IntEnum):
 
 
 class LmsMode(IntEnum):
-    """What follows `LmsRequestCode.MODE`, but for the rates in `BAUD_MODES`."""
+    """Data of `LmsRequestCode.MODE`, except the rates in `BAUD_MODES`."""
 
     INSTALLATION = 0x00
     CONTINUOUS = 0x24
@@ -201,7 +201,7 @@ class Scan(NamedTuple):
         return ranges
 
     def flags(self, flag_bits: int) -> NDArray[np.uint16]:
-        """What stands in the bits above the distances: how strongly a reflector shines, 0 for none."""
+        """Return the bits above the distances: the strength of a reflector, 0 for none."""
         return np.right_shift(self.words, np.uint16(16 - flag_bits))
 
 
@@ -222,23 +222,23 @@ def pack_values(ranges: NDArray[np.float64], flags: NDArray[np.uint16], configur
 
 
 def scan_data(values: bytes, unit: Unit) -> bytes:
-    """What follows the code of `LmsAnswerCode.SCAN`."""
+    """Return the data of `LmsAnswerCode.SCAN`."""
     return struct.pack("<H", len(values) // 2 | unit.bits) + values
 
 
 def partial_data(first: int, values: bytes, unit: Unit) -> bytes:
-    """What follows the code of `LmsAnswerCode.PARTIAL_SCAN`; beams count from 1 on the wire."""
+    """Return the data of `LmsAnswerCode.PARTIAL_SCAN`; beams count from 1 on the wire."""
     last = first + len(values) // 2 - 1
     return struct.pack("<HH", first + 1, last + 1) + scan_data(values, unit)
 
 
 def segment_data(beams: range) -> bytes:
-    """What follows `LmsMode.CONTINUOUS_PARTIAL`."""
+    """Return the data of `LmsMode.CONTINUOUS_PARTIAL`."""
     return struct.pack("<HH", beams.start + 1, beams.stop)
 
 
 def read_segment(data: bytes) -> range | None:
-    """The beams that a partial scan is to show; None where the bytes name none. Some hosts count from 0."""
+    """Return the beams requested for a partial scan; None where the bytes name none. Some hosts count from 0."""
     if len(data) != 4:
         return None
     first, last = struct.unpack("<HH", data)
@@ -275,7 +275,7 @@ _STATUS_VARIANT = 106
 
 
 def status_data(version: bytes, variant: Variant) -> bytes:
-    """What follows the code of `LmsAnswerCode.STATUS`; what no client reads is zero."""
+    """Return the data of `LmsAnswerCode.STATUS`; bytes that no client reads are zero."""
     data = bytearray(STATUS_SIZE)
     data[_STATUS_VERSION : _STATUS_VERSION + len(version)] = version
     struct.pack_into("<HH", data, _STATUS_VARIANT, *variant)
@@ -294,7 +294,7 @@ def read_status(data: bytes) -> Variant:
 
 
 def variant_data(variant: Variant) -> bytes:
-    """What follows the code of `LmsRequestCode.VARIANT`."""
+    """Return the data of `LmsRequestCode.VARIANT`."""
     return struct.pack("<HH", *variant)
 
 
@@ -304,12 +304,12 @@ def read_wanted_variant(data: bytes) -> Variant:
 
 
 def configured_data(accepted: bool, configuration: LmsConfiguration) -> bytes:
-    """Return what follows the code of `LmsAnswerCode.CONFIGURED`."""
+    """Return the data of `LmsAnswerCode.CONFIGURED`."""
     return bytes([accepted]) + configuration.pack()
 
 
 def read_variant(data: bytes) -> tuple[bool, Variant]:
-    """Whether `LmsAnswerCode.VARIANT` accepts, and the beams that the laser has now.
+    """Return whether `LmsAnswerCode.VARIANT` accepts, and the present beams of the laser.
 
     Raises:
         DecodeError: Too short.

@@ -74,7 +74,7 @@ def encode(code: int, data: bytes = b"") -> bytes:
 
 
 def encode_answer(code: int, data: bytes, status: int) -> bytes:
-    """What the laser says, with its status byte."""
+    """Return a telegram of the laser, with its status byte."""
     return _wrap(LASER, b"%c%b%c" % (code, data, status))
 
 
@@ -201,7 +201,7 @@ def _wrap(address: int, inside: bytes) -> bytes:
 
 @cache
 def _contributions() -> NDArray[np.uint16]:
-    """What a byte adds to the CRC, by its distance from the end and by its value."""
+    """Return the contribution of a byte to the CRC, by its distance from the end and its value."""
     powers, register = [], 1
     for _ in range(LONGEST_TELEGRAM + 16):
         powers.append(register)

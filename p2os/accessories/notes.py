@@ -1,4 +1,4 @@
-"""What SAY carries. Source: Pioneer 3 operations manual, and fact sheet section 4."""
+"""Values of SAY. Source: Pioneer 3 operations manual, and fact sheet section 4."""
 
 NOTE_UNIT = 0.02
 """s that a count of a note's duration stands for."""

@@ -1,4 +1,4 @@
-"""What the commands of the Pioneer arm and its ARMpac carry. Source: fact sheet of accessories, section 5."""
+"""Values of the Pioneer arm's commands and its ARMpac. Source: fact sheet of accessories, section 5."""
 
 JOINTS = 6
 GRIPPER_JOINT = 6

@@ -52,7 +52,7 @@ class CubeCommand(IntEnum):
 
 
 class ModuleParameter(IntEnum):
-    """What SET and GET are about."""
+    """Parameters of SET and GET."""
 
     STATE = 0x27
     POSITION = 0x3C
@@ -67,7 +67,7 @@ class ModuleParameter(IntEnum):
 
 
 class MotionKind(IntEnum):
-    """What MOVE begins; WITH_ACKNOWLEDGEMENT ones are answered with position and state."""
+    """Motions of MOVE; those with ACKNOWLEDGED are answered with position and state."""
 
     RAMP = 0x04
     RAMP_ACKNOWLEDGED = 0x14
@@ -107,7 +107,7 @@ class ModuleTelegram(NamedTuple):
 
 
 class ModuleRequest(NamedTuple):
-    """What a host wants of a module.
+    """A request of the host to a module.
 
     about: of SET and GET a parameter, of MOVE a kind of motion. value: rad, m, rad/s, m/s as it says. time: s, of a
     step motion.
@@ -120,7 +120,7 @@ class ModuleRequest(NamedTuple):
 
 
 class ModuleReply(NamedTuple):
-    """What a module answers.
+    """Answer of a module.
 
     command, about: of the request. outcome: where it carries nothing else. value: asked for, or where the module is.
     state: with the answer to a motion, its low byte; and when it was asked for.
@@ -150,7 +150,7 @@ def encode_telegram(telegram: ModuleTelegram) -> bytes:
 
 
 def encode_request(module: int, request: ModuleRequest) -> bytes:
-    """Write what a host wants of a module, as a whole telegram.
+    """Encode a request to a module as a whole telegram.
 
     Raises:
         EncodeError: There is no such module, or a value does not fit.
@@ -196,7 +196,7 @@ def decode_request(data: bytes) -> ModuleRequest:
 
 
 def encode_reply(module: int, reply: ModuleReply) -> bytes:
-    """Write a module's answer, as a whole telegram.
+    """Encode a module's answer as a whole telegram.
 
     Raises:
         EncodeError: There is no such module, or a value does not fit.
@@ -301,7 +301,7 @@ def _stuff(content: bytes) -> bytes:
 
 
 def _unstuff(stuffed: bytes) -> bytes | None:
-    """Take the stuffing out; None where DLE is followed by what no sender writes."""
+    """Remove the stuffing; return None where DLE is followed by an invalid byte."""
     content, rest = bytearray(), iter(stuffed)
     for byte in rest:
         if byte == DLE:

@@ -1,6 +1,6 @@
-"""What a Canon VC-C4 camera head and its client say to each other, both ways.
+"""Protocol of the Canon VC-C4 camera head, both directions.
 
-A command is FF "00" 00, a code, parameters, EF; an answer FE "00", a status, a byte that nobody reads, data, EF.
+A command is FF "00" 00, a code, parameters, EF; an answer FE "00", a status, an unused byte, data, EF.
 Numbers are hexadecimal digits in ASCII. No state but that of the stream decoders.
 
 Source: fact sheet of accessories, section 3.
@@ -88,7 +88,7 @@ class HeadCommand(NamedTuple):
 
 
 class HeadAnswer(NamedTuple):
-    """An answer as it came; data is what follows the byte that nobody reads."""
+    """An answer as it came; data follows the unused byte."""
 
     status: int
     data: bytes
@@ -116,7 +116,7 @@ def digits(value: int, count: int) -> bytes:
 
 
 def number(data: bytes) -> int | None:
-    """The number that hexadecimal digits make; None where they are none."""
+    """Return the number of hexadecimal digits; None where they are none."""
     if not data or any(each not in b"0123456789ABCDEFabcdef" for each in data):
         return None
     return int(data, 16)
@@ -128,12 +128,12 @@ def power(on: bool) -> bytes:
 
 
 def host_control() -> bytes:
-    """Let the camera obey this line."""
+    """Switch the camera to control by this line."""
     return encode_command(Code.CONTROL_MODE, HOST_CONTROL)
 
 
 def initialise() -> bytes:
-    """Let pan and tilt find their zero."""
+    """Let pan and tilt move to their zero marks."""
     return encode_command(Code.INITIALISE, START)
 
 
@@ -208,7 +208,7 @@ def direction_data(pan: int, tilt: int) -> bytes:
 
 
 def read_pair(data: bytes) -> tuple[int, int] | None:
-    """Two counts of four digits each around `MIDDLE`; None where that is not what is there."""
+    """Return two counts of four digits each around `MIDDLE`; None where they are none."""
     first, second = number(data[:4]), number(data[4:])
     if len(data) != 8 or first is None or second is None:
         return None
@@ -245,7 +245,7 @@ class AnswerDecoder:
 
 
 class _Frames:
-    """What stands between a start byte and `END`."""
+    """Finds the bytes between a start byte and `END`."""
 
     def __init__(self, start: int) -> None:
         self._start = start

@@ -1,4 +1,4 @@
-"""VISCA, the language of Sony's camera heads, both ways: a header, up to 14 bytes, FF.
+"""VISCA, the protocol of Sony's camera heads, both directions: a header, up to 14 bytes, FF.
 
 A header is 0x80, sender times 16, receiver; 0 is the client, 1 the first camera, receiver 8 is everyone. A camera takes
 a command into one of two sockets (ACK), and says when it is done (completion); inquiries are answered at once. No state
@@ -86,7 +86,7 @@ def kind_and_socket(first: int) -> tuple[int, int]:
 
 
 def reply_header(address: int) -> int:
-    """The header of what a camera says."""
+    """Return the header of a camera's messages."""
     return 0x80 | address << 4
 
 
@@ -102,7 +102,7 @@ def nibbles(value: int) -> bytes:
 
 
 def number(data: bytes) -> int | None:
-    """The signed number that four nibbles make; None where they are none."""
+    """Return the signed number of four nibbles; None where they are none."""
     if len(data) != 4 or any(each > 0xF for each in data):
         return None
     value = 0
@@ -183,7 +183,7 @@ def request_zoom() -> bytes:
 
 
 def read_direction(payload: bytes) -> tuple[int, int] | None:
-    """Pan and tilt, counts, of the reply to `request_direction`; None where it is another."""
+    """Return pan and tilt, counts, of the reply to `request_direction`; None for other replies."""
     pan, tilt = number(payload[1:5]), number(payload[5:9])
     if payload[:1] != bytes([COMPLETION]) or len(payload) != 9 or pan is None or tilt is None:
         return None
@@ -191,7 +191,7 @@ def read_direction(payload: bytes) -> tuple[int, int] | None:
 
 
 def read_zoom(payload: bytes) -> int | None:
-    """The position of the reply to `request_zoom`; None where it is another."""
+    """Return the position of the reply to `request_zoom`; None for other replies."""
     return number(payload[1:]) if payload[:1] == bytes([COMPLETION]) else None
 
 
@@ -207,7 +207,7 @@ class ViscaDecoder:
         return len(self._message)
 
     def receive(self, data: bytes) -> list[ViscaMessage]:
-        """Take bytes, in any pieces; what begins with no header is passed over, and a header begins anew."""
+        """Take bytes, in any pieces; bytes without header are skipped, and a header starts a new message."""
         found = []
         message = self._message
         for byte in data:

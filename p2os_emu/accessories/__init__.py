@@ -1,1 +1,1 @@
-"""What can hang on a robot: devices without port and clock. See `p2os_emu.device`."""
+"""Accessories of a robot: devices without port and clock. See `p2os_emu.device`."""

@@ -1,4 +1,4 @@
-"""A rate gyro as one meets it: a rest count beside the middle that wanders with temperature, and noise."""
+"""A rate gyro with the errors of a real one: offset, drift with temperature, and noise."""
 
 from dataclasses import dataclass
 from math import degrees, exp

@@ -23,7 +23,7 @@ ELEVATIONS: Mapping[int, int] = {visca.UP: 1, visca.DOWN: -1, visca.STAY: 0}
 _ZOOMS: Mapping[int, int] = {visca.ZOOM_STOP: 0, visca.NARROWER: 1, visca.WIDER: -1}
 
 
-class Busy(Enum):
+class _Busy(Enum):
     """What a command keeps busy."""
 
     TURNING = auto()
@@ -35,7 +35,7 @@ class Busy(Enum):
 class _SocketCommand:
     """A command in a socket. time_left: s, where it is not the mechanics that say when it is over."""
 
-    busy: Busy
+    busy: _Busy
     time_left: float
 
 
@@ -53,15 +53,15 @@ class EviD30:
         self._decoder = ViscaDecoder()
         self._out = bytearray()
         self._sockets: dict[int, _SocketCommand] = {}
-        self._commands: Mapping[bytes, tuple[Busy, Callable[[bytes], None]]] = {
-            visca.MOVE: (Busy.TURNING, self._move),
-            visca.DRIVE: (Busy.TURNING, self._drive),
-            visca.HOME: (Busy.TURNING, self._home),
-            visca.RESET: (Busy.TURNING, self._home),
-            visca.ZOOM_TO: (Busy.ZOOMING, self._zoom),
-            visca.ZOOM_DRIVE: (Busy.ZOOMING, self._drive_zoom),
-            visca.BACKLIGHT: (Busy.SWITCHING, self._set_backlight),
-            visca.POWER: (Busy.SWITCHING, self._switch),
+        self._commands: Mapping[bytes, tuple[_Busy, Callable[[bytes], None]]] = {
+            visca.MOVE: (_Busy.TURNING, self._move),
+            visca.DRIVE: (_Busy.TURNING, self._drive),
+            visca.HOME: (_Busy.TURNING, self._home),
+            visca.RESET: (_Busy.TURNING, self._home),
+            visca.ZOOM_TO: (_Busy.ZOOMING, self._zoom),
+            visca.ZOOM_DRIVE: (_Busy.ZOOMING, self._drive_zoom),
+            visca.BACKLIGHT: (_Busy.SWITCHING, self._set_backlight),
+            visca.POWER: (_Busy.SWITCHING, self._switch),
         }
         self._inquiries: Mapping[bytes, Callable[[], bytes]] = {
             visca.ASK_DIRECTION: self._direction,
@@ -94,11 +94,11 @@ class EviD30:
 
     def _goes_on(self, motion: _SocketCommand) -> bool:
         match motion.busy:
-            case Busy.TURNING:
+            case _Busy.TURNING:
                 return self.head.is_turning
-            case Busy.ZOOMING:
+            case _Busy.ZOOMING:
                 return self.head.lens.is_moving
-            case Busy.SWITCHING:
+            case _Busy.SWITCHING:
                 return motion.time_left > 0.0
 
     def _take(self, message: ViscaMessage) -> None:
@@ -125,56 +125,56 @@ class EviD30:
 
     def _inquire(self, payload: bytes) -> None:
         if self.is_on or payload == visca.ASK_POWER:
-            self._say(visca.COMPLETION, self._inquiries[payload]())
+            self._reply(visca.COMPLETION, self._inquiries[payload]())
         else:
-            self._refuse(Error.NOT_EXECUTABLE)
+            self._reject(Error.NOT_EXECUTABLE)
 
     def _command(self, payload: bytes) -> None:
         kind, given = payload[: visca.KIND_SIZE], payload[visca.KIND_SIZE :]
         if kind not in self._commands:
-            self._refuse(Error.SYNTAX)
+            self._reject(Error.SYNTAX)
         elif not self.is_on and kind != visca.POWER:
-            self._refuse(Error.NOT_EXECUTABLE)
+            self._reject(Error.NOT_EXECUTABLE)
         else:
             self._start(kind, given)
 
     def _start(self, kind: bytes, given: bytes) -> None:
-        busy, obey = self._commands[kind]
+        busy, execute = self._commands[kind]
         replaced = [socket for socket, motion in self._sockets.items() if motion.busy is busy]
         free = [socket for socket in range(1, visca.SOCKETS + 1) if socket not in self._sockets] + replaced
         if not free:
-            self._refuse(Error.BUFFER_FULL)
+            self._reject(Error.BUFFER_FULL)
             return
         was_on = self.is_on
         try:
-            obey(given)
+            execute(given)
         except ValueError:
-            self._refuse(Error.SYNTAX)
+            self._reject(Error.SYNTAX)
             return
         for socket in replaced:
             self._complete(socket)
-        self._say(visca.ACK | free[0])
+        self._reply(visca.ACK | free[0])
         self._sockets[free[0]] = _SocketCommand(busy, self._model.power_on_s if self.is_on and not was_on else 0.0)
 
     def _cancel(self, socket: int) -> None:
         motion = self._sockets.pop(socket, None)
         if motion is None:
-            self._refuse(Error.NO_SOCKET, socket)
+            self._reject(Error.NO_SOCKET, socket)
             return
-        if motion.busy is Busy.TURNING:
+        if motion.busy is _Busy.TURNING:
             self.head.stop()
-        elif motion.busy is Busy.ZOOMING:
+        elif motion.busy is _Busy.ZOOMING:
             self.head.lens.drive(0)
-        self._refuse(Error.CANCELLED, socket)
+        self._reject(Error.CANCELLED, socket)
 
     def _complete(self, socket: int) -> None:
         del self._sockets[socket]
-        self._say(visca.COMPLETION | socket)
+        self._reply(visca.COMPLETION | socket)
 
-    def _refuse(self, error: Error, socket: int = 0) -> None:
-        self._say(visca.ERROR | socket, bytes([error]))
+    def _reject(self, error: Error, socket: int = 0) -> None:
+        self._reply(visca.ERROR | socket, bytes([error]))
 
-    def _say(self, first: int, data: bytes = b"") -> None:
+    def _reply(self, first: int, data: bytes = b"") -> None:
         self._out += encode(bytes([first]) + data, HEADER)
 
     # Each takes what follows the command's three bytes, and raises ValueError where it makes no sense.

@@ -1,4 +1,4 @@
-"""A camera head's mechanics: pan, tilt and lens on their way to where they were sent."""
+"""Mechanics of a camera head: pan, tilt and lens move to their targets."""
 
 from math import inf
 
@@ -6,7 +6,7 @@ from p2os.accessories.head_model import HeadModel
 
 
 class HeadServo:
-    """Something that moves at a set speed between two ends.
+    """A servo that moves at a set speed between two ends.
 
     position, target: in any unit. speed: of the motion, unit/s.
     """
@@ -19,15 +19,15 @@ class HeadServo:
 
     @property
     def is_moving(self) -> bool:
-        """It is not where it is to go."""
+        """Whether it has not reached its target."""
         return self.position != self.target
 
     def go(self, target: float) -> None:
-        """Go to a place, as far as the ends let it."""
+        """Move to a position, limited by the ends."""
         self.target = min(max(target, self.lower), self.upper)
 
     def drive(self, direction: int) -> None:
-        """Go on to an end: -1 to the lower, 1 to the upper; 0 stops."""
+        """Move to an end: -1 the lower, 1 the upper; 0 stops."""
         self.go(inf * direction if direction else self.position)
 
     def step(self, dt: float) -> None:
@@ -58,7 +58,7 @@ class Head:
 
     @property
     def is_turning(self) -> bool:
-        """Pan or tilt are on their way."""
+        """Whether pan or tilt move."""
         return self.pan.is_moving or self.tilt.is_moving
 
     def stop(self) -> None:
@@ -67,7 +67,7 @@ class Head:
         self.tilt.drive(0)
 
     def home(self) -> None:
-        """Look straight ahead, as fast as it goes."""
+        """Move to straight ahead at top speed."""
         for servo, axis in ((self.pan, self.model.pan), (self.tilt, self.model.tilt)):
             servo.speed = axis.top_speed
             servo.go(0.0)

@@ -1,4 +1,4 @@
-"""The SICK LMS200 laser scanner: hears commands, sends scans as fast as its mirror and its line allow.
+"""The SICK LMS200 laser scanner: receives commands, sends scans at the rate of its mirror or its line.
 
 It knows no port and no clock, and speaks at the rate it was told, starting from that of its file. A scan is measured
 when its telegram begins. Source: accessory sheet, section 1; what that leaves open is said where it is decided.
@@ -69,7 +69,7 @@ class ScannerModel:
 
 
 @dataclass(frozen=True, slots=True)
-class BeamSegment:
+class _BeamSegment:
     """The beams that are sent: index of the first, how many; whether as a partial scan."""
 
     first: int
@@ -108,7 +108,7 @@ class Lms200:
         self._ready_at = model.boot_s
         self._is_new = True  # it has not yet said that it is there
         self._is_installing = False
-        self._segment: BeamSegment | None = None  # while scans are sent unasked
+        self._segment: _BeamSegment | None = None  # while scans are sent unasked
         self._scan_at = 0.0
         self._answers: deque[bytes] = deque()
         self._free_at = 0.0  # when the line has taken everything sent so far
@@ -116,10 +116,10 @@ class Lms200:
         self._handlers: Mapping[int, Callable[[bytes], None]] = {
             LmsRequestCode.RESET: self._reset,
             LmsRequestCode.MODE: self._set_mode,
-            LmsRequestCode.STATUS: self._tell_status,
-            LmsRequestCode.TYPE: self._tell_type,
+            LmsRequestCode.STATUS: self._answer_status,
+            LmsRequestCode.TYPE: self._answer_type,
             LmsRequestCode.VARIANT: self._set_variant,
-            LmsRequestCode.GET_CONFIGURATION: self._tell_configuration,
+            LmsRequestCode.GET_CONFIGURATION: self._answer_configuration,
             LmsRequestCode.SET_CONFIGURATION: self._configure,
         }
 
@@ -140,7 +140,7 @@ class Lms200:
 
     @property
     def is_scanning(self) -> bool:
-        """It sends scans without being asked for each."""
+        """Whether it sends scans continuously."""
         return self._segment is not None and self._time >= self._ready_at and self._has_power()
 
     @property
@@ -158,13 +158,13 @@ class Lms200:
         return inf if self._segment is None else max(self._free_at, self._scan_at) - self._time
 
     def receive(self, data: bytes) -> None:
-        """Take bytes from the line; without power and while it boots, nobody hears them."""
+        """Take bytes from the line; they are lost without power and while it boots."""
         if self._time < self._ready_at or not self._has_power():
             return
         for found in self._decoder.receive(data, self._time):
             match found:
                 case LmsTelegram(code, inside):
-                    self._handlers.get(code, self._refuse)(inside)
+                    self._handlers.get(code, self._reject)(inside)
                 case Damaged(_, Damage.CHECKSUM):
                     self._answers.append(_NAK)
 
@@ -183,7 +183,7 @@ class Lms200:
             return b""
         if self._is_new:
             self._is_new = False
-            self._say(LmsAnswerCode.POWER_ON, self._model.type.encode())
+            self._answer(LmsAnswerCode.POWER_ON, self._model.type.encode())
         sent = b""
         while self._answers and self._time >= self._free_at:
             sent += self._send(self._answers.popleft())
@@ -211,7 +211,7 @@ class Lms200:
                 self._measure(None, is_installing=True)
         elif mode == bytes((LmsMode.CONTINUOUS,)):
             result = ModeResult.OK
-            self._measure(BeamSegment(0, self.variant.beams, is_partial=False))
+            self._measure(_BeamSegment(0, self.variant.beams, is_partial=False))
         elif mode == bytes((LmsMode.ON_REQUEST,)):
             result = ModeResult.OK
             self._measure(None)
@@ -219,31 +219,31 @@ class Lms200:
             segment = read_segment(rest)
             if segment is not None and segment.stop <= self.variant.beams:
                 result = ModeResult.OK
-                self._measure(BeamSegment(segment.start, len(segment), is_partial=True))
+                self._measure(_BeamSegment(segment.start, len(segment), is_partial=True))
         elif mode and mode[0] in BAUD_MODES:
             result = ModeResult.OK
             self._next_baud = BAUD_MODES[mode[0]]
-        self._say(LmsAnswerCode.MODE, bytes((result,)))
+        self._answer(LmsAnswerCode.MODE, bytes((result,)))
 
-    def _measure(self, segment: BeamSegment | None, *, is_installing: bool = False) -> None:
+    def _measure(self, segment: _BeamSegment | None, *, is_installing: bool = False) -> None:
         """Send these beams from now on; whoever asks for scans leaves the installation mode."""
         self._segment = segment
         self._is_installing = is_installing
         self._scan_at = self._time
 
-    def _tell_status(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.STATUS, status_data(self._model.version.encode(), self.variant))
+    def _answer_status(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.STATUS, status_data(self._model.version.encode(), self.variant))
 
-    def _tell_type(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.TYPE, self._model.type.encode())
+    def _answer_type(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.TYPE, self._model.type.encode())
 
     def _set_variant(self, inside: bytes) -> None:
         wanted = self._wanted_variant(inside)
         if wanted in VARIANTS:
             self.variant = wanted
             if self._segment is not None:
-                self._segment = BeamSegment(0, wanted.beams, is_partial=False)
-        self._say(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
+                self._segment = _BeamSegment(0, wanted.beams, is_partial=False)
+        self._answer(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
 
     def _wanted_variant(self, inside: bytes) -> Variant:
         """One widespread client sends a resolution of zero and means the one that there is, or one degree."""
@@ -253,22 +253,22 @@ class Lms200:
         kept = Variant(wanted.angle_deg, self.variant.resolution_cdeg)
         return kept if kept in VARIANTS else Variant(wanted.angle_deg)
 
-    def _tell_configuration(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.CONFIGURATION, self.configuration.pack())
+    def _answer_configuration(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.CONFIGURATION, self.configuration.pack())
 
     def _configure(self, inside: bytes) -> None:
         if not self._is_installing:
-            self._refuse(inside)
+            self._reject(inside)
             return
         try:
             self.configuration = LmsConfiguration.unpack(inside, self.configuration)
         except DecodeError:
-            self._say(LmsAnswerCode.CONFIGURED, configured_data(False, self.configuration))
+            self._answer(LmsAnswerCode.CONFIGURED, configured_data(False, self.configuration))
             return
-        self._say(LmsAnswerCode.CONFIGURED, configured_data(True, self.configuration))
+        self._answer(LmsAnswerCode.CONFIGURED, configured_data(True, self.configuration))
 
-    def _refuse(self, inside: bytes) -> None:
-        self._say(LmsAnswerCode.NOT_UNDERSTOOD, b"")
+    def _reject(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.NOT_UNDERSTOOD, b"")
 
     # Answers and scans.
 
@@ -276,7 +276,7 @@ class Lms200:
     def _status(self) -> int:
         return STATUS_OK | (STATUS_POLLUTED if self.dirt >= self._model.polluted_from else 0)
 
-    def _say(self, code: int, data: bytes) -> None:
+    def _answer(self, code: int, data: bytes) -> None:
         """Answer as soon as the line is free; an unasked telegram is not acknowledged before."""
         prefix = b"" if code == LmsAnswerCode.POWER_ON else _ACK
         self._answers.append(prefix + encode_answer(code, data, self._status))
@@ -285,7 +285,7 @@ class Lms200:
         self._free_at = max(self._free_at, self._time) + len(telegram) * BITS_PER_BYTE / self.baud
         return telegram
 
-    def _send_scan(self, segment: BeamSegment) -> bytes:
+    def _send_scan(self, segment: _BeamSegment) -> bytes:
         values, unit = self._values(segment), self.configuration.unit
         if segment.is_partial:
             telegram = encode_answer(
@@ -299,7 +299,7 @@ class Lms200:
         self._scan_at = max(self._scan_at + period, self._time)
         return self._send(telegram)
 
-    def _values(self, segment: BeamSegment) -> bytes:
+    def _values(self, segment: _BeamSegment) -> bytes:
         """Measure: distances and flags as they are sent."""
         model = self._model
         echoes = self._body.scan(self._beams(segment))
@@ -319,7 +319,7 @@ class Lms200:
             return np.zeros(len(shines), np.uint16)
         return np.where(shines, np.ceil(strongest * echoes.cosines), 0).astype(np.uint16)
 
-    def _beams(self, segment: BeamSegment) -> ScanBeams:
+    def _beams(self, segment: _BeamSegment) -> ScanBeams:
         mount, variant, model = self._mount, self.variant, self._model
         turn = -1.0 if mount.flipped else 1.0
         first = variant.first_bearing + segment.first * variant.resolution

@@ -1,4 +1,4 @@
-"""An arm of PowerCube modules on a line of its own: each module moves one joint along a ramp, and answers for it.
+"""An arm of PowerCube modules on a line of its own: each module moves one joint along a ramp.
 
 Module 1 is the joint nearest to the robot, module 8 the gripper. Source: fact sheet of accessories, section 6, and the
 codec's own assumptions. Assumed besides:
@@ -39,7 +39,7 @@ FAULTS = CubeState.ERROR | CubeState.HALTED | CubeState.LAGS | CubeState.SILENCE
 
 
 @dataclass(frozen=True, slots=True)
-class ModuleLimits:
+class _ModuleLimits:
     """Of one module: rad and rad/s, or m and m/s. lag: at which it gives up."""
 
     lower: float
@@ -50,13 +50,13 @@ class ModuleLimits:
     lag: float
 
 
-class Cube:
+class _Cube:
     """One module.
 
     state: as it reports it. setpoint: where the joint should be now, along its ramp.
     """
 
-    def __init__(self, joint: int, limits: ModuleLimits, most_current: float) -> None:
+    def __init__(self, joint: int, limits: _ModuleLimits, most_current: float) -> None:
         self.state = CubeState.BRAKED
         self.setpoint = limits.home
         self._joint = joint
@@ -78,7 +78,7 @@ class Cube:
         return CubeState.MOVING in self.state
 
     def answer(self, request: ModuleRequest, arm: ArmMechanism) -> ModuleReply:
-        """Do what a host asks."""
+        """Carry out a request of the host."""
         command, about, value, time = request
         match command:
             case CubeCommand.RESET:
@@ -219,7 +219,7 @@ class PowerCubeArm:
             raise ValueError(f"the arm {model.name!r} is not made of modules; give its file a table [cubes]")
         self.baud = model.cubes.baud
         limits = _limits(model, model.cubes)
-        self.cubes = tuple(Cube(joint, each, model.cubes.most_current_a) for joint, each in enumerate(limits))
+        self.cubes = tuple(_Cube(joint, each, model.cubes.most_current_a) for joint, each in enumerate(limits))
         self._arm = arm
         self._patience = model.cubes.watchdog_s
         self._silence = 0.0
@@ -250,7 +250,7 @@ class PowerCubeArm:
         return 0.0 if self._answers else inf
 
     def step(self, dt: float) -> bytes:
-        """Let time pass, s; what the modules have to say."""
+        """Advance time, s; return the bytes that the modules send."""
         self._silence += dt
         if any(cube.is_moving for cube in self.cubes):
             self._move(dt)
@@ -267,9 +267,9 @@ class PowerCubeArm:
                 cube.advance(self._arm, position, dt)
 
 
-def _limits(model: ArmModel, cubes: CubeModel) -> list[ModuleLimits]:
+def _limits(model: ArmModel, cubes: CubeModel) -> list[_ModuleLimits]:
     joints = [
-        ModuleLimits(
+        _ModuleLimits(
             joint.lower,
             joint.upper,
             joint.home,
@@ -281,4 +281,7 @@ def _limits(model: ArmModel, cubes: CubeModel) -> list[ModuleLimits]:
     ]
     gripper = model.gripper
     acceleration = gripper.speed_m_s / cubes.acceleration_s
-    return [*joints, ModuleLimits(0.0, gripper.opening_m, gripper.home_m, gripper.speed_m_s, acceleration, cubes.lag_m)]
+    return [
+        *joints,
+        _ModuleLimits(0.0, gripper.opening_m, gripper.home_m, gripper.speed_m_s, acceleration, cubes.lag_m),
+    ]

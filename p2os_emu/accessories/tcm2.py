@@ -26,7 +26,7 @@ class Tcm2Spec:
     temperature_deg_c: float
 
 
-class MagneticField(NamedTuple):
+class _MagneticField(NamedTuple):
     """Magnetic field in the robot's axes, T: forward, right, down."""
 
     forward: float
@@ -34,7 +34,7 @@ class MagneticField(NamedTuple):
     down: float
 
 
-class Extent(NamedTuple):
+class _Extent(NamedTuple):
     """The least and the most of the field that was seen, T."""
 
     least_forward: float
@@ -43,13 +43,13 @@ class Extent(NamedTuple):
     most_right: float
 
     @classmethod
-    def of(cls, field: MagneticField) -> "Extent":
+    def of(cls, field: _MagneticField) -> "_Extent":
         """One field."""
         return cls(field.forward, field.forward, field.right, field.right)
 
-    def including(self, field: MagneticField) -> "Extent":
+    def including(self, field: _MagneticField) -> "_Extent":
         """This and one more."""
-        return Extent(
+        return _Extent(
             min(self.least_forward, field.forward),
             max(self.most_forward, field.forward),
             min(self.least_right, field.right),
@@ -77,7 +77,7 @@ class Tcm2:
     def __init__(self, spec: Tcm2Spec, rng: Random) -> None:
         self.spec = spec
         self._rng = rng
-        self._hard_iron = MagneticField(*(rng.gauss(0.0, spec.hard_iron_t) for _ in range(3)))
+        self._hard_iron = _MagneticField(*(rng.gauss(0.0, spec.hard_iron_t) for _ in range(3)))
         self.reset()
 
     def reset(self) -> None:
@@ -85,7 +85,7 @@ class Tcm2:
         self._correction = (0.0, 0.0)
         self._scores = (0, 0, 0.0)
         self._calibrating = False
-        self._seen: Extent | None = None
+        self._seen: _Extent | None = None
 
     @property
     def is_calibrating(self) -> bool:
@@ -93,12 +93,12 @@ class Tcm2:
         return self._calibrating
 
     def begin_calibration(self) -> None:
-        """Watch the field from now on; the robot should turn once round."""
+        """Begin to measure the extent of the field; the robot should turn once around."""
         self._calibrating = True
         self._seen = None
 
     def end_calibration(self) -> None:
-        """Take what was seen for the robot's own magnetism, if it was a whole turn."""
+        """Take the offset of the measured field as the robot's own magnetism, if it was a whole turn."""
         seen = self._seen
         self._calibrating = False
         self._seen = None
@@ -119,7 +119,7 @@ class Tcm2:
         """
         field = self._field(heading, nearby)
         if self._calibrating:
-            self._seen = (self._seen or Extent.of(field)).including(field)
+            self._seen = (self._seen or _Extent.of(field)).including(field)
         forward, right = field.forward - self._correction[0], field.right - self._correction[1]
         spec, rng = self.spec, self._rng
         tilt = radians(spec.tilt_noise_deg)
@@ -137,13 +137,13 @@ class Tcm2:
             m_score=self._scores[2],
         )
 
-    def _field(self, heading: float, nearby: tuple[float, float]) -> MagneticField:
+    def _field(self, heading: float, nearby: tuple[float, float]) -> _MagneticField:
         """What the magnetometer sees, with the iron of the robot and noise."""
         spec, iron, rng = self.spec, self._hard_iron, self._rng
         north = radians(spec.north_deg)
         x, y = spec.horizontal_t * cos(north) + nearby[0], spec.horizontal_t * sin(north) + nearby[1]
         forward, left = x * cos(heading) + y * sin(heading), y * cos(heading) - x * sin(heading)
-        return MagneticField(
+        return _MagneticField(
             forward + iron.forward + rng.gauss(0.0, spec.field_noise_t),
             -left + iron.right + rng.gauss(0.0, spec.field_noise_t),
             spec.down_t + iron.down + rng.gauss(0.0, spec.field_noise_t),

@@ -1,4 +1,4 @@
-"""The Canon VC-C4 camera head: what it obeys, and what it answers.
+"""The Canon VC-C4 camera head: commands and answers.
 
 It answers every command at once: one well-known client takes a camera that is silent for 400 ms for one that cannot
 answer. Switching on and looking for its zero take their time all the same: the head stands until it is on, and while it
@@ -56,7 +56,7 @@ class Vcc4:
         self._powering = 0.0  # s left until the head can move
         self._initialising = 0.0  # s left until it has found its zero
         self._tilt_range = model.tilt.lowest, model.tilt.highest
-        self._obey: Mapping[int, Callable[[bytes], _Answer]] = {
+        self._handlers: Mapping[int, Callable[[bytes], _Answer]] = {
             Code.CONTROL_MODE: self._set_control,
             Code.INITIALISE: self._initialise,
             Code.PAN_SLEW: lambda given: self._set_slew(given, self.head.pan, model.pan),
@@ -64,11 +64,11 @@ class Vcc4:
             Code.MOVE: self._move,
             Code.STOP: self._stop,
             Code.TILT_RANGE: self._set_tilt_range,
-            Code.DIRECTION: self._tell_direction,
+            Code.DIRECTION: self._answer_direction,
             Code.ZOOM: self._zoom,
             Code.STOP_ZOOM: self._stop_zoom,
-            Code.ZOOM_REQUEST: self._tell_zoom,
-            Code.ZOOM_POSITION: self._tell_zoom,
+            Code.ZOOM_REQUEST: self._answer_zoom,
+            Code.ZOOM_POSITION: self._answer_zoom,
             Code.PRODUCT: lambda given: (Status.OK, PRODUCT),
         }
 
@@ -109,7 +109,7 @@ class Vcc4:
         elif code in SETTINGS:
             self._answer(_DONE if given in SETTINGS[code] else _BAD)
         else:
-            self._answer(self._obey[code](given) if code in self._obey else _BAD)
+            self._answer(self._handlers[code](given) if code in self._handlers else _BAD)
 
     def _switch(self, given: bytes) -> None:
         if given == ON and not self.is_on:
@@ -175,7 +175,7 @@ class Vcc4:
         self._tilt_range = lowest, highest
         return _DONE
 
-    def _tell_direction(self, given: bytes) -> _Answer:
+    def _answer_direction(self, given: bytes) -> _Answer:
         pan = self._model.pan.count(self.head.pan.position)
         tilt = self._model.tilt.count(self.head.tilt.position)
         return Status.OK, direction_data(pan, tilt)
@@ -191,6 +191,6 @@ class Vcc4:
         self.head.lens.drive(0)
         return _DONE
 
-    def _tell_zoom(self, given: bytes) -> _Answer:
+    def _answer_zoom(self, given: bytes) -> _Answer:
         lens = self._model.lens
         return Status.OK, zoom_data(lens.counts if given == NARROW_END else round(self.head.lens.position))

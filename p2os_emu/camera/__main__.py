@@ -1,4 +1,4 @@
-"""The process of one camera. The emulator starts it; it ends with the emulator, however that ends."""
+"""The process of one camera. The emulator starts it, and it ends with the emulator."""
 
 import io
 import os
@@ -27,8 +27,8 @@ LEAST_OFTEN = 1.0
 """
 
 
-class SceneInbox:
-    """What the emulator has said since one looked last, put together."""
+class _SceneInbox:
+    """Collects what the emulator has sent since the last read."""
 
     def __init__(self, channel: socket.socket) -> None:
         self._channel = channel
@@ -43,7 +43,7 @@ class SceneInbox:
             return moment
 
     def wait(self, timeout: float | None = None) -> None:
-        """Return as soon as something has come, or after so many s."""
+        """Return as soon as something was received, or after a timeout, s."""
         with self._come:
             self._come.wait_for(lambda: self._moment is not None, timeout)
 
@@ -61,7 +61,7 @@ class SceneInbox:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Draw and serve until the emulator goes.
+    """Draw and serve until the emulator ends.
 
     Args:
         argv: Descriptors of the channel and of the listening socket, the picture format, the JPEG's quality, a title.
@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     image = read_format(image_format)
     mirror = Mirror(choose_renderer())
     channel = socket.socket(fileno=int(channel_fd))
-    inbox = SceneInbox(channel)
+    inbox = _SceneInbox(channel)
     feed = Feed(partial(report_watched, channel))
     server = CameraServer(socket.socket(fileno=int(listener_fd)), feed, title)
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -91,8 +91,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         time.sleep(due - now)
 
 
-def _take(inbox: SceneInbox, mirror: Mirror, view: View | None) -> View | None:
-    """Bring the mirror up to date; returns the view now."""
+def _take(inbox: _SceneInbox, mirror: Mirror, view: View | None) -> View | None:
+    """Update the mirror; return the present view."""
     moment = inbox.take()
     if moment is None:
         return view

@@ -1,14 +1,35 @@
-"""A camera's process as the emulator sees it: fed without ever waiting, while somebody looks, and mourned once."""
+"""The emulator's side of a camera process: sends changes without blocking while the camera is watched."""
 
 import socket
 import subprocess
 import sys
+from dataclasses import dataclass
+from math import radians
 from zlib import crc32
 
-from p2os_emu.camera.camera_model import CameraModel
 from p2os_emu.camera.image_format import ImageFormat
 from p2os_emu.camera.news import SceneMoment, send, watched_reports
 from p2os_emu.world.sight import MOST_NEW
+
+
+@dataclass(frozen=True, slots=True)
+class CameraModel:
+    """An emulated camera, from `configs/accessories/camera.toml`: its place, its view without a head, its pictures.
+
+    forward_m: of the eye, ahead of the axle. height_m: above the floor. wide_deg: horizontal field of view.
+    quality: of the JPEG, 1 to 95.
+    """
+
+    forward_m: float
+    height_m: float
+    wide_deg: float
+    quality: int
+
+    @property
+    def field_of_view(self) -> float:
+        """Horizontal, rad."""
+        return radians(self.wide_deg)
+
 
 FAREWELL = 2.0
 """Seconds for a process to end by itself."""
@@ -18,7 +39,7 @@ PORTS = range(20000, 30000)
 
 
 class CameraProcess:
-    """One camera, at `url` from the start: whoever comes early waits for it.
+    """One camera at `url`; early viewers wait until it serves.
 
     known: numbers of the things that the process has been told of. is_watched: somebody looks at its pictures.
     is_newly_watched: ... and it has been told nothing since that began.
@@ -57,11 +78,11 @@ class CameraProcess:
 
     @property
     def wants_news(self) -> bool:
-        """Somebody looks, or it does not know all the things there are yet."""
+        """Whether the camera is watched, or does not know all objects yet."""
         return self.is_watched or not self._knows_all
 
     def listen(self) -> bool:
-        """Take note of whether somebody looks; returns whether the process lives."""
+        """Read whether the camera is watched; return whether the process lives."""
         try:
             for is_watched in watched_reports(self._channel):
                 self.is_watched = is_watched
@@ -71,7 +92,7 @@ class CameraProcess:
         return True
 
     def tell(self, moment: SceneMoment) -> bool:
-        """Tell it what is new, if it can take it now; returns whether it lives."""
+        """Send the changes if the process can take them now; return whether it lives."""
         try:
             if send(self._channel, moment):
                 self.known |= moment.news.new.keys()
@@ -83,16 +104,16 @@ class CameraProcess:
         return True
 
     def leave(self) -> None:
-        """Let it end, without waiting for that."""
+        """Ask the process to end without waiting."""
         self._channel.close()
 
     @property
     def has_ended(self) -> bool:
-        """It is gone for good."""
+        """Whether the process has ended."""
         return self._process.poll() is not None
 
     def close(self) -> None:
-        """Let it end, and see that it does; closing twice does nothing."""
+        """End the process and wait for it; closing twice does nothing."""
         self.leave()
         try:
             self._process.wait(FAREWELL)
@@ -102,7 +123,7 @@ class CameraProcess:
 
 
 def _listener(name: str) -> socket.socket:
-    """At the port that follows from the robot's name, so that whoever lost its camera finds it again; else at any."""
+    """Listen on the port derived from the robot's name, so that viewers can reconnect; else on any port."""
     own = PORTS[crc32(name.encode()) % len(PORTS)]
     try:
         return socket.create_server(("127.0.0.1", own), backlog=BACKLOG)

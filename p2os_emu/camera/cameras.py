@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import configs
-from p2os_emu.camera.camera_model import CameraModel
-from p2os_emu.camera.camera_process import CameraProcess
+from p2os_emu.camera.camera_process import CameraModel, CameraProcess
 from p2os_emu.camera.image_format import read_format
 from p2os_emu.camera.news import SceneMoment
 from p2os_emu.fitting import plugged_head
@@ -22,7 +21,7 @@ RATE = 30.0
 
 
 class Cameras:
-    """Made beside an emulator, and told whenever a robot is added and between steps.
+    """The camera processes of an emulator; call `add` for each robot and `tend` between steps.
 
     has_stopped: no news are sent, and so no pictures drawn, beyond the few that keep viewers waiting.
     """
@@ -45,7 +44,7 @@ class Cameras:
         self._due = 0.0
 
     def add(self, robot: "EmulatedRobot") -> None:
-        """A robot has come, with a camera or without.
+        """Start the camera of a robot, if one is fitted.
 
         Raises:
             PortError: There is no port or no process for it.
@@ -59,12 +58,12 @@ class Cameras:
                 raise PortError(f"there is no camera to be had for {robot.name}: {error}") from error
 
     def url(self, name: str) -> str | None:
-        """Where a robot's camera is; None where it has none."""
+        """Return the URL of a robot's camera; None where it has none."""
         process = self._processes.get(name)
         return None if process is None else process.url
 
     def tend(self) -> None:
-        """Tell every camera at which somebody looks what is new, if that is due; never waits."""
+        """Send the changes that are due to every watched camera; never blocks."""
         now = self._emulator.time
         is_due = now >= self._due
         if is_due:
@@ -80,7 +79,7 @@ class Cameras:
 
     @property
     def are_watched(self) -> bool:
-        """Whether somebody looks at a picture of one of them."""
+        """Whether any camera is watched."""
         return any(process.wants_news for process in self._processes.values())
 
     def close(self) -> None:
@@ -91,7 +90,7 @@ class Cameras:
             self._leaving.pop().close()
 
     def _feed(self, robot: "EmulatedRobot", process: CameraProcess, is_due: bool) -> bool:
-        """Tell a camera what is new, if that is due or somebody has just begun to look; returns whether it lives."""
+        """Send the changes to a camera if they are due or it has a new viewer; return whether it lives."""
         if not process.listen():
             return False
         if process.is_newly_watched or (is_due and process.wants_news and not self.has_stopped):
@@ -104,7 +103,7 @@ class Cameras:
         self._leaving.append(process)
 
     def _moment(self, robot: "EmulatedRobot", process: CameraProcess) -> SceneMoment:
-        """What is new to a camera, and where it looks now: along its head, if it is on one."""
+        """Return the changes for a camera and its present view, along its head if it is on one."""
         model = self._model
         assert model is not None  # there is a camera
         device = plugged_head(robot.microcontroller)

@@ -1,4 +1,4 @@
-"""The newest picture, and who is waiting for it; older ones are gone."""
+"""The newest picture and its viewers; older pictures are dropped."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 
-class JpegPicture(NamedTuple):
+class _JpegPicture(NamedTuple):
     """number: counts from 1. jpeg: the file."""
 
     number: int
@@ -14,7 +14,7 @@ class JpegPicture(NamedTuple):
 
 
 class Feed:
-    """One writer, any number of viewers; pictures are made only while somebody looks."""
+    """One writer, any number of viewers; pictures are drawn only while there are viewers."""
 
     def __init__(self, on_watched: Callable[[bool], None] = lambda is_watched: None) -> None:
         """Begin without a picture.
@@ -23,30 +23,30 @@ class Feed:
             on_watched: Told when the first viewer comes, and when the last one goes; must not wait.
         """
         self._on_watched = on_watched
-        self._newest = JpegPicture(0, b"")
+        self._newest = _JpegPicture(0, b"")
         self._viewers = 0
         self._changed = threading.Condition()
 
     def put(self, jpeg: bytes) -> None:
-        """There is a new picture."""
+        """Publish a new picture."""
         with self._changed:
-            self._newest = JpegPicture(self._newest.number + 1, jpeg)
+            self._newest = _JpegPicture(self._newest.number + 1, jpeg)
             self._changed.notify_all()
 
     @property
     def has_viewers(self) -> bool:
-        """Somebody looks."""
+        """Whether there are viewers."""
         with self._changed:
             return self._viewers > 0
 
     def wait_for_viewers(self) -> None:
-        """Return as soon as somebody looks."""
+        """Return as soon as there is a viewer."""
         with self._changed:
             self._changed.wait_for(lambda: self._viewers > 0)
 
     @contextmanager
     def watching(self) -> Iterator[int]:
-        """Look, as long as the block lasts; gives the number of the picture before."""
+        """Count as a viewer while the block runs; yield the number of the last picture."""
         with self._changed:
             self._viewers += 1
             if self._viewers == 1:
@@ -61,7 +61,7 @@ class Feed:
                 if self._viewers == 0:
                     self._on_watched(False)
 
-    def after(self, number: int, timeout: float) -> JpegPicture | None:
+    def after(self, number: int, timeout: float) -> _JpegPicture | None:
         """Wait for a picture newer than one; None when none has come within so many s."""
         with self._changed:
             has_come = self._changed.wait_for(lambda: self._newest.number > number, timeout)

@@ -1,4 +1,4 @@
-"""How large a camera's pictures are, and how often they come: `320x240@10`."""
+"""Size and rate of a camera's pictures: `320x240@10`."""
 
 import re
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What the emulator and a camera's process send each other: packets on a pair of sockets.
+"""Packets between the emulator and a camera process, on a pair of sockets.
 
 The process reports whether somebody looks, and while somebody does, the emulator sends it what is new as often as it
 can be taken. That packet is a pickled `SceneMoment`: both ends are this program. A packet is sent whole or not at all,
@@ -21,14 +21,14 @@ WATCHED, UNWATCHED = b"\1", b"\0"
 
 
 class SceneMoment(NamedTuple):
-    """The world's news, and where the camera looks."""
+    """The changes of the world, and the view of the camera."""
 
     news: SceneChanges
     view: View
 
 
 def send(channel: socket.socket, moment: SceneMoment) -> bool:
-    """Send without waiting; returns whether it could be sent.
+    """Send without blocking; return whether it was sent.
 
     Raises:
         OSError: Nobody is there to take it.
@@ -41,7 +41,7 @@ def send(channel: socket.socket, moment: SceneMoment) -> bool:
 
 
 def receive(channel: socket.socket) -> SceneMoment | None:
-    """Wait for the next moment; None when there will be none."""
+    """Wait for the next moment; return None when the emulator has ended."""
     data = channel.recv(LARGEST)
     if not data:
         return None
@@ -51,7 +51,7 @@ def receive(channel: socket.socket) -> SceneMoment | None:
 
 
 def report_watched(channel: socket.socket, is_watched: bool) -> None:
-    """Tell the emulator whether somebody looks; an emulator that is gone need not know."""
+    """Report whether the camera is watched; an emulator that has ended is ignored."""
     with suppress(OSError):  # it is gone
         channel.send(WATCHED if is_watched else UNWATCHED, socket.MSG_DONTWAIT)
 

@@ -1,4 +1,4 @@
-"""An IP camera's face: MJPEG over HTTP on `/video`, one picture on `/image`, a page for people on `/`."""
+"""An IP camera's HTTP server: MJPEG on `/video`, one picture on `/image`, a page on `/`."""
 
 import socket
 import sys
@@ -22,7 +22,7 @@ PAGE = """<!doctype html>
 
 
 class CameraServer(ThreadingHTTPServer):
-    """Serves one feed on a socket that listens already."""
+    """Serves one feed on a listening socket."""
 
     daemon_threads = True
 
@@ -34,7 +34,7 @@ class CameraServer(ThreadingHTTPServer):
         self.title = title
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """A viewer that goes away, or does not read, while it is being sent a picture is no error."""
+        """Ignore viewers that disconnect or do not read while a picture is sent."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)  # type: ignore[arg-type] # typed too narrowly there
 
@@ -56,7 +56,7 @@ class _Handler(BaseHTTPRequestHandler):
                 self.send_error(HTTPStatus.NOT_FOUND, "there are /, /image and /video")
 
     def log_message(self, *args: object) -> None:
-        """Whoever looks is nobody's business."""
+        """Log nothing about viewers."""
 
     def _send(self, kind: str, body: bytes) -> None:
         self.send_response(HTTPStatus.OK)

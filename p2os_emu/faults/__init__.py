@@ -1,5 +1,5 @@
-"""Faults by name: what each one does to a robot, how it ends, and the board that lets them come and go.
+"""Faults by name: their effect on a robot, how they end, and the board that starts and ends them.
 
-Every fault takes `robot=NAME`; without it, it befalls every robot that is there and can suffer it. All times are
-emulated time.
+Every fault takes `robot=NAME`; without it, the fault is applied to every robot that can have it. All times are emulated
+time.
 """

@@ -5,20 +5,20 @@ from collections.abc import Sequence
 from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Need
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Requirement
 
-_GYRO = Need("gyro", lambda robot: robot.fit.has("gyro"))
-_LASER = Need("laser", lambda robot: robot.fit.has("laser"))
-
-
-def _break_gyro(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    robot.microcontroller.panel.gyro_failed = bool(at_work)
+_GYRO = Requirement("gyro", lambda robot: robot.fit.has("gyro"))
+_LASER = Requirement("laser", lambda robot: robot.fit.has("laser"))
 
 
-def _soil_laser(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+def _break_gyro(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.gyro_failed = bool(active)
+
+
+def _soil_laser(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
     scanner = robot.cables["laser"].device
     assert isinstance(scanner, Lms200)
-    scanner.dirt = max((each["dirt"] for each in at_work), default=0.0)
+    scanner.dirt = max((each["dirt"] for each in active), default=0.0)
 
 
 KINDS = (

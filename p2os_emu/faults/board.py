@@ -1,24 +1,30 @@
-"""The board of faults: it lets them begin and end at their time."""
+"""All faults, and the board that starts and ends them at their time."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from p2os_emu.emulator import STEP, EmulatedRobot
-from p2os_emu.fault_spec import FaultError, FaultSpec
+from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
+from p2os_emu.faults import accessories, lines, machine, power
 from p2os_emu.faults.kind import Arguments, FaultKind
-from p2os_emu.faults.table import FAULTS
 from p2os_emu.hints import nearest
+
+FAULTS: Mapping[str, FaultKind] = {
+    kind.name: kind for kind in (*machine.KINDS, *power.KINDS, *accessories.KINDS, *lines.KINDS)
+}
+"""All faults, by name."""
 
 _ROUNDING = 1e-9  # s; times are sums of steps
 
 
 @dataclass(slots=True)
 class Fault:
-    """A fault on its way, or at work.
+    """A fault that is scheduled or active.
 
-    start, end: s of emulated time, end may be inf. victims: the robots it befalls, and what was asked for there.
+    start, end: s of emulated time, end may be inf. targets: the robots it is applied to, and its arguments there.
     """
 
     number: int
@@ -26,12 +32,12 @@ class Fault:
     kind: FaultKind
     start: float
     end: float
-    victims: Sequence[tuple[EmulatedRobot, Arguments]]
+    targets: Sequence[tuple[EmulatedRobot, Arguments]]
     is_active: bool = False
 
 
 class FaultBoard:
-    """The faults of a run: those to come and those at work.
+    """The scheduled and active faults of a run.
 
     Call `advance` before every step.
     """
@@ -43,11 +49,11 @@ class FaultBoard:
 
     @property
     def faults(self) -> list[Fault]:
-        """Those to come and those at work, in the order they were asked for."""
+        """Scheduled and active faults in the order of their requests."""
         return list(self._faults.values())
 
     def schedule(self, spec: FaultSpec, now: float) -> Fault:
-        """Let a fault happen.
+        """Schedule a fault.
 
         Args:
             spec: What somebody asked for; its start counts from now.
@@ -61,22 +67,50 @@ class FaultBoard:
         kind = FAULTS.get(spec.name)
         if kind is None:
             raise FaultError(f"there is no fault {spec.name!r}; {_suggestion(spec.name, meant)}")
-        able = [robot for robot in meant if kind.can_befall(robot)]
+        able = [robot for robot in meant if kind.applies_to(robot)]
         if kind.needs and meant and not able:
             have = "has" if len(meant) == 1 else "have"
             raise FaultError(f"{_who(meant)} {have} no {kind.needs.name} to suffer {kind.name}; {_supported(meant)}")
-        victims = [(robot, _arguments(kind, given, robot)) for robot in able]
+        targets = [(robot, _arguments(kind, given, robot)) for robot in able]
         start = now + spec.start
         duration = spec.duration
         if duration is None:
             duration = 0.0 if kind.is_momentary else math.inf
         self._last_number += 1
-        fault = Fault(self._last_number, spec, kind, start, start + duration, victims)
+        fault = Fault(self._last_number, spec, kind, start, start + duration, targets)
         self._faults[fault.number] = fault
         return fault
 
+    def schedule_file(self, path: Path, now: float) -> None:
+        """Schedule the faults of a file, one a line as on the command line; `#` begins a comment.
+
+            # In the tenth second the cable fails for five seconds, and at last somebody presses stop.
+            line-cut:robot=happy@10+5
+            stop-pressed@30
+
+        Args:
+            path: The file.
+            now: Emulated time from which starts count, s.
+        Raises:
+            FaultError: The file cannot be read, or a line is wrong; the message names file and line.
+        """
+        try:
+            lines = path.read_text(encoding="utf-8").splitlines()
+        except OSError as error:
+            raise FaultError(f"{path}: the file of faults cannot be read: {error.strerror}") from error
+        except UnicodeDecodeError as error:
+            raise FaultError(f"{path}: the file of faults cannot be read: it is no text") from error
+        for number, line in enumerate(lines, 1):
+            text = line.partition("#")[0].strip()
+            if not text:
+                continue
+            try:
+                self.schedule(parse_fault(text), now)
+            except FaultError as error:
+                raise FaultError(f"{path}, line {number}: {error}") from error
+
     def advance(self, now: float) -> None:
-        """Let begin and end what is due at emulated time `now`, s."""
+        """Begin and end the faults that are due at emulated time `now`, s."""
         if not self._faults:
             return
         for fault in self.faults:
@@ -89,7 +123,7 @@ class FaultBoard:
             robot.body.advance(STEP)
 
     def clear(self, number: int) -> None:
-        """End a fault, or call off one that has not begun.
+        """End a fault, or cancel one that has not begun.
 
         Raises:
             FaultError: There is no fault of this number.
@@ -101,23 +135,23 @@ class FaultBoard:
             self._tell(fault)
 
     def _tell(self, changed: Fault) -> None:
-        """Let the robots that a fault befalls suffer what is at work now; a brown-out may have made parts anew."""
-        for robot, _ in changed.victims:
+        """Apply the active faults to the robots of a fault; a brown-out may have replaced parts."""
+        for robot, _ in changed.targets:
             if self._robots.get(robot.name) is not robot:
                 continue  # it was removed
             kinds = {fault.kind.name: fault.kind for fault in (changed, *self._faults.values())}
             for kind in kinds.values():
-                at_work = self._at_work(kind, robot)
-                if at_work or kind is changed.kind:
-                    kind.befall(robot, at_work)
+                active = self._at_work(kind, robot)
+                if active or kind is changed.kind:
+                    kind.apply(robot, active)
 
     def _at_work(self, kind: FaultKind, robot: EmulatedRobot) -> list[Arguments]:
         return [
             arguments
             for fault in self._faults.values()
             if fault.is_active and fault.kind is kind
-            for victim, arguments in fault.victims
-            if victim is robot
+            for target, arguments in fault.targets
+            if target is robot
         ]
 
     def _robots_meant(self, name: str | None) -> list[EmulatedRobot]:
@@ -148,8 +182,8 @@ def _suggestion(name: str, robots: Sequence[EmulatedRobot]) -> str:
 
 
 def _supported(robots: Sequence[EmulatedRobot]) -> str:
-    """The faults that any of these robots can suffer."""
-    names = [kind.name for kind in FAULTS.values() if any(map(kind.can_befall, robots))]
+    """Return the faults that any of these robots can have."""
+    names = [kind.name for kind in FAULTS.values() if any(map(kind.applies_to, robots))]
     return f"{_who(robots)} can suffer {', '.join(names)}" if robots else "there is no robot"
 
 

@@ -1,4 +1,4 @@
-"""What a fault is: its name, what it means to people, what it takes and what it does to a robot."""
+"""Kinds of faults: name, meaning, parameters and effect on a robot."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,8 +23,8 @@ class FaultParameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Need:
-    """What a robot must have to suffer a fault: its name for people, and whether a robot has it."""
+class Requirement:
+    """Part that a fault needs: its name, and a test whether a robot has it."""
 
     name: str
     has: Callable[[EmulatedRobot], object]
@@ -32,23 +32,23 @@ class Need:
 
 @dataclass(frozen=True, slots=True)
 class FaultKind:
-    """One fault.
+    """One kind of fault.
 
     ending: how it ends, for people.
-    befall: makes a robot suffer what the faults of this kind that are at work on it say together: it is given the
-        arguments of each whenever one begins or ends, and none when the last has ended. It may be told the same twice.
-    needs: what a robot must have to suffer it; None where every robot can.
-    is_momentary: without a duration it ends in the moment it begins, else it lasts until it is cleared.
+    apply: applies the active faults of this kind to a robot. Called with the arguments of each whenever one begins
+        or ends, and with none after the last has ended. It may be called twice with the same arguments.
+    needs: part that the robot must have; None where every robot can have the fault.
+    is_momentary: without a duration it ends when it begins; other faults last until they are cleared.
     """
 
     name: str
     meaning: str
     ending: str
-    befall: Callable[[EmulatedRobot, Sequence[Arguments]], None]
+    apply: Callable[[EmulatedRobot, Sequence[Arguments]], None]
     parameters: Mapping[str, FaultParameter] = field(default_factory=dict)
-    needs: Need | None = None
+    needs: Requirement | None = None
     is_momentary: bool = False
 
-    def can_befall(self, robot: EmulatedRobot) -> bool:
-        """Whether a robot has what can fail so."""
+    def applies_to(self, robot: EmulatedRobot) -> bool:
+        """Return whether a robot has the part that can fail."""
         return self.needs is None or bool(self.needs.has(robot))

@@ -32,38 +32,38 @@ def _lines(robot: EmulatedRobot) -> Mapping[str, EmulatedLine]:
 def _on_each_line(
     treat: Callable[[EmulatedLine, Sequence[Arguments]], None],
 ) -> Callable[[EmulatedRobot, Sequence[Arguments]], None]:
-    """What befalls a robot when each of its lines is treated by the faults that are at work on it."""
+    """Return an `apply` that calls a function with each line of a robot and the active faults there."""
 
-    def befall(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+    def apply(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
         for name, line in _lines(robot).items():
-            treat(line, [each for each in at_work if each["cable"] == name])
+            treat(line, [each for each in active if each["cable"] == name])
 
-    return befall
-
-
-def _cut(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
-    line.is_cut = bool(at_work)
+    return apply
 
 
-def _freeze(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
-    _impair(line, "frozen", bool(at_work))
+def _cut(line: EmulatedLine, active: Sequence[Arguments]) -> None:
+    line.is_cut = bool(active)
 
 
-def _garble(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
-    _impair(line, "garbled", bool(at_work))
+def _freeze(line: EmulatedLine, active: Sequence[Arguments]) -> None:
+    _impair(line, "frozen", bool(active))
 
 
-def _silence(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
-    lost = {each["toward"] for each in at_work}
+def _garble(line: EmulatedLine, active: Sequence[Arguments]) -> None:
+    _impair(line, "garbled", bool(active))
+
+
+def _silence(line: EmulatedLine, active: Sequence[Arguments]) -> None:
+    lost = {each["toward"] for each in active}
     if lost:
         line.impair("half-duplex", toward="both" if len(lost) > 1 else lost.pop())
     else:
         line.mend("half-duplex")
 
 
-def _disturb(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
-    if at_work:
-        line.impair("noisy", rate=max(each["rate"] for each in at_work))
+def _disturb(line: EmulatedLine, active: Sequence[Arguments]) -> None:
+    if active:
+        line.impair("noisy", rate=max(each["rate"] for each in active))
     else:
         line.mend("noisy")
 
@@ -75,8 +75,8 @@ def _impair(line: EmulatedLine, name: str, is_wanted: bool) -> None:
         line.mend(name)
 
 
-def _pull_port(line: EmulatedLine, at_work: Sequence[Arguments]) -> None:
-    if at_work:
+def _pull_port(line: EmulatedLine, active: Sequence[Arguments]) -> None:
+    if active:
         line.link.unplug()
     else:
         line.link.plug_in()

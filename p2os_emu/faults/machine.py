@@ -6,26 +6,26 @@ from dataclasses import replace
 from p2os.sip import NO_ECHO
 from p2os_emu.emulator import EmulatedRobot
 from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Need
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Requirement
 from p2os_emu.faulty_body import HEALTHY_SONAR, SonarFaults
 
 _DISC = FaultParameter("numbers from 0 as SIPs count them, such as 3, 0-7, 3+5 or all", parameters.discs, "all")
-_SONAR = Need("sonar", lambda robot: robot.model.sonar)
-_BUMPERS = Need("bumpers", lambda robot: robot.model.front_bumpers or robot.model.rear_bumpers)
+_SONAR = Requirement("sonar", lambda robot: robot.model.sonar)
+_BUMPERS = Requirement("bumpers", lambda robot: robot.model.front_bumpers or robot.model.rear_bumpers)
 
 
-def _deafen(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    dead = frozenset(disc for each in at_work for disc in each["disc"])
+def _deafen(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    dead = frozenset(disc for each in active for disc in each["disc"])
     _set_sonar(robot, replace(robot.body.sonar, dead=dead))
 
 
-def _stick_sonar(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    stuck = {disc: each["range"] for each in at_work for disc in each["disc"]}
+def _stick_sonar(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    stuck = {disc: each["range"] for each in active for disc in each["disc"]}
     _set_sonar(robot, replace(robot.body.sonar, stuck=stuck))
 
 
-def _disturb_sonar(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    noisy = {disc: each["share"] for each in at_work for disc in each["disc"]}
+def _disturb_sonar(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    noisy = {disc: each["share"] for each in active for disc in each["disc"]}
     _set_sonar(robot, replace(robot.body.sonar, noisy=noisy))
 
 
@@ -33,19 +33,19 @@ def _set_sonar(robot: EmulatedRobot, sonar: SonarFaults) -> None:
     robot.body.sonar = HEALTHY_SONAR if sonar == HEALTHY_SONAR else sonar
 
 
-def _slip(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    left = min((each["factor"] for each in at_work if each["side"][0]), default=1.0)
-    right = min((each["factor"] for each in at_work if each["side"][1]), default=1.0)
+def _slip(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    left = min((each["factor"] for each in active if each["side"][0]), default=1.0)
+    right = min((each["factor"] for each in active if each["side"][1]), default=1.0)
     robot.body.grip = left, right
 
 
-def _block(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    robot.body.blocked = any(each["side"][0] for each in at_work), any(each["side"][1] for each in at_work)
+def _block(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.body.blocked = any(each["side"][0] for each in active), any(each["side"][1] for each in active)
 
 
-def _hold_bumpers(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+def _hold_bumpers(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
     front = rear = 0
-    for each in at_work:
+    for each in active:
         front |= each["segment"][0]
         rear |= each["segment"][1]
     robot.body.bumpers = front, rear

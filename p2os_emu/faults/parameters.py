@@ -1,4 +1,4 @@
-"""How the parameters of faults are read: from text to values that fit a robot."""
+"""Parsing of fault parameters: from text to values that fit a robot."""
 
 import math
 import re

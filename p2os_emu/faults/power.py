@@ -9,33 +9,33 @@ from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter
 _LOW = 0.9  # of the nominal voltage: a lead-acid battery that should be charged
 
 
-def _press_stop(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    robot.microcontroller.panel.stop_button = bool(at_work)
+def _press_stop(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.stop_button = bool(active)
 
 
-def _drain(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
+def _drain(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
     low = _LOW * robot.model.battery_nominal
-    shown = [low if each["volts"] is None else each["volts"] for each in at_work]
+    shown = [low if each["volts"] is None else each["volts"] for each in active]
     robot.microcontroller.panel.battery = min(shown, default=None)
 
 
-def _plug_charger(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    robot.microcontroller.panel.charger_plugged = bool(at_work)
+def _plug_charger(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.charger_plugged = bool(active)
 
 
-def _dock(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    robot.microcontroller.panel.docked = bool(at_work)
+def _dock(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.docked = bool(active)
 
 
-def _cut_power(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    if at_work:
+def _cut_power(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    if active:
         robot.power_off()
     else:
         robot.power_on()
 
 
-def _freeze(robot: EmulatedRobot, at_work: Sequence[Arguments]) -> None:
-    robot.is_frozen = bool(at_work)
+def _freeze(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.is_frozen = bool(active)
 
 
 KINDS = (

@@ -1,4 +1,4 @@
-"""Impairments: what distance, noise and bad contacts do to bytes. Each is a stage; chance is an argument.
+"""Impairments of a line by distance, noise and bad contacts. Each is a stage; the random generator is an argument.
 
 None of them knows a frame, apart from `Duplication`: a line carries bytes.
 """
@@ -17,7 +17,7 @@ _ROUNDING = 1e-9  # s; times are sums of steps
 
 @dataclass(frozen=True, slots=True)
 class Impairments:
-    """What goes wrong in one direction; nothing unless a file says so.
+    """Impairments of one direction; none by default.
 
     delay: s that every byte takes. jitter: s, at most so much more, drawn for each piece; the order is kept.
     loss: fraction of bytes lost between bursts. burst_start, burst_end: chance for each byte that a burst of loss
@@ -53,7 +53,7 @@ class Impairments:
 
 
 class Delay:
-    """Every piece of bytes arrives later, and none overtakes another."""
+    """Delays bytes without changing their order."""
 
     def __init__(self, delay: float, jitter: float, rng: Random) -> None:
         self._delay = delay
@@ -74,7 +74,7 @@ class Delay:
 
 
 class Loss:
-    """Bytes vanish: seldom in good times, often in bursts."""
+    """Loses bytes: few between bursts, many in bursts."""
 
     def __init__(self, impairments: Impairments, rng: Random) -> None:
         rates = impairments.loss, impairments.burst_loss, impairments.burst_start, impairments.burst_end
@@ -104,7 +104,7 @@ class Loss:
 
 
 class BitErrors:
-    """Bits turn round, each by itself."""
+    """Inverts bits independently."""
 
     def __init__(self, rate: float, rng: Random) -> None:
         self._hits = Hits(rate, rng)
@@ -118,7 +118,7 @@ class BitErrors:
 
 
 class ByteDamage:
-    """Bytes become other bytes; a byte that is hit never stays what it was."""
+    """Replaces bytes by other bytes."""
 
     def __init__(self, rate: float, rng: Random) -> None:
         self._hits = Hits(rate, rng)
@@ -133,7 +133,7 @@ class ByteDamage:
 
 
 class Duplication:
-    """Frames come twice."""
+    """Duplicates frames."""
 
     def __init__(self, rate: float, rng: Random) -> None:
         self._rate = rate
@@ -145,7 +145,7 @@ class Duplication:
 
 
 class Noise:
-    """Every byte becomes noise; their number stays."""
+    """Replaces every byte by noise."""
 
     def __init__(self, rng: Random) -> None:
         self._rng = rng
@@ -156,7 +156,7 @@ class Noise:
 
 
 class Silence:
-    """Nothing gets through, and nothing is kept."""
+    """Loses every byte."""
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
@@ -168,7 +168,7 @@ MOST_HELD = 2**16
 
 
 class Freeze:
-    """Nothing gets through while it lasts; what came meanwhile is kept, as far as there is room.
+    """Holds bytes back while it lasts, as far as the buffer has room.
 
     held: the bytes kept.
     """
@@ -183,7 +183,7 @@ class Freeze:
 
 
 class Hits:
-    """Trials, each of which succeeds with the same chance. Costs time by the hit, not by the trial.
+    """Bernoulli trials; the time they take depends on the hits, not on the trials.
 
     How the trials are cut into calls does not matter.
     """

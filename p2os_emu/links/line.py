@@ -1,4 +1,4 @@
-"""The line between firmware and port: what a cable does to bytes on their way.
+"""The line between firmware and port: the effects of a cable on bytes.
 
 A line is a list of stages in each direction. The ideal line has none: a frame leaves in the step that made it, in one
 write. Faults are stages that come and go. Time is an argument, and every chance is drawn from the line's own seed.
@@ -80,7 +80,7 @@ class EmulatedLine:
         return [name for name in LINE_FAULTS if name in self._impaired]
 
     def impair(self, name: str, *, toward: Toward = "both", rate: float = 1e-3) -> None:
-        """Let something go wrong, until `mend`; again only if it has with other values.
+        """Apply a fault until `mend`; a second call replaces it if the values differ.
 
         Args:
             name: One of `LINE_FAULTS`.
@@ -99,7 +99,7 @@ class EmulatedLine:
                 way.faults[name] = make(Random(f"{self._seed} {name} {end}"), rate)
 
     def mend(self, name: str) -> None:
-        """Let a fault end; what it only held back arrives with the next bytes."""
+        """End a fault; bytes that it held back arrive with the next ones."""
         self._impaired.pop(name, None)
         for way in (self._to_robot, self._to_host):
             fault = way.faults.pop(name, None)

@@ -1,4 +1,4 @@
-"""What every kind of port has in common: a link carries bytes between one robot and at most one client."""
+"""Interface of all ports: a link carries bytes between one robot and at most one client."""
 
 import os
 from abc import ABC, abstractmethod
@@ -39,15 +39,15 @@ class Link(ABC):
 
     @abstractmethod
     def unplug(self) -> None:
-        """Pull the port out under the client, as an adapter that loses its USB cable."""
+        """Remove the port while a client uses it, as when a USB cable is pulled."""
 
     @abstractmethod
     def plug_in(self) -> None:
-        """Let the port return after `unplug`."""
+        """Restore the port after `unplug`."""
 
     @abstractmethod
     def close(self) -> None:
-        """Give everything back to the system; the port is gone for good."""
+        """Release all resources; the port is removed permanently."""
 
 
 class Outlet:
@@ -77,5 +77,5 @@ class Outlet:
         return True
 
     def clear(self) -> None:
-        """Forget the end of a piece that was begun: its reader is gone."""
+        """Drop the rest of a partly written piece: its reader is gone."""
         self._rest = b""

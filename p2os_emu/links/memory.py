@@ -1,4 +1,4 @@
-"""A port without an operating system, for tests and for lockstep: two ends in one process."""
+"""A port in memory, for tests and for lockstep: both ends in one process."""
 
 from p2os_emu.links.link import Link
 
@@ -38,7 +38,7 @@ class MemoryLink(Link):
             self._to_client.append(data)
 
     def unplug(self) -> None:
-        """Lose what is on its way and carry nothing more."""
+        """Drop the bytes in transit and carry nothing more."""
         self._plugged = False
         self._to_robot.clear()
         self._to_client.clear()

@@ -1,4 +1,4 @@
-"""Bytes take their time: ten bits each at the line's rate; and what happens when a line is full."""
+"""Pacing: ten bits for each byte at the line's rate, and queues with a limited size."""
 
 from collections import deque
 from random import Random
@@ -11,7 +11,7 @@ from p2os_emu.links.stage import Rates
 _ROUNDING = 1e-6
 
 
-class Clock:
+class _Clock:
     """How many bytes a rate lets through.
 
     fixed_baud: bit/s; None follows the robot's rate.
@@ -22,7 +22,7 @@ class Clock:
         self._sent_until = 0.0
 
     def rest(self, now: float) -> None:
-        """Nothing waits: the time up to now is not to be made up for."""
+        """Restart the clock while nothing waits."""
         self._sent_until = now
 
     def allow(self, waiting: int, now: float, rates: Rates) -> int:
@@ -34,7 +34,7 @@ class Clock:
 
 
 class HostQueue:
-    """What a client sends, at the line's rate; writes that find the buffer full are dropped whole.
+    """Queue of client writes at the line's rate; a write that does not fit the buffer is dropped.
 
     dropped: writes lost to a full buffer.
     """
@@ -42,7 +42,7 @@ class HostQueue:
     def __init__(self, capacity: int, fixed_baud: int | None = None) -> None:
         self.dropped = 0
         self._capacity = capacity
-        self._clock = Clock(fixed_baud)
+        self._clock = _Clock(fixed_baud)
         self._waiting = bytearray()
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
@@ -73,7 +73,7 @@ class RobotQueue:
     def __init__(self, capacity: int, fixed_baud: int | None = None) -> None:
         self.dropped = 0
         self._capacity = capacity
-        self._clock = Clock(fixed_baud)
+        self._clock = _Clock(fixed_baud)
         self._sending = bytearray()  # the rest of a frame that was begun
         self._urgent: deque[bytes] = deque()
         self._waiting: deque[bytes] = deque()
@@ -117,7 +117,7 @@ class RobotQueue:
 
 
 class BaudCheck:
-    """Bytes become noise while the two ends disagree on the rate.
+    """Replaces bytes by noise while the two ends use different rates.
 
     On a real robot the number of bytes changes as well; for whoever listens, noise is noise.
 

@@ -1,4 +1,4 @@
-"""Which descriptors are ready, asked once a step for all of them together.
+"""Polls all descriptors together, once a step.
 
 One system call a step, however many robots there are. The level is asked, not the edge: what a handler leaves unread is
 reported again at the next step.
@@ -45,6 +45,6 @@ class Poller:
         self._epoll.poll(timeout, 1)
 
     def close(self) -> None:
-        """Let the operating system's part go; the descriptors themselves belong to those who opened them."""
+        """Close the epoll descriptor; the callers close their own descriptors."""
         self._handlers.clear()
         self._epoll.close()

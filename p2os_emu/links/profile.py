@@ -1,4 +1,4 @@
-"""How a line treats bytes, as a file in configs/links says: every number of every kind of line."""
+"""Properties of a line, from a file in configs/links."""
 
 from dataclasses import dataclass, field, replace
 
@@ -9,7 +9,7 @@ from p2os_emu.links.modem import Modem
 
 @dataclass(frozen=True, slots=True)
 class LinkProfile:
-    """What a line does.
+    """Properties of one line.
 
     summary: one line for people.
     enforces_baud: whether bytes arrive as garbage when the client's rate is not the robot's.
@@ -32,7 +32,7 @@ class LinkProfile:
 
     @property
     def of_accessories(self) -> "LinkProfile":
-        """What the cables of accessories do: no modem, nor what goes wrong on the air, stands between."""
+        """The profile of accessory cables: without modem and without radio impairments."""
         if self.modem is None:
             return self
         return replace(self, modem=None, to_robot=Impairments(), to_host=Impairments())

@@ -1,4 +1,4 @@
-"""A pseudo-terminal as the robot's serial port: the client opens the slave, the robot lives behind the master.
+"""A pseudo-terminal as the robot's serial port: the client opens the slave, the emulator holds the master.
 
 A serial port on a real robot shows nothing when a client comes or goes, and loses what is sent while nobody has it
 open. A pseudo-terminal hangs up when the last client closes it, and keeps unread bytes for whoever opens it next. So
@@ -151,7 +151,7 @@ class PtyLink(Link):
                 self._hold_slave()
 
     def _somebody_came(self) -> bool:
-        """Let go of the slave and see whether anybody else holds it."""
+        """Close the slave and check whether another process holds it."""
         assert self._master is not None
         if self._held_slave is not None:
             os.close(self._held_slave)

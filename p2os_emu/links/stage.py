@@ -1,4 +1,4 @@
-"""One thing that a line does to the bytes of one direction."""
+"""A stage of a line: one effect on the bytes of one direction."""
 
 from typing import NamedTuple, Protocol
 
@@ -11,8 +11,8 @@ class Rates(NamedTuple):
 
 
 class LinkStage(Protocol):
-    """One thing that happens to the bytes of one direction."""
+    """One effect on the bytes of one direction."""
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
-        """Take the bytes that enter now and give those that leave now; called every step, also without bytes."""
+        """Take the bytes that enter now and return those that leave now; called every step, also without bytes."""
         ...

@@ -1,4 +1,4 @@
-"""A TCP port as the robot's cable, as serial bridges and MobileSim offer it.
+"""A TCP port instead of a serial port, as serial bridges and MobileSim offer it.
 
 A robot has one cable, so it serves one client at a time: a second one is closed at once, which it sees as end of
 file. When the client goes, the robot keeps its state, as on a real robot, and the next client is accepted.
@@ -59,7 +59,7 @@ class Connection:
         return bool(data)
 
     def close(self) -> None:
-        """Cut it."""
+        """Close the connection."""
         if self.is_open:
             self.is_open = False
             self._poller.forget(self._socket.fileno())
@@ -106,7 +106,7 @@ class TcpLink(Link):
             self.dropped += 1
 
     def unplug(self) -> None:
-        """Cut the connection; whoever connects is closed at once until `plug_in`."""
+        """Close the connection and refuse new ones until `plug_in`."""
         if self._connection is not None:
             self._connection.close()
         self._connection = None
@@ -118,7 +118,7 @@ class TcpLink(Link):
         self._plugged = True
 
     def close(self) -> None:
-        """Cut the connection and listen no longer."""
+        """Close the connection and stop listening."""
         self.unplug()
         if self._listener.fileno() >= 0:
             self._poller.forget(self._listener.fileno())
@@ -141,8 +141,8 @@ class TcpLink(Link):
         self._connection = Connection(self._poller, knocking)
 
 
-class VisitorLink(Link):
-    """The cable of a robot that was made for one client and goes with it."""
+class ClientLink(Link):
+    """The link of a robot that exists for one client only."""
 
     def __init__(self, poller: Poller, connection: socket.socket) -> None:
         self.port = address(connection)
@@ -163,11 +163,11 @@ class VisitorLink(Link):
             self.dropped += 1
 
     def unplug(self) -> None:
-        """Cut the connection: the robot goes."""
+        """Close the connection: the robot is removed."""
         self._connection.close()
 
     def plug_in(self) -> None:
-        """Nothing: the client that comes back gets another robot."""
+        """Do nothing: a client that reconnects gets another robot."""
 
     def close(self) -> None:
         """Cut the connection."""
@@ -175,7 +175,7 @@ class VisitorLink(Link):
 
 
 def address(connection: socket.socket) -> str:
-    """What a client opens to reach this end."""
+    """Return the address that a client opens."""
     return f"socket://{HOST}:{connection.getsockname()[1]}"
 
 

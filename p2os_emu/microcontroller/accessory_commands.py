@@ -1,4 +1,4 @@
-"""Commands for what is fitted to a robot: gripper, arm, AUX ports, gyro, compass, joystick, sounds, outputs, charger.
+"""Commands for accessories: gripper, arm, AUX ports, gyro, compass, joystick, sounds, outputs, charger.
 
 Source: fact sheet section 4 and those of the accessories.
 """

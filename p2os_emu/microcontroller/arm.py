@@ -39,7 +39,7 @@ AUTOPARK = 600.0
 
 
 class Power(Enum):
-    """What the servos get."""
+    """Power state of the servos."""
 
     OFF = auto()
     SETTLING = auto()
@@ -82,7 +82,7 @@ class ArmServo:
         self.position = float(self.goal) if abs(left) <= step else self.position + (step if left > 0 else -step)
 
     def drive(self, joint: int, arm: ArmMechanism) -> None:
-        """Tell the body's joint, if there is anything new: where to, and how fast."""
+        """Send goal and speed to the body's joint, if they changed."""
         if self.told != (self.goal, self.speed):
             self.told = self.goal, self.speed
             speed = abs(self.place(1.0) - self.place(0.0)) / (self.speed * MS)
@@ -90,7 +90,7 @@ class ArmServo:
 
 
 class ArmServer:
-    """The arm as the board has it; without an arm it says so and does nothing else.
+    """Firmware of the arm; without an arm it reports so and does nothing else.
 
     power: what the servos get. follows_manual: the bytes of ARMpac are in the manual's order, not in the one that the
     most used client library reads.
@@ -111,7 +111,7 @@ class ArmServer:
         self.follows_manual = model.manual_order
 
     def power_on(self) -> None:
-        """The board begins anew: what the servos were told is forgotten, and with it their power."""
+        """Start as after the power switch: servo commands are forgotten, and power is off."""
         for servo in self._servos:
             servo.position, servo.goal = float(servo.figures.home), servo.figures.home
         self._switch_off()
@@ -119,7 +119,7 @@ class ArmServer:
         self.restore()
 
     def restore(self) -> None:
-        """The client has gone: home and off; parameters as they were."""
+        """Handle the end of the connection: park, switch off, restore the parameters."""
         self.park()
         self._autopark, self._gripper_park = AUTOPARK, 0.0
         for servo in self._servos:
@@ -127,12 +127,12 @@ class ArmServer:
 
     @property
     def information(self) -> ArmInformation:
-        """What ARMINFOpac says."""
+        """Content of ARMINFOpac."""
         return ArmInformation(VERSION if self._servos else NO_ARM, tuple(servo.figures for servo in self._servos))
 
     @property
     def report(self) -> ArmReport:
-        """What ARMpac says."""
+        """Content of ARMpac."""
         moving = sum(servo.is_moving << bit for bit, servo in enumerate(self._servos)) if self._has_settled else 0
         positions = tuple(round(servo.position) for servo in self._servos) or (0,) * JOINTS
         if self.follows_manual:
@@ -282,7 +282,7 @@ class ArmServer:
             gripper.aim(gripper.figures.home, homes=True)
 
     def _hold(self, arm: ArmMechanism) -> None:
-        """Power makes every servo go to where it is told to be, as fast as it can."""
+        """Drive every servo to its commanded position at top speed, as it does when it gets power."""
         if not self._is_driven:
             self._is_driven = True
             for joint, servo in enumerate(self._servos):

@@ -44,7 +44,7 @@ class AuxPort:
             self.device = self._make()
 
     def clear(self) -> None:
-        """Flush the buffer and forget what was asked for."""
+        """Flush the buffer and forget the request."""
         self._buffer = bytearray()
         self._wanted = 0
 
@@ -61,7 +61,7 @@ class AuxPort:
             self._wanted = min(count, MOST)
 
     def advance(self, dt: float) -> None:
-        """Let the device take a step, s, and take what it says."""
+        """Advance the device by a step, s, and take the bytes that it sends."""
         if self.device is None:
             return
         data = self.device.step(dt)
@@ -70,7 +70,7 @@ class AuxPort:
             del self._buffer[:-BUFFER]
 
     def answer(self) -> AuxData | None:
-        """What was asked for, once it is all there."""
+        """Return the requested bytes once all of them are there."""
         count = self._wanted
         if not 0 < count <= len(self._buffer):
             return None

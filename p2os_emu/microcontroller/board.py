@@ -108,7 +108,7 @@ class Board:
         self.restore()
 
     def open(self) -> None:
-        """A client has come: motors off, sonar as FLASH says."""
+        """Open a connection: motors off, sonar as in FLASH."""
         self.has_client = True
         self.motors.disable()
         self.e_stalled = False
@@ -116,7 +116,7 @@ class Board:
         self.watchdog.feed()
 
     def restore(self) -> None:
-        """The client has gone: motors and sonar off, working parameters as in FLASH."""
+        """Handle the end of the connection: motors and sonar off, working parameters as in FLASH."""
         flash = self.flash
         self.has_client = False
         if flash.auto_baud == AutoBaud.PER_CLIENT:
@@ -189,7 +189,7 @@ class Board:
 
     @property
     def battery_voltage(self) -> float:
-        """What the controller measures, V: BATTEST's pretence, else the panel's, else the battery's."""
+        """Measured voltage, V: that of BATTEST, else of the panel, else of the battery."""
         for voltage in (self.fake_battery, self.panel.battery):
             if voltage is not None:
                 return max(0.0, voltage)

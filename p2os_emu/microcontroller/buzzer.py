@@ -97,7 +97,7 @@ class Buzzer:
 
 
 def frequency(tone: int) -> float | None:
-    """What a tone of SAY sounds like, Hz; None for a rest."""
+    """Return the frequency of a tone of SAY, Hz; None for a rest."""
     if tone == 0:
         return None
     if tone <= HIGHEST_NOTE:

@@ -23,7 +23,7 @@ class Cadence:
         return self.period - TOLERANCE - self._elapsed
 
     def advance(self, dt: float) -> int:
-        """Let time pass; say how many periods ended in it."""
+        """Advance time; return how many periods ended."""
         elapsed = self._elapsed + dt
         due = 0
         while elapsed >= self.period - TOLERANCE:

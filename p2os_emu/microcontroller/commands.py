@@ -1,4 +1,4 @@
-"""What each command does to the board: a table from command to handler, and the handlers.
+"""Commands: a table from command to handler, and the handlers.
 
 A handler takes the value as `p2os.commands` reads it: SI for quantities, int for counts, bytes for strings, (high, low)
 for two bytes. Source: fact sheet sections 4, 8 and 9.

@@ -1,4 +1,4 @@
-"""FLASH: the parameters that outlive the client and the power switch."""
+"""FLASH: the parameters that survive disconnecting and switching off."""
 
 from base64 import b32encode
 from collections.abc import Mapping
@@ -15,9 +15,6 @@ Entry = float | str
 
 BUMP_STALL = "bump_stall"
 
-
-CHARGERS = {"powerbot": 2, "peoplebot": 1, "patrolbot": 1}
-"""By the model's name up to its first dash: the automatic charger that it leaves the factory with (assumed)."""
 
 ABOVE_ZERO = (
     "sip_cycle",
@@ -37,13 +34,13 @@ ABOVE_ZERO = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flash(FlashDefaults):
-    """One robot's FLASH; SI. What the factory defaults say, and what belongs to this one robot.
+    """One robot's FLASH; SI. The factory defaults, and the values of this robot.
 
     serial: as CONFIGpac says; never "SIM", which makes one well-known client look for a simulator.
     velocity_top, rotation_top: what no command exceeds. max_velocity, max_rotation: SETV and SETRV at power-on.
     emergency_deceleration, emergency_rotational_deceleration: of ESTOP and the STOP button
         (assumed: the most that the motors can follow).
-    sonar_enabled: the sonar fires from OPEN on. charger: as CONFIGpac counts: 0 none, 1 Pioneer 3, 2 PowerBot.
+    sonar_enabled: the sonar fires from OPEN on.
     ticks_mm, rev_count, drift_factor: the calibration that odometry starts from. Manuals disagree on what REVCOUNT
     counts, so only its changes matter and its value is assumed.
 
@@ -59,7 +56,6 @@ class Flash(FlashDefaults):
     emergency_deceleration: float = 2.0
     emergency_rotational_deceleration: float = radians(300)
     sonar_enabled: bool = True
-    charger: int = 0
     ticks_mm: int
     rev_count: int = 32550
     drift_factor: int = 0
@@ -74,7 +70,7 @@ class Flash(FlashDefaults):
 
     @classmethod
     def of(cls, model: RobotModel, name: str, seed: int = 0) -> "Flash":
-        """Return what a robot of this model leaves the factory with; its serial number follows from name and seed."""
+        """Return the factory settings of a robot of this model; its serial number follows from name and seed."""
         return cls(
             **asdict(model.flash),
             serial=_serial_number(name, seed),
@@ -82,7 +78,6 @@ class Flash(FlashDefaults):
             rotation_top=model.max_rotation,
             max_velocity=model.max_velocity,
             max_rotation=model.max_rotation,
-            charger=CHARGERS.get(model.name.partition("-")[0], 0),
             ticks_mm=max(1, round(model.ticks_per_metre / 1000)),
         )
 

@@ -79,7 +79,7 @@ class _Motor:
 
 
 class GripperServer:
-    """What the firmware makes of a gripper; without one it only says so.
+    """Firmware of the gripper; without one it only reports so.
 
     kind: as GRIPPERpac counts; 0 for none.
     """
@@ -113,7 +113,7 @@ class GripperServer:
 
     @property
     def inputs(self) -> int:
-        """What the gripper's switches say, laid out as on the user I/O; moving motors are bits 6 and 7."""
+        """State of the gripper's switches, laid out as on the user I/O; moving motors are bits 6 and 7."""
         seen = self._seen
         switches = {
             GripperInput.PADDLES_BETWEEN: AT_END <= seen.opening <= 1.0 - AT_END,
@@ -129,7 +129,7 @@ class GripperServer:
 
     @property
     def second_byte(self) -> int:
-        """What the SIP carries after the state byte, in the place of the analog port.
+        """Byte of the SIP after the state byte, in the place of the analog port.
 
         The state byte again, which some clients read there; on the general I/O the inputs, as one library expects.
         """

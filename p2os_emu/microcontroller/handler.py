@@ -1,4 +1,4 @@
-"""What carries out a command, and the commonest of its kind."""
+"""Type of command handlers, and the most common handler."""
 
 from collections.abc import Callable
 from typing import Any

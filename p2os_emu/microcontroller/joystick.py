@@ -28,7 +28,7 @@ class JoystickServer:
         self.restore()
 
     def restore(self) -> None:
-        """The client has gone, and its leave with it."""
+        """Handle the end of the connection: JOYDRIVE ends."""
         self.allowed = False
 
     def advance(

@@ -111,22 +111,22 @@ class Microcontroller:
 
     @property
     def outputs(self) -> Outputs:
-        """What the board switches and shows, to look at."""
+        """State of the outputs and the display."""
         return self._board.outputs
 
     @property
     def notes(self) -> tuple[PlayedNote, ...]:
-        """What the buzzer played last, oldest first."""
+        """Last notes of the buzzer, oldest first."""
         return tuple(self._board.buzzer.notes)
 
     @property
     def shutdown_wanted(self) -> bool:
-        """The robot's computer has been told to shut down."""
+        """Whether the robot's computer was told to shut down."""
         return self._board.shutdown_wanted
 
     @property
     def charging(self) -> ChargeState:
-        """What the charger does, as the SIP says."""
+        """State of the charger, as in the SIP."""
         return self._board.battery.charging
 
     def plug(self, port: int, make: Callable[[], Device]) -> None:
@@ -139,12 +139,12 @@ class Microcontroller:
         self._board.plug(port, make)
 
     def power_cycle_aux(self) -> None:
-        """Take the power from what hangs on the AUX ports for a moment, as the robot's power switch does."""
+        """Switch the devices on the AUX ports off and on, as the robot's power switch does."""
         for port in self._board.aux.values():
             port.power_cycle()
 
     def plugged(self, port: int) -> Device | None:
-        """What is plugged into an AUX port."""
+        """Return the device on an AUX port."""
         return self._board.aux[port].device
 
     def fit_gyro(self, gyro: AnalogGyro, inside: bool) -> None:
@@ -161,7 +161,7 @@ class Microcontroller:
 
     @property
     def simulator_messages(self) -> tuple[str, ...]:
-        """What clients said to the simulator, and what it refused them, oldest first."""
+        """Messages of clients to the simulator and its refusals, oldest first."""
         return tuple(self._board.simulator.messages) if self._board.simulator else ()
 
     def forget_travels(self) -> None:

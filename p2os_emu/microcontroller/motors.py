@@ -53,7 +53,7 @@ class Motors:
             self._motion.stop(emergency=True)
 
     def advance(self, body: Body, state: BodyState, dt: float) -> None:
-        """Take one step: tell the body what its wheels shall do, if that changed."""
+        """Advance by one step; send the wheel speeds to the body if they changed."""
         if self._waiting > 0.0:
             self._wait(state, dt)
         if self._waiting > 0.0 or not (self.enabled or self._braking):
@@ -75,7 +75,7 @@ class Motors:
             body.drive(*wanted)
 
     def _wait(self, state: BodyState, dt: float) -> None:
-        """Let a stalled robot lie without power for a while, then go on from the speed it has."""
+        """Keep a stalled robot without power for a while, then continue from its present speed."""
         self._waiting -= dt
         if self._waiting <= 0.0:
             self.stall.clear()

@@ -47,7 +47,7 @@ class OdometryIntegrator:
         return self.turned - self._turned_at_reset
 
     def power_on(self) -> None:
-        """Forget everything; the next update says where the wheels are."""
+        """Forget everything; the next update sets the wheel positions."""
         self._started = False
         self._left_seen = self._right_seen = 0
         self.left_ticks = self.right_ticks = 0

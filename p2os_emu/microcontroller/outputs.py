@@ -1,4 +1,4 @@
-"""What the board switches and shows: power outputs, servos, the display, a lamp.
+"""Outputs of the board: power outputs, servos, the display, a lamp.
 
 Source: fact sheet section 4. Assumed: every power output is on after the power switch. SETPBIOPORT is taken as clients
 send it, an output's number and its state, with 11 for the laser; the fact sheet's reading, a mask and levels, would

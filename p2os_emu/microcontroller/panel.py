@@ -1,4 +1,4 @@
-"""What the world outside the cable does to a robot: buttons, the charger, the user's input pins."""
+"""Inputs of the robot beside its line: buttons, the charger, the user's input pins."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -9,7 +9,7 @@ ANALOG_PORTS = 8
 
 
 class Stick(NamedTuple):
-    """A joystick as a hand holds it.
+    """Position of a joystick.
 
     x: -1 left to 1 right. y: -1 back to 1 forward. throttle: 0 to 1. button1: the fire button.
     """

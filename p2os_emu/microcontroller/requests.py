@@ -1,11 +1,11 @@
-"""Packets that a client has asked for beside the standard SIP."""
+"""Requested packets beside the standard SIP."""
 
 from p2os.arguments import PacketRequest
 from p2os.packets import PacketType
 
 
 class Requests:
-    """What follows the next SIPs: once, or with every one of them."""
+    """Packets to send with the next SIP, or with every SIP."""
 
     __slots__ = ("_wanted",)
 

@@ -1,4 +1,4 @@
-"""Commands that no real robot knows: MobileSim's, which clients send when they take a robot for a simulated one.
+"""Simulator commands of MobileSim, which no real robot knows; clients send them to simulated robots.
 
 A robot has a `Simulator` only with `--as-simulator`; without it these are unknown commands, as on a real robot. The old
 numbers (35 to 38) mean something else on a real robot, and are a laser's here. Source: fact sheet section 7.
@@ -62,7 +62,7 @@ OLD_NUMBERS: Mapping[int, Command] = {
 
 
 class SimulatorControl(Protocol):
-    """What a simulator may do with a robot, as a hand from above."""
+    """Access of simulator commands to a robot in the world."""
 
     @property
     def pose(self) -> Pose2D:
@@ -70,11 +70,11 @@ class SimulatorControl(Protocol):
         ...
 
     def place(self, pose: Pose2D) -> str:
-        """Put it elsewhere; returns why not, empty when it is done."""
+        """Move it to a pose; return why it is refused, empty when it is done."""
         ...
 
     def restart(self) -> None:
-        """Put it back to where it began, and its odometry to zero."""
+        """Move it back to its first pose, and set its odometry to zero."""
         ...
 
 
@@ -84,23 +84,23 @@ class Simulator:
     messages: what clients wanted to be known, and what was refused them, the latest last.
     """
 
-    def __init__(self, model: RobotModel, stage: SimulatorControl, body: Body) -> None:
+    def __init__(self, model: RobotModel, robot: SimulatorControl, body: Body) -> None:
         """Stand by.
 
         Args:
             model: What the robot is; its first laser says where the simulated one sits.
-            stage: The hand from above.
+            robot: Access to the robot in the world.
             body: Casts the beams.
         """
         self.messages: deque[str] = deque(maxlen=MESSAGES_KEPT)
-        self._stage = stage
+        self._robot = robot
         self._body = body
         mount = next(iter(model.lasers), None)
         self._x, self._y = (mount.x, mount.y) if mount else (0.0, 0.0)
         self._answers: list[Packet] = []
         self._handlers: Mapping[int, Callable[[Any], None]] = {
             Command.SIM_SET_POSE: self._place,
-            Command.SIM_RESET: lambda _: stage.restart(),
+            Command.SIM_RESET: lambda _: robot.restart(),
             Command.SIM_LRF_ENABLE: self._switch_laser,
             Command.SIM_LRF_SET_FOV_START: self._set_first,
             Command.SIM_LRF_SET_FOV_END: self._set_last,
@@ -114,7 +114,7 @@ class Simulator:
         self.restore()
 
     def restore(self) -> None:
-        """The client has gone: send nothing, look to the front."""
+        """Handle the end of the connection: stop sending, restore the view."""
         self._laser = SimulatedLaserMode.OFF
         self._first, self._last, self._step = -pi / 2, pi / 2, radians(1.0)
         self._states = 0
@@ -132,7 +132,7 @@ class Simulator:
         return True
 
     def packets(self, pose: Pose2D, cycle: float) -> Iterator[Packet]:
-        """What follows the standard SIP of this cycle.
+        """Yield the packets after the standard SIP of this cycle.
 
         Args:
             pose: By odometry.
@@ -167,7 +167,7 @@ class Simulator:
         except DecodeError as error:
             self.messages.append(f"SIM_SET_POSE of {len(data)} bytes was refused: {error}")
             return
-        why_not = self._stage.place(pose)
+        why_not = self._robot.place(pose)
         if why_not:
             self.messages.append(f"SIM_SET_POSE was refused: {why_not}")
 
@@ -181,7 +181,7 @@ class Simulator:
             self.messages.append(f"SIM_CTRL {operation}: {name}")
 
     def _state(self, cycle: float) -> SimulatorState:
-        pose = self._stage.pose
+        pose = self._robot.pose
         return SimulatorState(
             interval=cycle, real_interval=cycle, last_interval=cycle, x=pose.x, y=pose.y, heading=pose.heading
         )

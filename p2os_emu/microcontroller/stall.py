@@ -20,7 +20,7 @@ class StallDetector:
         self.restore(flash)
 
     def restore(self, flash: Flash) -> None:
-        """Take the parameters from FLASH and forget what was seen."""
+        """Take the parameters from FLASH and forget the averages."""
         self._threshold = flash.stall_value / flash.pwm_max
         self._window = flash.stall_integration
         self._below = flash.stall_below

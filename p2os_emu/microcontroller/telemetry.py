@@ -1,4 +1,4 @@
-"""What the board tells a client: the standard SIP, the packets that it asks for, and what servers say by themselves."""
+"""Packets of the board: the standard SIP, requested packets, and unrequested packets."""
 
 from collections.abc import Callable, Mapping
 
@@ -159,7 +159,7 @@ def battery(board: Board, state: BodyState) -> BatteryReport:
 
 
 def answers(board: Board) -> list[Packet]:
-    """What servers have to say after this SIP, beside the packets of `EXTRAS`."""
+    """Return the packets after this SIP, beside those of `EXTRAS`."""
     said: list[Packet] = []
     for port in board.aux.values():
         answer = port.answer()

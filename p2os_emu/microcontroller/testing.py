@@ -1,4 +1,4 @@
-"""For tests of the firmware and its clients: a body of a few lines, and a bench that steps a controller with it."""
+"""Test support for the firmware and its clients: a simple body, and a bench that steps a controller with it."""
 
 from collections.abc import Callable, Sequence
 from math import inf

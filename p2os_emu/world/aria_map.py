@@ -1,4 +1,4 @@
-"""From an ARIA map to a world, with what MobileSim makes of it: walls, reflectors, and boxes to push.
+"""Conversion of an ARIA map to a world, as MobileSim reads it: walls, reflectors, and boxes to push.
 
 A map without lines has only the points that a laser saw: they become small blocks, side by side. So do lines that are
 too many for the physics engine, and blocks become larger until they are few enough.

@@ -1,4 +1,4 @@
-"""What moves by itself in a world, robots apart: people, and the leaves of doors."""
+"""Moving objects of a world beside robots: people and the leaves of doors."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
@@ -42,7 +42,7 @@ class Bystanders:
             self._people.step(lambda: (*robots(), *self._leaves.in_gaps().values()))
 
     def stop_people(self, on: bool) -> None:
-        """Let people stand still, or walk on."""
+        """Stop the people, or let them walk again."""
         self._people.stand_still = on
 
     def moving(self) -> Iterator[MovingObject]:

@@ -1,4 +1,4 @@
-"""What a robot weighs and how strong it is: a body for physics, derived from its model.
+"""Chassis of a robot: masses, torques and friction for the physics, derived from its model.
 
 The dimensions that matter to driving and sensing come from the model. What no model states (how high the hull is, how
 heavy a wheel, how strong a motor) is assumed here, once, in proportion to what is stated.
@@ -131,7 +131,7 @@ class Chassis:
 
     @property
     def coasting_torque(self) -> float:
-        """What turning a motor without power takes."""
+        """Torque that turns a motor without power."""
         return self._torque(COASTING_DECELERATION)
 
     def _torque(self, acceleration: float) -> float:
@@ -144,7 +144,7 @@ class Chassis:
         return float(abs(complex(max(self.front + self.overhang, self.rear), self.width / 2)))
 
     def footprint(self, pose: Pose2D) -> Polygon:
-        """What a robot at a pose takes up on the floor, with what sticks out of it, m."""
+        """Return the footprint of a robot at a pose, with its accessories, m."""
         return rectangle(pose, self.front + self.overhang, self.rear, self.width)
 
     def hull(self, pose: Pose2D) -> Polygon:

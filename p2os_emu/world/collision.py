@@ -1,4 +1,4 @@
-"""Bodies of the physics engine: the floor, blocks that do not move, and robots; and who may touch whom."""
+"""Bodies of the physics engine: the floor, fixed blocks and robots; and their collision groups."""
 
 from collections.abc import Iterable, Sequence
 from enum import IntFlag

@@ -1,4 +1,4 @@
-"""Worlds made harder, seeded: obstacles that no plan shows, and people who walk between places.
+"""Harder variants of worlds, by a seed: obstacles that no plan shows, and people who walk between places.
 
 Both are put where robots go: on shortest ways between the named places of a world.
 """

@@ -1,4 +1,4 @@
-"""What can go wrong in the world."""
+"""Errors of worlds."""
 
 
 class WorldError(ValueError):

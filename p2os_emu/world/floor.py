@@ -1,4 +1,4 @@
-"""What a floor looks like: a picture made here, from two colours and a pattern."""
+"""Pictures of floors, made of two colours and a pattern."""
 
 from dataclasses import dataclass
 from enum import Enum

@@ -1,4 +1,4 @@
-"""Floor plans made up by a seed: rooms on both sides of a corridor, with doors, furniture and named places.
+"""Random floor plans by a seed: rooms on both sides of a corridor, with doors, furniture and named places.
 
 Every plan can be driven: a disc of `conditions.RADIUS` gets from every place to every other, and every place and the
 inside of every door has room to turn. At least two rooms share a door of their own, so that there are two ways.
@@ -209,7 +209,7 @@ class _Plan:
 
 
 def _leaves_room(room: _Room, pieces: Sequence[Block]) -> bool:
-    """Tell whether the last piece overlaps no other, and a robot still gets everywhere in the room."""
+    """Return whether the last piece overlaps no other, and a robot still gets everywhere in the room."""
     last = pieces[-1].footprint
     if any(polygons_overlap(last, piece.footprint) for piece in pieces[:-1]):
         return False

@@ -25,7 +25,7 @@ _ROUNDING = 1e-6  # m
 
 
 class FreeSpace:
-    """What is free for a disc."""
+    """Free space for a disc."""
 
     def __init__(self, spec: WorldSpec, radius: float, shut: Iterable[str] = ()) -> None:
         """Prepare a world as it begins, without people.
@@ -48,7 +48,7 @@ class FreeSpace:
         """Where shortest ways turn: round the corners of everything, m, shape (n, 2)."""
 
     def is_free(self, place: Point) -> bool:
-        """Tell whether the disc can stand with its middle at a place, m."""
+        """Return whether the disc can stand with its middle at a place, m."""
         return bool(self.are_free(np.array([place]))[0])
 
     def are_free(self, places: Floats) -> Bools:
@@ -70,7 +70,7 @@ class FreeSpace:
         return free
 
     def has_way(self, points: Sequence[Point]) -> bool:
-        """Tell whether the disc can go straight from each place to the next."""
+        """Return whether the disc can go straight from each place to the next."""
         return all(self.reachable(a, np.array([b]))[0] for a, b in pairwise(points))
 
     def _local(self, places: Floats) -> tuple[Floats, Floats]:

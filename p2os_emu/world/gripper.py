@@ -131,7 +131,7 @@ class RobotGripper:
             self._grip = None
 
     def follow(self) -> None:
-        """Take note of a step of the physics: what is gripped, pressed or slips."""
+        """Update after a step of the physics: which objects are gripped, pressed or slip."""
         self._state = None
         if self._grip is not None:
             self._watch(self._grip)

@@ -47,7 +47,7 @@ class Leaf:
 
     @property
     def is_still(self) -> bool:
-        """It does not move until somebody moves it."""
+        """Whether it is at rest."""
         return self._left == math.inf and self.opening == (self._width if self._wants_open else 0.0)
 
     @property

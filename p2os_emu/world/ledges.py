@@ -1,4 +1,4 @@
-"""Edges of the floor: sensors that look over them, and what becomes of a robot that drives over one."""
+"""Edges of the floor: the sensors that detect them, and the fall of a robot that drives over one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -67,7 +67,7 @@ class Ledges:
             lift_wheels(self._client, self._body, True)
 
     def free(self) -> None:
-        """Put the robot on its wheels again, as somebody does who lifts it."""
+        """Put the robot on its wheels again."""
         if self._hold >= 0:
             self._client.removeConstraint(self._hold)
             self._hold = -1

@@ -1,4 +1,4 @@
-"""From a name or a file to a world."""
+"""Loading of worlds by name or file."""
 
 from pathlib import Path
 

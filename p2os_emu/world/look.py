@@ -1,4 +1,4 @@
-"""What things look like: boxes, cylinders and spheres with colours, by which a world can be drawn elsewhere.
+"""Looks of objects: boxes, cylinders and spheres with colours, from which a camera process draws the world.
 
 Nothing public states the looks of these robots beyond their outlines: hull, deck, wheels and a light on the nose, in a
 body colour that follows from the robot's name.

@@ -1,4 +1,4 @@
-"""What turns a compass needle in some places: steel in the floor, motors, loudspeakers."""
+"""Magnetic disturbances of a world: steel in the floor, motors, loudspeakers."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class MagnetEntry:
 
 
 def field_at(magnets: Iterable[Magnet], x: float, y: float) -> tuple[float, float]:
-    """What magnets add to the earth's field at a place, T along the world's axes.
+    """Return the disturbance of the earth's field at a place, T along the world's axes.
 
     A field that falls with the cube of the distance, as a dipole's does; that its direction turns as one walks round is
     left out.

@@ -41,7 +41,7 @@ class Renderer(Enum):
 
 
 def choose_renderer() -> Renderer:
-    """What this machine offers: hardware where it has some and a picture comes of it."""
+    """Return the renderer of this machine: hardware where it is present and works."""
     if not any(device.exists() for device in GRAPHICS) or find_spec(EGL) is None:
         return Renderer.SOFTWARE
     child = os.fork()
@@ -76,7 +76,7 @@ class Mirror:
         self._client.disconnect()
 
     def apply(self, news: SceneChanges) -> None:
-        """Take in what has changed."""
+        """Apply the changes."""
         for number in news.gone:
             for body, _ in self._things.pop(number, ()):
                 self._client.removeBody(body)
@@ -87,7 +87,7 @@ class Mirror:
             self._place(self._things.get(number, ()), placed)
 
     def draw(self, view: View, width: int, height: int) -> NDArray[np.uint8]:
-        """Draw what a view shows: rows of pixels with red, green, blue."""
+        """Draw a view: rows of pixels with red, green, blue."""
         aspect = width / height
         vertical = 2 * atan(tan(view.field_of_view / 2) / aspect)
         drawn = self._client.getCameraImage(

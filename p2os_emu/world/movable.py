@@ -13,7 +13,7 @@ LEAST_HEIGHT = 0.06
 
 
 class Shape(Enum):
-    """What a movable object looks like from above."""
+    """Outline of a movable object from above."""
 
     BOX = "box"
     CYLINDER = "cylinder"
@@ -21,7 +21,7 @@ class Shape(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Movable:
-    """Something that stands on the floor until somebody moves it.
+    """A movable object on the floor.
 
     pose: of its middle, m, m, rad, when the world begins. length, width, height: m; of a cylinder the first two are its
     diameter. mass: kg. friction: of its surface on the floor. colour: one of `COLOURS`.

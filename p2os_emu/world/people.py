@@ -1,4 +1,4 @@
-"""People as data: who walks which way through a world, and how."""
+"""People as data: their routes and speeds."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ LEAST_SPEED, MOST_SPEED = 0.1, 2.0
 
 @dataclass(frozen=True, slots=True)
 class Person:
-    """Somebody who walks a route over and over.
+    """A person who walks a route repeatedly.
 
     route: waypoints, m. loops: from the last waypoint on to the first; otherwise back the same way.
     begin: how far along the route they are when the world begins, m.
@@ -74,7 +74,7 @@ class PersonRoute:
 
 @dataclass(frozen=True, slots=True)
 class PersonEntry:
-    """Somebody in a world file."""
+    """A person in a world file."""
 
     name: str
     route_m: tuple[tuple[float, float], ...]

@@ -13,26 +13,26 @@ RINGS = 12
 
 
 class Obstacles:
-    """What stands in the way, prepared for many questions."""
+    """Obstacles, prepared for many queries."""
 
     def __init__(self, blocks: Iterable[Block]) -> None:
         self._blocks = [(block, polygon_edges(block.footprint)) for block in blocks]
 
     def overlapping(self, footprint: Polygon) -> str:
-        """What a hull on this footprint would overlap, in words; empty where it is free."""
+        """Return what a hull on this footprint would overlap, as text; empty where it is free."""
         x, y, reach = _circle(footprint)
         near = ((block.name or "a wall", block.footprint) for block, _ in self._near(x, y, reach))
         return overlapping(footprint, near)
 
     def leave_room(self, x: float, y: float, radius: float) -> bool:
-        """Tell whether a circle is free of blocks."""
+        """Return whether a circle is free of blocks."""
         return not any(
             block.contains(x, y) or any(edge.distance_to(x, y) <= radius for edge in edges)
             for block, edges in self._near(x, y, radius)
         )
 
     def hide(self, line: Segment) -> bool:
-        """Tell whether a block stands between the ends of a line."""
+        """Return whether a block stands between the ends of a line."""
         start = Pose2D(line.x1, line.y1)
         direction = start.bearing_to(line.x2, line.y2)
         x, y = (line.x1 + line.x2) / 2, (line.y1 + line.y2) / 2

@@ -1,4 +1,4 @@
-"""What stands in somebody's way: outlines on the floor, with the circles round them that most questions end at."""
+"""Footprints: outlines on the floor with bounding circles, which answer most queries."""
 
 from collections.abc import Iterable
 from math import hypot
@@ -16,11 +16,11 @@ class Footprint(NamedTuple):
     outline: Polygon
 
     def meets(self, other: "Footprint") -> bool:
-        """Tell whether two share a point of the floor."""
+        """Return whether two share a point of the floor."""
         return self.is_near(other.x, other.y, other.reach) and polygons_overlap(self.outline, other.outline)
 
     def is_near(self, x: float, y: float, reach: float) -> bool:
-        """Tell whether the circle round it reaches another circle."""
+        """Return whether the circle round it reaches another circle."""
         return hypot(self.x - x, self.y - y) <= self.reach + reach
 
     @classmethod
@@ -32,5 +32,5 @@ class Footprint(NamedTuple):
 
 
 def is_met(area: Footprint, others: Iterable[Footprint]) -> bool:
-    """Tell whether any of the others is on an area."""
+    """Return whether any of the others is on an area."""
     return any(area.meets(other) for other in others)

@@ -157,14 +157,14 @@ class RobotBody:
         return echoes._replace(ranges=np.maximum(disturbed, 0.0))
 
     def rest(self) -> None:
-        """Let the engine compute the robot no longer, if it is parked: it stands, is not driven and holds nothing."""
+        """Stop simulating the robot if it is parked: at rest, not driven and holding nothing."""
         if self._target not in (None, (0.0, 0.0)) or self.held is not None or self._moves():
             return
         self.is_resting = True
         self._activate(engine.ACTIVATION_STATE_ENABLE_SLEEPING + engine.ACTIVATION_STATE_SLEEP)
 
     def wake(self) -> None:
-        """Let the engine compute the robot again."""
+        """Simulate the robot again."""
         if self.is_resting:
             self.is_resting = False
             self._activate(engine.ACTIVATION_STATE_WAKE_UP + engine.ACTIVATION_STATE_DISABLE_SLEEPING)

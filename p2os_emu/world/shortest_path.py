@@ -72,7 +72,7 @@ def path_in(space: FreeSpace, start: Point, goal: Point) -> Path | None:
 
 
 def are_connected(space: FreeSpace, places: Sequence[Point]) -> bool:
-    """Tell whether a disc gets from every place to every other."""
+    """Return whether a disc gets from every place to every other."""
     if not all(space.is_free(place) for place in places):
         return False
     nodes = np.concatenate((np.array(places), space.corners))

@@ -1,4 +1,4 @@
-"""What there is to see in a world, told in pieces that are small enough to be sent often."""
+"""Visible changes of a world, in pieces small enough to be sent often."""
 
 import itertools
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ class Thing(NamedTuple):
 
 @dataclass(slots=True)
 class SceneChanges:
-    """What has changed since the news before, by the number of the thing."""
+    """Changes since the last message, by the number of the object."""
 
     new: dict[int, tuple[Look, Placed]] = field(default_factory=dict)
     gone: set[int] = field(default_factory=set)
@@ -61,7 +61,7 @@ class Sight:
             self._things[next(self._numbers)] = Thing(body, link, look, is_fixed)
 
     def remove(self, body: int) -> None:
-        """A body has gone."""
+        """Remove a body."""
         self._things = {number: thing for number, thing in self._things.items() if thing.body != body}
 
     def news(self, known: set[int]) -> SceneChanges:

@@ -1,4 +1,4 @@
-"""Sonar: a cone of sound, sampled by a fan of rays, heard as one range.
+"""Sonar: a cone of sound, sampled by a fan of rays, measured as one range.
 
 A disc hears the nearest surface in its cone that throws the sound back: one met at a slant does not (a specular miss).
 A true disc is also a little noisy, and now and then hears a neighbour that fires at the same moment (cross-talk).
@@ -47,7 +47,7 @@ class SonarRays:
         return starts, ends
 
     def hear(self, numbers: Sequence[int], ends: Sequence[Place], hits: Sequence[Hit]) -> list[float]:
-        """Turn what rays met into ranges.
+        """Convert the hits of rays to ranges.
 
         Args:
             numbers: The discs that fired together.
@@ -68,7 +68,7 @@ class SonarRays:
         return heard
 
     def _echo(self, ends: Sequence[Place], hits: Sequence[Hit]) -> float:
-        """Range of the nearest surface that throws sound back; a perfect disc hears any surface."""
+        """Return the range of the nearest surface that reflects the sound; a perfect disc detects any surface."""
         nearest = inf
         for end, (body, _, fraction, place, normal) in zip(ends, hits, strict=True):
             if body >= 0 and fraction < nearest:

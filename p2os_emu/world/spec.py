@@ -1,4 +1,4 @@
-"""Worlds as data: what stands where, where robots start, and the routes one may drive.
+"""Worlds as data: walls, objects, places where robots start, and routes.
 
 A world comes from a `configs/worlds` file or from an ARIA `.map` file, and is a value: `World` builds physics from it.
 """
@@ -42,7 +42,7 @@ class Block:
     colour: str = WALL_COLOUR
 
     def contains(self, x: float, y: float) -> bool:
-        """Tell whether a point of the floor lies under the block."""
+        """Return whether a point of the floor lies under the block."""
         along, across = Pose2D(self.x, self.y, self.heading).locate(x, y)
         return abs(along) <= self.length / 2 and abs(across) <= self.width / 2
 

@@ -1,4 +1,4 @@
-"""What robots bump into: the truth that missions are judged by."""
+"""Collisions of robots, by which missions are judged."""
 
 from collections import deque
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""What a world tells of itself that nothing in it can know."""
+"""True state of a world."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ class Truth(NamedTuple):
 
 
 class WorldOutline(NamedTuple):
-    """What a picture of the world shows, m."""
+    """Outline of the world for pictures, m."""
 
     walls: tuple[Polygon, ...]
     furniture: tuple[Polygon, ...]

@@ -16,10 +16,10 @@ from acromovi.wire import Tap
 from gateway.serial_port import open_port
 from p2os import Command, encode_command, encode_frame
 from p2os.wire_log import FrameSource, WireLog, WireLogEntry
-from p2os_emu.cassette import read
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
+from p2os_emu.recording import read
 from tests.p2os.test_wire_log import ANSWER, P3DX, SIP
 
 Until = Callable[..., None]
@@ -69,7 +69,7 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     nonsense = tmp_path / "nonsense"
     nonsense.write_text("nonsense\n")
     assert main(["wire", str(nonsense)]) == 1
-    assert "line 1 is no line of a cassette" in capsys.readouterr().err
+    assert "line 1 is no line of a recording" in capsys.readouterr().err
     assert main(["wire", str(tmp_path / "none")]) == 1
     assert "there is no port" in capsys.readouterr().err
     assert main(["wire", str(nonsense), "--model", "p9dx"]) == 1

@@ -12,7 +12,7 @@ import pytest
 
 from bus import keys
 from p2os_emu.fault_spec import parse_fault
-from p2os_emu.faults.table import FAULTS
+from p2os_emu.faults.board import FAULTS
 
 if TYPE_CHECKING:
     from tests.faults.conftest import Mission

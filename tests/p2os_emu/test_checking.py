@@ -9,9 +9,9 @@ import configs
 from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encode_frame
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import FrameSource
-from p2os_emu.cassette import Cassette, RecordedBytes, read
-from p2os_emu.checking import Parting, compare, replay
+from p2os_emu.checking import RecordingDifference, compare, replay
 from p2os_emu.flat_world import FlatWorld
+from p2os_emu.recording import RecordedBytes, Recording, read
 
 CAPTURES = Path(__file__).resolve().parents[3] / "shared" / "captures"
 P3DX = configs.load(RobotModel, "robots", "p3dx-sh")
@@ -36,10 +36,10 @@ def recorded() -> list[RecordedBytes]:
     host = [
         RecordedBytes(5.0 + time, FrameSource.HOST, encode_command(command, value)) for time, command, value in SCRIPT
     ]
-    return sorted([*host, *replay(Cassette(tuple(host)), P3DX, FlatWorld())])
+    return sorted([*host, *replay(Recording(tuple(host)), P3DX, FlatWorld())])
 
 
-def changed(recorded: list[RecordedBytes], change: Change) -> list[Parting]:
+def changed(recorded: list[RecordedBytes], change: Change) -> list[RecordingDifference]:
     """Where the emulator parts from a recording in which the robot's payloads were changed; None leaves one out."""
     moments = []
     for time, source, data in recorded:
@@ -48,7 +48,7 @@ def changed(recorded: list[RecordedBytes], change: Change) -> list[Parting]:
             kept = [new for payload in payloads if (new := change(time, payload)) is not None]
             data = b"".join(map(encode_frame, kept))
         moments.append(RecordedBytes(time, source, data))
-    return compare(moments, replay(Cassette(tuple(moments)), P3DX, FlatWorld()), P3DX)
+    return compare(moments, replay(Recording(tuple(moments)), P3DX, FlatWorld()), P3DX)
 
 
 def test_emulator_agrees_with_itself(recorded: list[RecordedBytes]) -> None:
@@ -56,19 +56,24 @@ def test_emulator_agrees_with_itself(recorded: list[RecordedBytes]) -> None:
 
 
 def test_missing_and_extra_packets_are_named(recorded: list[RecordedBytes]) -> None:
-    (parting,) = changed(recorded, lambda time, payload: None if payload[0] == 0x90 else payload)
-    assert (parting.kind, parting.aspect, parting.recorded, parting.emulated) == ("ENCODERS", "number of packets", 0, 1)
-    (parting,) = changed(recorded, lambda time, payload: b"\xd0" + bytes(26) if payload[0] == 0x90 else payload)[-1:]
-    assert (parting.kind, parting.recorded, parting.emulated) == ("PLAYLIST", 1, 0)
+    (difference,) = changed(recorded, lambda time, payload: None if payload[0] == 0x90 else payload)
+    assert (difference.kind, difference.aspect, difference.recorded, difference.emulated) == (
+        "ENCODERS",
+        "number of packets",
+        0,
+        1,
+    )
+    (difference,) = changed(recorded, lambda time, payload: b"\xd0" + bytes(26) if payload[0] == 0x90 else payload)[-1:]
+    assert (difference.kind, difference.recorded, difference.emulated) == ("PLAYLIST", 1, 0)
 
 
 def test_field_that_differs_is_shown_with_both_values(recorded: list[RecordedBytes]) -> None:
     def of_another_model(time: float, payload: bytes) -> bytes:
         return payload.replace(b"p3dx-sh", b"p3at-sh", 1) if payload[0] == 0x20 else payload
 
-    (parting,) = changed(recorded, of_another_model)
-    assert parting[:4] == ("CONFIGURATION", "subtype", "p3at-sh", "p3dx-sh")
-    assert str(parting) == "CONFIGURATION: subtype differs: recorded p3at-sh, emulated p3dx-sh"
+    (difference,) = changed(recorded, of_another_model)
+    assert difference[:4] == ("CONFIGURATION", "subtype", "p3at-sh", "p3dx-sh")
+    assert str(difference) == "CONFIGURATION: subtype differs: recorded p3at-sh, emulated p3dx-sh"
 
 
 def test_sips_that_differ_are_counted(recorded: list[RecordedBytes]) -> None:
@@ -78,10 +83,10 @@ def test_sips_that_differ_are_counted(recorded: list[RecordedBytes]) -> None:
             return payload
         return payload[: stall.start] + b"\1\1" + payload[stall.stop :]
 
-    (parting,) = changed(recorded, stalled)
-    assert parting[:4] == ("SIP", "stall", 0x0101, 0)
-    assert 0 < parting.packets < parting.of
-    assert parting.time >= 7.0
+    (difference,) = changed(recorded, stalled)
+    assert difference[:4] == ("SIP", "stall", 0x0101, 0)
+    assert 0 < difference.packets < difference.of
+    assert difference.time >= 7.0
 
 
 def test_odometry_that_starts_elsewhere_is_the_same(recorded: list[RecordedBytes]) -> None:
@@ -95,8 +100,8 @@ def test_odometry_that_starts_elsewhere_is_the_same(recorded: list[RecordedBytes
 
 def test_other_pace_of_sips_is_found(recorded: list[RecordedBytes]) -> None:
     count = iter(range(1000))
-    partings = changed(recorded, lambda time, sip: None if sip[0] in SIP_TYPES and next(count) % 2 else sip)
-    assert {parting.aspect for parting in partings} == {"number of packets", "period"}
+    differences = changed(recorded, lambda time, sip: None if sip[0] in SIP_TYPES and next(count) % 2 else sip)
+    assert {difference.aspect for difference in differences} == {"number of packets", "period"}
 
 
 def test_late_answer_is_found(recorded: list[RecordedBytes]) -> None:
@@ -106,20 +111,22 @@ def test_late_answer_is_found(recorded: list[RecordedBytes]) -> None:
         else moment
         for moment in recorded
     ]
-    (parting,) = compare(late, recorded, P3DX)
-    assert (parting.kind, parting.aspect) == ("ENCODERS", "time")
+    (difference,) = compare(late, recorded, P3DX)
+    assert (difference.kind, difference.aspect) == ("ENCODERS", "time")
 
 
 def test_damaged_frame_of_the_recording_is_a_kind_of_its_own(recorded: list[RecordedBytes]) -> None:
     noise = RecordedBytes(6.0, FrameSource.ROBOT, b"\xfa\xfb\x03\x00\x00\x01")
-    (parting,) = compare(sorted([*recorded, noise]), recorded, P3DX)
-    assert parting.kind == "damaged (checksum)"
+    (difference,) = compare(sorted([*recorded, noise]), recorded, P3DX)
+    assert difference.kind == "damaged (checksum)"
 
 
 @pytest.mark.skipif(not CAPTURES.is_dir(), reason="the recordings are not beside the repository")
 def test_recording_of_another_simulator_parts_from_ours_where_it_is_known_to() -> None:
-    cassette = read(CAPTURES / "carmen.p3dx-sh.jsonl")
-    partings = compare(cassette.moments, replay(cassette, P3DX, FlatWorld()), P3DX)
+    recording = read(CAPTURES / "carmen.p3dx-sh.jsonl")
+    differences = compare(recording.moments, replay(recording, P3DX, FlatWorld()), P3DX)
     # Source: their notes: type 0x32 always, SIPs longer than ARCOS sends, digital outputs all on.
-    assert {"moving", "size", "digital_out"} <= {parting.aspect for parting in partings if parting.kind == "SIP"}
-    assert {parting.kind for parting in partings} == {"SIP"}, "the handshake is the same"
+    assert {"moving", "size", "digital_out"} <= {
+        difference.aspect for difference in differences if difference.kind == "SIP"
+    }
+    assert {difference.kind for difference in differences} == {"SIP"}, "the handshake is the same"

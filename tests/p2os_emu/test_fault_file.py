@@ -9,7 +9,6 @@ from p2os import RobotModel
 from p2os_emu.emulator import Emulator
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
-from p2os_emu.faults.file import schedule_file
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
@@ -29,7 +28,7 @@ def test_each_line_is_a_fault_and_comments_are_none(board: FaultBoard, tmp_path:
     file.write_text(
         "# a bad day\n\nline-cut@10+5   # the cable\n  sonar-dead:robot=happy,disc=3@5+10\nstop-pressed@30\n"
     )
-    schedule_file(board, file, 2.0)
+    board.schedule_file(file, 2.0)
     assert [(fault.kind.name, fault.start, fault.end) for fault in board.faults] == [
         ("line-cut", 12.0, 17.0),
         ("sonar-dead", 7.0, 17.0),
@@ -49,15 +48,15 @@ def test_wrong_line_is_named_with_its_file(board: FaultBoard, tmp_path: Path, te
     file = tmp_path / "storm.faults"
     file.write_text(text)
     with pytest.raises(FaultError, match=complaint):
-        schedule_file(board, file, 0.0)
+        board.schedule_file(file, 0.0)
 
 
 def test_file_that_cannot_be_read_is_named(board: FaultBoard, tmp_path: Path) -> None:
     with pytest.raises(FaultError, match=r"storm.faults: the file of faults cannot be read: "):
-        schedule_file(board, tmp_path / "storm.faults", 0.0)
+        board.schedule_file(tmp_path / "storm.faults", 0.0)
     (tmp_path / "storm.faults").write_bytes(b"\xff\xfe")
     with pytest.raises(FaultError, match="cannot be read"):
-        schedule_file(board, tmp_path / "storm.faults", 0.0)
+        board.schedule_file(tmp_path / "storm.faults", 0.0)
 
 
 def test_emulator_takes_the_faults_of_files_and_refuses_wrong_ones_with_their_line(tmp_path: Path) -> None:

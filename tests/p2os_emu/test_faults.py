@@ -11,8 +11,7 @@ from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
-from p2os_emu.faults.board import FaultBoard
-from p2os_emu.faults.table import FAULTS
+from p2os_emu.faults.board import FAULTS, FaultBoard
 from p2os_emu.fit import read_fit
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile

@@ -7,13 +7,13 @@ import pytest
 
 import configs
 from configs import ConfigError
-from p2os_emu.cassette import CassetteError
 from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.ports import Ports
+from p2os_emu.recording import RecordingError
 from p2os_emu.team import EmulatedTeam, TeamError, read_robot
 
 
@@ -106,7 +106,7 @@ def test_flash_parameters_reach_the_robot(poller: Poller) -> None:
     emulator.close()
 
 
-@pytest.mark.parametrize("error", [CassetteError("the disk is full"), PortError("there is no port for a camera")])
+@pytest.mark.parametrize("error", [RecordingError("the disk is full"), PortError("there is no port for a camera")])
 def test_robot_that_cannot_be_completed_is_taken_away_again(poller: Poller, error: Exception) -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
     team = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "")

@@ -21,11 +21,8 @@ from p2os.arguments import (
 from p2os.configuration import ChargerKind
 
 _CHARGERS: Mapping[int, str] = {ChargerKind.PIONEER: "Pioneer 3", ChargerKind.POWERBOT: "PowerBot"}
-_IO_PORTS: Mapping[str, Mapping[str, int]] = {
-    name: {"laser": LASER_POWER_PORT, **{str(port): port for port in POWER_PORTS}}
-    for name in ("patrolbot-sh", "powerbot", "powerbot-sh", "powerbot-sh-uarcs")
-}
-"""Models whose power outputs SETPBIOPORT switches: output to number. Which output feeds what else is not documented."""
+_IO_PORTS: Mapping[str, int] = {"laser": LASER_POWER_PORT, **{str(port): port for port in POWER_PORTS}}
+"""Outputs that SETPBIOPORT switches: output to number. Which output feeds what else is not documented."""
 _POWER_COMMANDS: Mapping[str, Command] = {
     "pc": Command.POWER_PC,
     "laser": Command.POWER_LRF,
@@ -96,7 +93,7 @@ class PowerOutputs(Element):
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Take the sensors or outputs of the model."""
-        self._ports = _IO_PORTS.get(model.name, {})
+        self._ports = _IO_PORTS if model.power_ports else {}
         self._offer(self._ports)
 
     def configure(self, configuration: Configuration, now: float) -> None:

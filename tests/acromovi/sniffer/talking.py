@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from acromovi.sniffer.overheard import Overheard
+from acromovi.sniffer.captured import CapturedMessage
 from agents.platform import AclMessage, AgentName, Performative
 
 NOON = 1_767_265_200.0  # s since 1970
@@ -16,7 +16,7 @@ def said(
     content: Any = None,
     conversation: str = "",
     container: str = "happy",
-) -> Overheard:
+) -> CapturedMessage:
     """One message, said so many seconds after noon."""
     message = AclMessage(
         performative=Performative(performative),
@@ -25,7 +25,7 @@ def said(
         content=content,
         conversation_id=conversation,
     )
-    return Overheard(NOON + after, container, message)
+    return CapturedMessage(NOON + after, container, message)
 
 
 APP, BASE, ARM = "app-1@lab", "base@happy", "arm@max"

@@ -9,7 +9,7 @@ import pytest
 from acromovi.team import plan
 from acromovi.team.host_control import control_key
 from acromovi.team.identities import folder_of_keys
-from acromovi.team.plan import Choices, load_team
+from acromovi.team.plan import TeamOptions, load_team
 from bus import NotAllowed, keys
 from configs import ConfigError
 from tests.acromovi.conftest import AsOwner
@@ -43,14 +43,14 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_without_keys_all_come_to_the_bus_alike() -> None:
     assert folder_of_keys("local", "dwarfs", ["happy"]) is None
-    assert Choices("lan").bus_of("robot.happy") == "lan"
+    assert TeamOptions("lan").bus_of("robot.happy") == "lan"
 
 
 def test_each_process_comes_with_its_own_key(site: Site, file: Path) -> None:
     profile = site.profile("")
     team = load_team(str(file))
     (robot,) = team.robots
-    choices = Choices(profile, keys=folder_of_keys(profile, team.name, [robot.name]))
+    choices = TeamOptions(profile, keys=folder_of_keys(profile, team.name, [robot.name]))
     programs = {
         plan.gateway(team, robot, {}, file.parent, choices): "robot.happy",
         plan.container("happy", choices): "robot.happy",

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.team.host_control import control_key
-from acromovi.team.plan import Choices, TeamPlan
+from acromovi.team.plan import TeamOptions, TeamPlan
 from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed, TeamTimedOut
 from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
@@ -36,7 +36,7 @@ class Stage:
         team = TeamPlan("dwarfs", "dwarfs.toml", TeamFile(robots))
         self.team = TeamAtWork(
             team,
-            Choices(),
+            TeamOptions(),
             folder,
             pretence.start,
             MemoryBus(self.network),

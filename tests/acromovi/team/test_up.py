@@ -107,7 +107,7 @@ def test_end_takes_no_longer_than_said_though_a_container_is_frozen_and_leaves_n
 
 def test_killed_outright_it_leaves_nothing_behind_all_the_same(file: str) -> None:
     with running(file, "--only", "happy") as team:
-        assert len(team.pids()) >= 5  # with the keeper
+        assert len(team.pids()) >= 5  # with the reaper
         team.end(signal.SIGKILL)
         wait_until(lambda: team.left_behind() == [], "the folder is gone")
 

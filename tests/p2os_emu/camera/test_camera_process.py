@@ -19,8 +19,7 @@ from PIL import Image
 import configs
 from p2os import Command, encode_command, encode_frame
 from p2os.accessories import vcc4
-from p2os_emu.camera.camera_model import CameraModel
-from p2os_emu.camera.camera_process import CameraProcess
+from p2os_emu.camera.camera_process import CameraModel, CameraProcess
 from p2os_emu.camera.image_format import read_format
 from p2os_emu.camera.news import SceneMoment
 from p2os_emu.program import emulator

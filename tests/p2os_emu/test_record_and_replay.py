@@ -1,4 +1,4 @@
-"""The program with cassettes: it records what flows, serves what was recorded, and checks it."""
+"""The program with recordings: it records what flows, serves what was recorded, and checks it."""
 
 import json
 from itertools import count, pairwise
@@ -8,8 +8,8 @@ import pytest
 
 from p2os.wire_log import FrameSource
 from p2os_emu.__main__ import main
-from p2os_emu.cassette import read
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS
+from p2os_emu.recording import read
 from tests.p2os_emu.test_program import CLOSE, OPEN, Client, program
 from tests.waiting import Deadline
 
@@ -50,10 +50,10 @@ def keeps_time(tape: Path) -> bool:
 
 
 def test_recording_has_both_directions_and_the_name(tape: Path) -> None:
-    cassette = read(tape)
-    assert (cassette.name, cassette.model) == ("happy", "p3dx-sh")
-    assert cassette.identity == ("happy", "Pioneer", "p3dx-sh")
-    assert cassette.moments[0].data == bytes.fromhex("FA FB 03 00 00 00")
+    recording = read(tape)
+    assert (recording.name, recording.model) == ("happy", "p3dx-sh")
+    assert recording.identity == ("happy", "Pioneer", "p3dx-sh")
+    assert recording.moments[0].data == bytes.fromhex("FA FB 03 00 00 00")
 
 
 def test_of_several_robots_each_has_its_file(tmp_path: Path) -> None:

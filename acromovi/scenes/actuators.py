@@ -1,4 +1,4 @@
-"""Scenes of what a robot does with its hands and its voice: gripper, arms, sounds, display, charger."""
+"""Scenes of actuators: gripper, arms, sounds, display, charger."""
 
 import math
 from typing import Any

@@ -2,15 +2,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from acromovi.keypad import HOLD, PERIOD, Action, Keypad, KeyReader
+from acromovi.keyboard import HOLD, PERIOD, Action, KeyboardControl, KeyReader
 
 FORWARD, BACK, LEFT, RIGHT = (0.3, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.0, -0.8)
 STILL = (0.0, 0.0)
 
 
 @pytest.fixture
-def keypad() -> Keypad:
-    return Keypad(0.3, 0.8)
+def keyboard() -> KeyboardControl:
+    return KeyboardControl(0.3, 0.8)
 
 
 @pytest.mark.parametrize(
@@ -68,23 +68,23 @@ def test_no_bytes_upset_the_reader(data: bytes) -> None:
         ("d", RIGHT),
     ],
 )
-def test_a_key_drives_while_it_is_held(keypad: Keypad, key: str, twist: tuple[float, float]) -> None:
-    assert keypad.press(key, 10.0) is None
-    assert keypad.twist(10.0) == twist
-    assert keypad.twist(10.0 + HOLD - 0.01) == twist
-    assert keypad.twist(10.0 + HOLD) == STILL
+def test_a_key_drives_while_it_is_held(keyboard: KeyboardControl, key: str, twist: tuple[float, float]) -> None:
+    assert keyboard.press(key, 10.0) is None
+    assert keyboard.twist(10.0) == twist
+    assert keyboard.twist(10.0 + HOLD - 0.01) == twist
+    assert keyboard.twist(10.0 + HOLD) == STILL
 
 
-def test_two_keys_make_an_arc(keypad: Keypad) -> None:
-    keypad.press("w", 0.0)
-    keypad.press("a", 0.1)
-    assert keypad.twist(0.2) == (0.3, 0.8)
-    assert keypad.twist(HOLD + 0.05) == LEFT
+def test_two_keys_make_an_arc(keyboard: KeyboardControl) -> None:
+    keyboard.press("w", 0.0)
+    keyboard.press("a", 0.1)
+    assert keyboard.twist(0.2) == (0.3, 0.8)
+    assert keyboard.twist(HOLD + 0.05) == LEFT
 
 
-def test_commands_come_at_10_hz_and_end_with_one_zero(keypad: Keypad) -> None:
-    keypad.press("w", 0.0)
-    steps = [(step / 100, keypad.due(step / 100)) for step in range(200)]
+def test_commands_come_at_10_hz_and_end_with_one_zero(keyboard: KeyboardControl) -> None:
+    keyboard.press("w", 0.0)
+    steps = [(step / 100, keyboard.due(step / 100)) for step in range(200)]
     sent = [(now, twist) for now, twist in steps if twist is not None]
     drives = [now for now, twist in sent if twist == FORWARD]
     assert drives == pytest.approx([PERIOD * i for i in range(round(HOLD / PERIOD))], abs=0.02)
@@ -93,37 +93,37 @@ def test_commands_come_at_10_hz_and_end_with_one_zero(keypad: Keypad) -> None:
     assert sent[-1][0] == pytest.approx(HOLD, abs=0.011)
 
 
-def test_a_held_key_that_repeats_drives_on_without_a_gap(keypad: Keypad) -> None:
+def test_a_held_key_that_repeats_drives_on_without_a_gap(keyboard: KeyboardControl) -> None:
     for step in range(100):  # first repetition after 0.5 s, then 30 a second
         now = step / 30
         if step == 0 or now >= 0.5:
-            keypad.press("w", now)
-        assert keypad.twist(now) == FORWARD
+            keyboard.press("w", now)
+        assert keyboard.twist(now) == FORWARD
 
 
-def test_a_change_of_mind_is_not_kept_waiting(keypad: Keypad) -> None:
-    keypad.press("w", 0.0)
-    assert keypad.due(0.0) == FORWARD
-    keypad.press("s", 0.01)
-    assert keypad.due(0.01) == BACK
+def test_a_change_of_mind_is_not_kept_waiting(keyboard: KeyboardControl) -> None:
+    keyboard.press("w", 0.0)
+    assert keyboard.due(0.0) == FORWARD
+    keyboard.press("s", 0.01)
+    assert keyboard.due(0.01) == BACK
 
 
-def test_nothing_is_sent_while_no_key_is_touched(keypad: Keypad) -> None:
-    assert all(keypad.due(step / 10) is None for step in range(100))
+def test_nothing_is_sent_while_no_key_is_touched(keyboard: KeyboardControl) -> None:
+    assert all(keyboard.due(step / 10) is None for step in range(100))
 
 
 @pytest.mark.parametrize(
     ("key", "action"),
     [(" ", Action.STOP), ("e", Action.ENABLE), ("x", Action.ESTOP), ("c", Action.CLEAR), ("q", Action.QUIT)],
 )
-def test_an_action_ends_the_drive_at_once(keypad: Keypad, key: str, action: Action) -> None:
-    keypad.press("w", 0.0)
-    assert keypad.due(0.0) == FORWARD
-    assert keypad.press(key, 0.01) is action
-    assert keypad.due(0.01) == STILL
-    assert keypad.due(0.02) is None
+def test_an_action_ends_the_drive_at_once(keyboard: KeyboardControl, key: str, action: Action) -> None:
+    keyboard.press("w", 0.0)
+    assert keyboard.due(0.0) == FORWARD
+    assert keyboard.press(key, 0.01) is action
+    assert keyboard.due(0.01) == STILL
+    assert keyboard.due(0.02) is None
 
 
-def test_other_keys_do_nothing(keypad: Keypad) -> None:
-    assert keypad.press("k", 0.0) is None
-    assert keypad.twist(0.0) == STILL
+def test_other_keys_do_nothing(keyboard: KeyboardControl) -> None:
+    assert keyboard.press("k", 0.0) is None
+    assert keyboard.twist(0.0) == STILL

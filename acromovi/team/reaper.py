@@ -1,4 +1,4 @@
-"""Ends a team's processes in order, when the program that started them has ended, however that ended.
+"""Ends a team's processes in order after the program that started them has ended in any way.
 
 It is a process of its own, in one process group with those it keeps, and hears on standard input who they are: a line
 with stage and process id for each. When that pipe closes (on purpose, or because the program was killed) it asks the
@@ -21,11 +21,11 @@ DEADLINES = (0.9, 2.3, 2.6)
 until its robot stands."""
 
 
-class Kept:
-    """One process; a number that the system has given to another one since is no danger to that one."""
+class ReapedProcess:
+    """One process, held by a pidfd, so that a reused process id is never signalled."""
 
     def __init__(self, stage: int, pid: int) -> None:
-        """Take hold of it.
+        """Open the process.
 
         Raises:
             ProcessLookupError: It has gone.
@@ -45,7 +45,7 @@ class Kept:
         return bool(waiting.poll(max(within, 0.0) * 1000))
 
     def close(self) -> None:
-        """Let go of it."""
+        """Release the process."""
         os.close(self.descriptor)
 
 
@@ -53,19 +53,19 @@ def main() -> None:
     """Keep until standard input closes; then end all. The folder is the first argument."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)  # it leaves last, and only when all have left
-    kept: list[Kept] = []
+    kept: list[ReapedProcess] = []
     for line in sys.stdin:
         kept = _without_ended(kept)
         stage, pid = map(int, line.split())
         with suppress(ProcessLookupError):  # it has ended before it could be kept
-            kept.append(Kept(stage, pid))
-    end_in_order(kept)
+            kept.append(ReapedProcess(stage, pid))
+    _end_in_order(kept)
     shutil.rmtree(Path(sys.argv[1]), ignore_errors=True)
     if os.getpgrp() == os.getpid():  # the group is the team's, and not that of a person's shell
         os.killpg(os.getpgrp(), signal.SIGKILL)
 
 
-def end_in_order(kept: Iterable[Kept]) -> None:
+def _end_in_order(kept: Iterable[ReapedProcess]) -> None:
     """End the processes stage by stage, each within its deadline."""
     processes = list(kept)
     begun = time.monotonic()
@@ -78,7 +78,7 @@ def end_in_order(kept: Iterable[Kept]) -> None:
                 process.send(signal.SIGKILL)
 
 
-def _without_ended(kept: list[Kept]) -> list[Kept]:
+def _without_ended(kept: list[ReapedProcess]) -> list[ReapedProcess]:
     gone = [process for process in kept if process.has_ended()]
     for process in gone:
         process.close()

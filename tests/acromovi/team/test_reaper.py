@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.keeper import DEADLINES
+from acromovi.team.reaper import DEADLINES
 from tests.waiting import exit_code, wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -19,47 +19,47 @@ IGNORES = "trap '' TERM INT HUP; while :; do sleep 0.05; done"
 
 
 class Kept:
-    """A keeper, and processes in its care."""
+    """A reaper, and processes in its care."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / "team"
         self.folder.mkdir()
         self.diary = folder / "diary"
         self.diary.touch()
-        self.keeper = subprocess.Popen(
-            [sys.executable, "-m", "acromovi.team.keeper", str(self.folder)],
+        self.reaper = subprocess.Popen(
+            [sys.executable, "-m", "acromovi.team.reaper", str(self.folder)],
             cwd=ROOT,
             stdin=subprocess.PIPE,
             text=True,
             process_group=0,
         )
-        wait_until(self.ignores_signals, "the keeper is at work")
+        wait_until(self.ignores_signals, "the reaper is at work")
         self.children: list[subprocess.Popen[bytes]] = []
 
     def ignores_signals(self) -> bool:
         """Whether it does not hear SIGTERM any more, as the system shows it."""
-        status = Path(f"/proc/{self.keeper.pid}/status").read_text()
+        status = Path(f"/proc/{self.reaper.pid}/status").read_text()
         (ignored,) = (line.split()[1] for line in status.splitlines() if line.startswith("SigIgn"))
         return bool(int(ignored, 16) >> (signal.SIGTERM - 1) & 1)
 
     def start(self, stage: int, script: str, *, is_told: bool = True) -> "subprocess.Popen[bytes]":
         child = subprocess.Popen(
-            ["sh", "-c", script.format(name=stage, diary=self.diary)], process_group=self.keeper.pid
+            ["sh", "-c", script.format(name=stage, diary=self.diary)], process_group=self.reaper.pid
         )
         self.children.append(child)
         if is_told:
-            assert self.keeper.stdin is not None
-            self.keeper.stdin.write(f"{stage} {child.pid}\n")
-            self.keeper.stdin.flush()
+            assert self.reaper.stdin is not None
+            self.reaper.stdin.write(f"{stage} {child.pid}\n")
+            self.reaper.stdin.flush()
         wait_until(lambda: Path(f"/proc/{child.pid}/task/{child.pid}/children").read_text(), "the trap is set")
         return child
 
     def end(self) -> float:
         """Let go of the pipe; returns how long all took to end."""
         begun = time.monotonic()
-        assert self.keeper.stdin is not None
-        self.keeper.stdin.close()
-        exit_code(self.keeper)
+        assert self.reaper.stdin is not None
+        self.reaper.stdin.close()
+        exit_code(self.reaper)
         for child in self.children:
             exit_code(child)
         return time.monotonic() - begun
@@ -72,10 +72,10 @@ def kept(tmp_path: Path) -> Iterator[Kept]:
     for child in kept.children:
         child.kill()
         child.wait()
-    kept.keeper.kill()
-    kept.keeper.wait()
-    if kept.keeper.stdin is not None:
-        kept.keeper.stdin.close()
+    kept.reaper.kill()
+    kept.reaper.wait()
+    if kept.reaper.stdin is not None:
+        kept.reaper.stdin.close()
 
 
 def test_processes_end_stage_by_stage_and_the_folder_goes(kept: Kept) -> None:
@@ -100,16 +100,16 @@ def test_child_of_a_child_and_one_that_was_never_told_of_are_not_left_behind(kep
     kept.start(0, f"(trap '' TERM; echo $$ > {pid}; while :; do sleep 0.05; done) & " + LISTENS)
     kept.start(1, IGNORES, is_told=False)
     kept.end()
-    alive = ["pgrep", "--runstates", "DRST", "-g", str(kept.keeper.pid)]
+    alive = ["pgrep", "--runstates", "DRST", "-g", str(kept.reaper.pid)]
     wait_until(lambda: not subprocess.run(alive, capture_output=True).stdout, "nobody of the group is left")
 
 
-def test_keeper_outlives_the_signals_that_end_others(kept: Kept) -> None:
+def test_reaper_outlives_the_signals_that_end_others(kept: Kept) -> None:
     kept.start(0, LISTENS)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        kept.keeper.send_signal(number)
+        kept.reaper.send_signal(number)
     with pytest.raises(subprocess.TimeoutExpired):
-        kept.keeper.wait(0.2)
+        kept.reaper.wait(0.2)
     kept.end()
     assert kept.diary.read_text().split() == ["0"]
 

@@ -1,7 +1,7 @@
 """Programs start a few at a time."""
 
 from acromovi.team.plan import PlannedProcess, ProcessKind
-from acromovi.team.queue import StartQueue
+from acromovi.team.processes import StartQueue
 
 A, B, C = (PlannedProcess(name, ProcessKind.GATEWAY, ("true",)) for name in "abc")
 

@@ -1,4 +1,4 @@
-"""Cassettes: written line by line, read again with plain errors, and played to clients that differ."""
+"""Recordings: written line by line, read again with plain errors, and played to clients that differ."""
 
 import json
 from pathlib import Path
@@ -8,11 +8,11 @@ import pytest
 import configs
 from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encode_frame
 from p2os.wire_log import FrameSource
-from p2os_emu.cassette import Cassette, CassetteError, Player, RecordedBytes, Recorder, exchanges, read
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from p2os_emu.recording import LineRecorder, RecordedBytes, Recording, RecordingError, ReplayDevice, exchanges, read
 
 ANSWER = encode_frame(b"\x02happy\0Pioneer\0p3dx-sh\0")
 HANDSHAKE = (Command.SYNC0, Command.SYNC1, Command.SYNC2)
@@ -30,9 +30,9 @@ def robot(time: float, *frames: bytes) -> RecordedBytes:
     return RecordedBytes(time, FrameSource.ROBOT, b"".join(frames))
 
 
-def drive() -> Cassette:
+def drive() -> Recording:
     """A short conversation: handshake, OPEN, CONFIG, five SIPs, CLOSE."""
-    return Cassette(
+    return Recording(
         (
             host(0.0, Command.SYNC0),
             robot(0.05, encode_frame(b"\0")),
@@ -55,8 +55,8 @@ def drive() -> Cassette:
 class Client:
     """Talks to a player; time is stepped."""
 
-    def __init__(self, cassette: Cassette) -> None:
-        self.player = Player(cassette)
+    def __init__(self, recording: Recording) -> None:
+        self.player = ReplayDevice(recording)
         self.decoder = FrameDecoder()
 
     def say(self, command: Command | None = None, seconds: float = 0.06) -> list[bytes]:
@@ -118,7 +118,7 @@ def test_syncs_out_of_turn_are_not_answered(client: Client) -> None:
 
 
 def test_recording_that_begins_in_the_middle_plays_at_once() -> None:
-    client = Client(Cassette((robot(0.0, SIP[0]), robot(0.1, SIP[1]))))
+    client = Client(Recording((robot(0.0, SIP[0]), robot(0.1, SIP[1]))))
     assert client.say(None, 0.5) == SIP[:2]
 
 
@@ -128,9 +128,9 @@ def test_rate_is_what_the_client_sets(client: Client) -> None:
     assert client.player.baud == 115200
 
 
-def test_cassette_knows_whose_it_is() -> None:
+def test_recording_knows_whose_it_is() -> None:
     assert drive().identity == ("happy", "Pioneer", "p3dx-sh")
-    assert Cassette((host(0.0, Command.SYNC0),)).identity is None
+    assert Recording((host(0.0, Command.SYNC0),)).identity is None
 
 
 def test_conversation_is_taken_apart_by_what_the_host_said() -> None:
@@ -139,7 +139,7 @@ def test_conversation_is_taken_apart_by_what_the_host_said() -> None:
 
 
 def test_what_was_recorded_is_read_again(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "tape", "happy", "p3dx-sh")
+    recorder = LineRecorder(tmp_path / "tape", "happy", "p3dx-sh")
     link = MemoryLink()
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
     line = emulator.add("happy", configs.load(RobotModel, "robots", "p3dx-sh"), link).line
@@ -172,25 +172,25 @@ def test_recording_of_others_needs_no_header(tmp_path: Path) -> None:
         ('{"t": 1, "from": "host", "hex": "00"}\n{"t": 1, "from": "nobody", "hex": "00"}\n', "line 2"),
         ('{"t": 1, "from": "host", "hex": "0"}\n', "line 1"),
         ("[]\n", "line 1"),
-        ('{"t": NaN, "from": "host", "hex": "00"}\n', "line 1 is no line of a cassette as .*hex"),
+        ('{"t": NaN, "from": "host", "hex": "00"}\n', "line 1 is no line of a recording as .*hex"),
     ],
 )
-def test_file_that_is_no_cassette_is_refused_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
+def test_file_that_is_no_recording_is_refused_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
     path = tmp_path / "tape"
     path.write_text(text)
-    with pytest.raises(CassetteError, match=complaint):
+    with pytest.raises(RecordingError, match=complaint):
         read(path)
 
 
 def test_missing_file_and_forbidden_place_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(CassetteError, match="cannot be read"):
+    with pytest.raises(RecordingError, match="cannot be read"):
         read(tmp_path / "none")
-    with pytest.raises(CassetteError, match="choose another path"):
-        Recorder(tmp_path / "no folder" / "tape", "", "")
+    with pytest.raises(RecordingError, match="choose another path"):
+        LineRecorder(tmp_path / "no folder" / "tape", "", "")
 
 
 def test_lines_are_plain_json(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "tape", "happy", "p3dx-sh")
+    recorder = LineRecorder(tmp_path / "tape", "happy", "p3dx-sh")
     recorder(1.25, "robot", b"\xfa\xfb")
     recorder.close()
     header, line = map(json.loads, (tmp_path / "tape").read_text().splitlines())
@@ -199,16 +199,16 @@ def test_lines_are_plain_json(tmp_path: Path) -> None:
 
 
 def test_full_disk_is_said_with_the_path() -> None:
-    with pytest.raises(CassetteError, match=r"/dev/full cannot be written: .*; choose another path"):
-        Recorder(Path("/dev/full"), "happy", "p3dx")
+    with pytest.raises(RecordingError, match=r"/dev/full cannot be written: .*; choose another path"):
+        LineRecorder(Path("/dev/full"), "happy", "p3dx")
 
 
-def test_a_cassette_that_exists_is_overwritten_only_by_force(tmp_path: Path) -> None:
+def test_a_recording_that_exists_is_overwritten_only_by_force(tmp_path: Path) -> None:
     path = tmp_path / "tape"
-    Recorder(path, "happy", "p3dx-sh").close()
+    LineRecorder(path, "happy", "p3dx-sh").close()
     before = path.read_text()
-    with pytest.raises(CassetteError, match="exists already and would be overwritten"):
-        Recorder(path, "grumpy", "p2dx")
+    with pytest.raises(RecordingError, match="exists already and would be overwritten"):
+        LineRecorder(path, "grumpy", "p2dx")
     assert path.read_text() == before
-    Recorder(path, "grumpy", "p2dx", force=True).close()
+    LineRecorder(path, "grumpy", "p2dx", force=True).close()
     assert "grumpy" in path.read_text()

@@ -1,4 +1,4 @@
-"""Cassettes: what flowed on a line, when and from whom; recorded, read again, and played to a client.
+"""Recordings of the bytes on a line with their time and sender: written, read, and replayed to a client.
 
 A file holds one JSON object a line: {"t": s since the start, "from": "host" or "robot", "hex": bytes}. A first line
 {"cassette": 1, "name": ..., "model": ...} may say whose line it was.
@@ -26,13 +26,13 @@ from p2os import (
 )
 from p2os.handshake import CONNECTION_COMMANDS, ConnectionCommand, read_identity
 from p2os.sip import SIP_TYPES
-from p2os.wire_log import FrameSource, Talk
+from p2os.wire_log import ConnectionTracker, FrameSource
 
 VERSION = 1
 
 
-class CassetteError(ValueError):
-    """A file is no cassette, or holds nothing that can be used; the message says where and why."""
+class RecordingError(ValueError):
+    """A file is not a recording, or holds nothing usable; the message says where and why."""
 
 
 class RecordedBytes(NamedTuple):
@@ -44,7 +44,7 @@ class RecordedBytes(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Cassette:
+class Recording:
     """A recording. name, model: of the robot, empty where the file does not say."""
 
     moments: tuple[RecordedBytes, ...]
@@ -52,30 +52,30 @@ class Cassette:
     model: str = ""
 
     def of(self, source: FrameSource) -> list[RecordedBytes]:
-        """What one end sent."""
+        """Return the bytes that one end sent."""
         return [moment for moment in self.moments if moment.source is source]
 
     @property
     def identity(self) -> Identity | None:
-        """What the robot answered to SYNC2; None if it is not on the cassette."""
+        """The robot's answer to SYNC2; None if the recording has none."""
         for _, payload in _frames(self.of(FrameSource.ROBOT)):
             if payload[0] == Command.SYNC2 and (identity := read_identity(payload)) is not None:
                 return identity
         return None
 
 
-def read(path: Path) -> Cassette:
+def read(path: Path) -> Recording:
     """Read a file.
 
     Raises:
-        CassetteError: It cannot be read, or a line is not what it should be.
+        RecordingError: It cannot be read, or a line is not what it should be.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except OSError as error:
-        raise CassetteError(f"{path} cannot be read: {error.strerror}") from error
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise CassetteError(f"{path} is no cassette: it is no text") from error
+        raise RecordingError(f"{path} is no recording: it is no text") from error
     header: dict[str, Any] = {}
     moments = []
     for number, line in enumerate(lines, 1):
@@ -86,12 +86,13 @@ def read(path: Path) -> Cassette:
             else:
                 moments.append(_moment(entry))
         except (ValueError, TypeError, KeyError, OverflowError) as error:
-            raise CassetteError(
-                f'{path}, line {number} is no line of a cassette as {{"t": s, "from": "host" or "robot", "hex": bytes}}'
+            raise RecordingError(
+                f"{path}, line {number} is no line of a recording as "
+                '{"t": s, "from": "host" or "robot", "hex": bytes}'
             ) from error
     if not moments:
-        raise CassetteError(f"{path} holds no bytes; record some with p2os-emu --record {path}")
-    return Cassette(tuple(moments), str(header.get("name", "")), str(header.get("model", "")))
+        raise RecordingError(f"{path} holds no bytes; record some with p2os-emu --record {path}")
+    return Recording(tuple(moments), str(header.get("name", "")), str(header.get("model", "")))
 
 
 def _moment(entry: Any) -> RecordedBytes:
@@ -102,15 +103,15 @@ def _moment(entry: Any) -> RecordedBytes:
     return RecordedBytes(time, FrameSource(entry["from"]), bytes.fromhex(entry["hex"]))
 
 
-class Recorder:
-    """Writes a cassette, line by line, so that whatever ends the program loses nothing.
+class LineRecorder:
+    """Writes a recording, line by line, so that whatever ends the program loses nothing.
 
     Args:
         path: Where to write.
         name: The robot's. model: Its model.
         force: Overwrite a file that exists.
     Raises:
-        CassetteError: The file exists, or cannot be written.
+        RecordingError: The file exists, or cannot be written.
     """
 
     def __init__(self, path: Path, name: str, model: str, *, force: bool = False) -> None:
@@ -119,19 +120,19 @@ class Recorder:
             may_exist = force or (path.exists() and not path.is_file())  # a device or a pipe keeps nothing
             self._file = path.open("w" if may_exist else "x", encoding="utf-8", buffering=1)
         except FileExistsError as error:
-            raise CassetteError(
+            raise RecordingError(
                 f"{path} exists already and would be overwritten; choose another file, or add --force"
             ) from error
         except OSError as error:
             raise self._complaint(error) from error
         try:
             self._write({"cassette": VERSION, "name": name, "model": model})
-        except CassetteError:
+        except RecordingError:
             self.close()
             raise
 
     def __call__(self, now: float, source: str, data: bytes) -> None:
-        """Record bytes; fits `Line.tap`. `now` in s. Raises CassetteError where they cannot be written."""
+        """Record bytes; fits `Line.tap`. `now` in s. Raises RecordingError where they cannot be written."""
         self._write({"t": round(now, 6), "from": source, "hex": data.hex()})
 
     def close(self) -> None:
@@ -145,15 +146,15 @@ class Recorder:
         except OSError as error:
             raise self._complaint(error) from error
 
-    def _complaint(self, error: OSError) -> CassetteError:
-        return CassetteError(f"{self._path} cannot be written: {error.strerror}; choose another path")
+    def _complaint(self, error: OSError) -> RecordingError:
+        return RecordingError(f"{self._path} cannot be written: {error.strerror}; choose another path")
 
 
 @dataclass(slots=True)
-class RecordedExchange:
+class _RecordedExchange:
     """A frame of the host's, and what the robot said between it and the host's next.
 
-    name: what the host meant, see `Talk`. answers: (s after the frame, payload), without the SIPs.
+    name: what the host meant, see `ConnectionTracker`. answers: (s after the frame, payload), without the SIPs.
     sips: likewise, all that came before the next OPEN; empty unless this is one.
     """
 
@@ -164,18 +165,18 @@ class RecordedExchange:
     sips: list[tuple[float, bytes]] = field(default_factory=list)
 
 
-def exchanges(cassette: Cassette) -> list[RecordedExchange]:
+def exchanges(recording: Recording) -> list[_RecordedExchange]:
     """Take a recording apart; the first exchange has no command and holds what the robot said before any."""
-    talk, decoders = Talk(), {source: FrameDecoder() for source in FrameSource}
-    current = session = RecordedExchange(0.0, "", b"")
+    talk, decoders = ConnectionTracker(), {source: FrameDecoder() for source in FrameSource}
+    current = session = _RecordedExchange(0.0, "", b"")
     found = [current]
-    for time, source, data in cassette.moments:
+    for time, source, data in recording.moments:
         for event in decoders[source].receive(data, time):
             if not isinstance(event, Frame):
                 continue
             payload = event.payload
             if source is FrameSource.HOST:
-                current = RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
+                current = _RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
                 session = current if current.name == ConnectionCommand.OPEN else session
                 found.append(current)
                 continue
@@ -185,8 +186,8 @@ def exchanges(cassette: Cassette) -> list[RecordedExchange]:
     return found
 
 
-class Player:
-    """A recorded robot, as a device: it answers a client with what the robot on the cassette said.
+class ReplayDevice:
+    """A recorded robot, as a device: it answers a client with what the robot on the recording said.
 
     The client's frames are matched with the recorded ones in their order: the next that says the same, the last that
     said the same once more, then any with the same command number; what was never recorded is not answered. What the
@@ -197,10 +198,10 @@ class Player:
     baud: bit/s of its port: that of a robot just switched on, then what the client sets with HOSTBAUD.
     """
 
-    def __init__(self, cassette: Cassette) -> None:
-        start, *recorded = exchanges(cassette)
-        self._same: dict[tuple[str, bytes], deque[RecordedExchange]] = {}
-        self._similar: dict[str, deque[RecordedExchange]] = {}
+    def __init__(self, recording: Recording) -> None:
+        start, *recorded = exchanges(recording)
+        self._same: dict[tuple[str, bytes], deque[_RecordedExchange]] = {}
+        self._similar: dict[str, deque[_RecordedExchange]] = {}
         for each in recorded:
             self._same.setdefault((each.name, each.command), deque()).append(each)
             self._similar.setdefault(each.name, deque()).append(each)
@@ -243,7 +244,7 @@ class Player:
             self._begin(recorded.popleft() if len(recorded) > 1 else recorded[0])
 
     def _name(self, payload: bytes) -> str:
-        """As `RecordedExchange.name`; empty for a SYNC out of turn, which no robot answers."""
+        """As `_RecordedExchange.name`; empty for a SYNC out of turn, which no robot answers."""
         number, was_open = payload[0], self._connection.state is ConnectionState.OPEN
         if self._connection.receive(payload) is not None:
             return f"SYNC{number}"
@@ -252,7 +253,7 @@ class Player:
         is_open = self._connection.state is ConnectionState.OPEN
         return CONNECTION_COMMANDS[number] if is_open or was_open else ""
 
-    def _begin(self, exchange: RecordedExchange) -> None:
+    def _begin(self, exchange: _RecordedExchange) -> None:
         self._answers += [(self._now + delay, answer) for delay, answer in exchange.answers]
         if exchange.sips:
             self._stream = deque((self._now + delay, sip) for delay, sip in exchange.sips)

@@ -1,4 +1,4 @@
-"""What teleoperation does with keys and time; no terminal, no bus and no clock.
+"""Keyboard control for teleoperation: keys and time to twists; no terminal, no bus and no clock.
 
 A terminal tells when a key goes down, and repeats it while it is held, but never that it was let go. So a key counts as
 held for `HOLD` after each time it is heard of, which also bridges the pause before the first repetition.
@@ -21,7 +21,7 @@ LONGEST = 32  # bytes of a sequence; what is longer is none
 
 
 class Action(StrEnum):
-    """What a key asks for besides driving."""
+    """Requests of keys that do not drive."""
 
     STOP = "stop"
     ENABLE = "enable"
@@ -30,29 +30,29 @@ class Action(StrEnum):
     QUIT = "quit"
 
 
-class KeypadAxis(Enum):
-    """What a key moves: forward or round."""
+class _KeypadAxis(Enum):
+    """The axis that a key moves: forward or turning."""
 
     LINEAR = "linear"
     ANGULAR = "angular"
 
 
 MOVES = {
-    "up": (KeypadAxis.LINEAR, 1),
-    "w": (KeypadAxis.LINEAR, 1),
-    "down": (KeypadAxis.LINEAR, -1),
-    "s": (KeypadAxis.LINEAR, -1),
-    "left": (KeypadAxis.ANGULAR, 1),
-    "a": (KeypadAxis.ANGULAR, 1),
-    "right": (KeypadAxis.ANGULAR, -1),
-    "d": (KeypadAxis.ANGULAR, -1),
+    "up": (_KeypadAxis.LINEAR, 1),
+    "w": (_KeypadAxis.LINEAR, 1),
+    "down": (_KeypadAxis.LINEAR, -1),
+    "s": (_KeypadAxis.LINEAR, -1),
+    "left": (_KeypadAxis.ANGULAR, 1),
+    "a": (_KeypadAxis.ANGULAR, 1),
+    "right": (_KeypadAxis.ANGULAR, -1),
+    "d": (_KeypadAxis.ANGULAR, -1),
 }
 ACTIONS = {" ": Action.STOP, "e": Action.ENABLE, "x": Action.ESTOP, "c": Action.CLEAR, "q": Action.QUIT}
 HELP = "arrows or w a s d drive · space stops · e motors on or off · x e-stop · c clears it · q quits"
 
 
 class KeyReader:
-    """Turns what a terminal sends into names of keys; a special key is several bytes, which may come apart."""
+    """Converts bytes of a terminal to names of keys; the bytes of a special key may come in several pieces."""
 
     def __init__(self) -> None:
         self._rest = b""
@@ -82,20 +82,20 @@ class KeyReader:
 
 
 @dataclass
-class Held:
-    """One axis: which way, and until when its key counts as held (s)."""
+class HeldAxis:
+    """One axis: its direction, and the time until which its key counts as held, s."""
 
     direction: int = 0
     until: float = 0.0
 
 
-class Keypad:
+class KeyboardControl:
     """Keys in, twists out; time in s on any steady clock."""
 
     def __init__(self, linear_speed: float, angular_speed: float) -> None:
         """Drive with these speeds, m/s and rad/s."""
-        self._speeds = {KeypadAxis.LINEAR: linear_speed, KeypadAxis.ANGULAR: angular_speed}
-        self._held = {axis: Held() for axis in KeypadAxis}
+        self._speeds = {_KeypadAxis.LINEAR: linear_speed, _KeypadAxis.ANGULAR: angular_speed}
+        self._held = {axis: HeldAxis() for axis in _KeypadAxis}
         self._next = 0.0
         self._is_driving = False
 
@@ -105,11 +105,11 @@ class Keypad:
             axis, direction = MOVES[key]
             if self._held[axis].direction != direction:
                 self._next = now  # a change is not kept waiting
-            self._held[axis] = Held(direction, now + HOLD)
+            self._held[axis] = HeldAxis(direction, now + HOLD)
             return None
         action = ACTIONS.get(key)
         if action is not None:
-            self._held = {axis: Held() for axis in KeypadAxis}
+            self._held = {axis: HeldAxis() for axis in _KeypadAxis}
         return action
 
     def twist(self, now: float) -> tuple[float, float]:

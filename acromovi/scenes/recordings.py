@@ -1,4 +1,4 @@
-"""Scenes of what flows on a cable: in words, recorded, replayed and compared; and of clients that want a simulator."""
+"""Scenes of the bytes on a cable: printed, recorded, replayed and compared; and of clients that need a simulator."""
 
 import subprocess
 import sys
@@ -13,7 +13,7 @@ from gateway.serial_port import Port, open_port
 from p2os import Command, ExtendedLaser, Frame, FrameDecoder, RobotModel, UnknownPacket, decode_packet, encode_command
 from p2os.wire_log import WireLogEntry, as_text
 
-CASSETTE = "drive.jsonl"
+RECORDING = "drive.jsonl"
 SHOWN = 12
 TURN_S = 0.05
 HEARD_S = 1.0
@@ -35,35 +35,35 @@ def _wire(stage: SceneStage) -> None:
 
 
 def _recorded(stage: SceneStage) -> list[WireLogEntry]:
-    """A short drive, read back from its cassette."""
+    """A short drive, read back from its recording."""
     from acromovi.wire import replay
 
     stage.tell(keys.MOVE, distance=0.2)
     stage.wait(lambda: stage.truth()["x"] != 0.0 and abs(stage.truth()["linear"]) > 0.05, "a moving robot")
     entries: list[WireLogEntry] = []
-    replay(stage.folder / CASSETTE, None, lambda found: entries.extend(found))
+    replay(stage.folder / RECORDING, None, lambda found: entries.extend(found))
     if len(entries) <= SHOWN:
         raise SceneFailed(f"only {len(entries)} frames were recorded")
     return entries
 
 
-def _cassette(stage: SceneStage) -> None:
+def _serve_recording(stage: SceneStage) -> None:
     _recorded(stage)
     name = f"{stage.robot}-tape"[-19:]
-    with emulator("--quiet", "--serve", str(stage.folder / CASSETTE)) as tape:
-        stage.say(f"$ p2os-emu --serve {CASSETTE}")
-        with ZenohBus.open() as bus, gateway(tape.port, "--quiet", "--name", name):
-            SceneStage(name, tape, bus, stage.folder, stage.say).see(keys.ODOM, what="odometry from the cassette")
-    stage.say("a gateway on the cassette's port publishes what the recorded robot said")
+    with emulator("--quiet", "--serve", str(stage.folder / RECORDING)) as served:
+        stage.say(f"$ p2os-emu --serve {RECORDING}")
+        with ZenohBus.open() as bus, gateway(served.port, "--quiet", "--name", name):
+            SceneStage(name, served, bus, stage.folder, stage.say).see(keys.ODOM, what="odometry from the cassette")
+    stage.say("a gateway on the recording's port publishes what the recorded robot said")
 
 
 def _check(stage: SceneStage) -> None:
     _recorded(stage)
-    command = [sys.executable, "-m", "p2os_emu", "--check", str(stage.folder / CASSETTE)]
+    command = [sys.executable, "-m", "p2os_emu", "--check", str(stage.folder / RECORDING)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     if done.returncode not in (0, 1):
         raise SceneFailed(done.stderr.strip())
-    stage.say(f"$ p2os-emu --check {CASSETTE}")
+    stage.say(f"$ p2os-emu --check {RECORDING}")
     stage.say(done.stdout.strip())
 
 
@@ -86,7 +86,7 @@ def _mobilesim(stage: SceneStage) -> None:
 
 
 def _hear_laser(port: Port) -> tuple[Counter[str], int]:
-    """What comes within a moment, counted by kind, and how many beams a sweep has."""
+    """Return the number of packets of each kind within a moment, and the beams of a sweep."""
     model = configs.load(RobotModel, "robots", "p3dx-sh")
     frames = FrameDecoder()
     heard: Counter[str] = Counter()
@@ -106,19 +106,19 @@ SCENES = (
     Scene(
         "wire",
         "what flows on a cable, in words",
-        ("--robot", "p3dx-sh:{name}", "--record", "{folder}/" + CASSETTE),
+        ("--robot", "p3dx-sh:{name}", "--record", "{folder}/" + RECORDING),
         _wire,
     ),
     Scene(
         "cassette",
         "a recorded robot, played to a client",
-        ("--robot", "p3dx-sh:{name}", "--record", "{folder}/" + CASSETTE),
-        _cassette,
+        ("--robot", "p3dx-sh:{name}", "--record", "{folder}/" + RECORDING),
+        _serve_recording,
     ),
     Scene(
         "check",
         "a recording compared with what the emulator answers to the same commands",
-        ("--robot", "p3dx-sh:{name}", "--world", "empty", "--record", "{folder}/" + CASSETTE),
+        ("--robot", "p3dx-sh:{name}", "--world", "empty", "--record", "{folder}/" + RECORDING),
         _check,
     ),
     Scene(

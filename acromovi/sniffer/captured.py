@@ -1,4 +1,4 @@
-"""What was overheard on a container's stream `said`: who said what to whom, or something that nobody can read.
+"""Messages captured on a container's stream `said`: sender, receiver and content, or unreadable data.
 
 A record is `{"time": s since 1970, "container": name, "message": {...}}`, as `Container.trace` puts it.
 """
@@ -22,7 +22,7 @@ NO = (Performative.REFUSE, Performative.FAILURE, Performative.NOT_UNDERSTOOD)
 
 
 @dataclass(frozen=True, slots=True)
-class Overheard:
+class CapturedMessage:
     """One message.
 
     time: when it was said, s since 1970 on the clock of its container's machine.
@@ -45,7 +45,7 @@ class Overheard:
 
 @dataclass(frozen=True, slots=True)
 class Unreadable:
-    """Something on the stream of a container that is no message.
+    """Data on the stream of a container that is not a message.
 
     time: when it came, s since 1970 here.
     container: whose stream it is.
@@ -68,7 +68,7 @@ class Unreadable:
         }
 
 
-Heard = Overheard | Unreadable
+Heard = CapturedMessage | Unreadable
 
 
 def read(sample: Sample, now: float) -> Heard:
@@ -83,16 +83,16 @@ def read(sample: Sample, now: float) -> Heard:
         return Unreadable(now, container, len(sample.payload), str(err))
 
 
-def _read(record: dict[str, Any], container: str) -> Overheard:
+def _read(record: dict[str, Any], container: str) -> CapturedMessage:
     match record:
         case {"time": int() | float() as time, "message": dict(message)} if not isinstance(time, bool):
             if 0 <= time < LONGEST_TIME:  # what is no number is neither
-                return Overheard(float(time), container, AclMessage.from_dict(message))
+                return CapturedMessage(float(time), container, AclMessage.from_dict(message))
     raise AclError("it is no record of what was said: it needs 'time', in s since 1970, and 'message'")
 
 
 def wanted(patterns: Sequence[str], conversation: str | None) -> Callable[[Heard], bool]:
-    """Which messages one wants. What is unreadable is nobody's, and wanted only with everything.
+    """Filter of messages. Unreadable data passes only a filter without conditions.
 
     Args:
         patterns: Agents of which one must say or hear it: `base@happy`, `app-*`, `*@happy`; of any when there are none.

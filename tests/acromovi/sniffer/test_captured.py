@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from acromovi.sniffer.listener import InOrder
-from acromovi.sniffer.overheard import Overheard, Unreadable, brief, read, shortened, wanted
+from acromovi.sniffer.captured import CapturedMessage, Unreadable, brief, read, shortened, wanted
+from acromovi.sniffer.listener import ReorderBuffer
 from bus import Sample
 from tests.acromovi.sniffer.talking import A_TALK, APP, ARM, BASE, said
 
@@ -70,7 +70,7 @@ def test_one_chooses_by_agents_and_conversation(patterns: list[str], conversatio
 
 def test_messages_of_several_containers_come_in_the_order_of_their_times() -> None:
     first, second, third = (said(after, "inform", APP, BASE) for after in (1.0, 2.0, 3.0))
-    order = InOrder(hold=0.2)
+    order = ReorderBuffer(hold=0.2)
     order.add(second, 10.0)
     assert order.due(10.1) == []
     order.add(first, 10.15)
@@ -83,7 +83,7 @@ def test_messages_of_several_containers_come_in_the_order_of_their_times() -> No
 
 def test_what_comes_too_late_comes_all_the_same_and_of_one_time_the_first_comes_first() -> None:
     early, late, twin = (said(after, "inform", APP, BASE, content=after) for after in (1.0, 2.0, 2.0))
-    order = InOrder(hold=0.2)
+    order = ReorderBuffer(hold=0.2)
     order.add(late, 0.0)
     order.add(twin, 0.0)
     due = order.due(0.3)
@@ -116,4 +116,4 @@ def test_a_shortened_text_is_as_long_as_it_may_be() -> None:
 
 def test_a_no_is_known() -> None:
     assert [each.is_no for each in A_TALK] == [False, False, False, False, True, False]
-    assert isinstance(A_TALK[0], Overheard)
+    assert isinstance(A_TALK[0], CapturedMessage)
