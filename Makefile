@@ -14,7 +14,7 @@ PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo install test test-quick format lint types bytecode docs bench wheel clean
+.PHONY: help demo install test test-quick format lint types bytecode docs pictures bench wheel clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -55,8 +55,12 @@ format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-docs: $(READY)  ## Print PROTOCOL.md anew from the packet tables
+docs: $(READY)  ## Write PROTOCOL.md from the packet tables, and docs/api.md and docs/api/ from the docstrings
 	$(BIN)/python -m acromovi.compliance > PROTOCOL.md
+	$(BIN)/python tools/api_pages.py
+
+pictures: $(READY)  ## Make the pictures in docs/pictures anew
+	$(BIN)/python tools/make_pictures.py
 
 bench: $(READY)  ## Measure the figures of the project into bench/ (JSON and a picture)
 	$(BIN)/python -m benchmarks

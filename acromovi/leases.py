@@ -64,15 +64,17 @@ def run(arguments: argparse.Namespace) -> int:
 
 async def leases(bus: "Bus") -> list[dict[str, Any]]:
     """All leases of all robots, in the order of what they are on."""
-    from agents.platform.conversations.talk import replies
+    from bus.aio import ReplyQueue
     from bus.errors import NoAnswer, Refused, TimedOut
     from bus.keys import LEASE_STATE, split
 
     key = f"*/{LEASE_STATE.suffix}"
     found: list[dict[str, Any]] = []
     try:
-        async for answer in replies(bus, key, None, PATIENCE):
-            found += held(split(answer.key)[0], answer.value)
+        replies = ReplyQueue(PATIENCE)
+        with bus.ask(key, None, replies.put, replies.put, PATIENCE, urgent=True):
+            async for answer in replies:
+                found += held(split(answer.key)[0], answer.value)
     except (TimedOut, Refused) as err:
         print(f"acromovi leases: somebody is left out: {err}", file=sys.stderr)
     except NoAnswer:

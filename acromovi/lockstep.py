@@ -174,13 +174,18 @@ class _Element:
         self._link = link
         self._clock = clock
         self._publish: PublishEvents = lambda events, stamp_ns: None
+        self._wakes_at = 0.0
         self.driver.port_opened(clock())
 
     def step(self, stamp_ns: int) -> None:
-        """What the thread of this cable does when it wakes."""
-        events = self.driver.receive(self._link.client_read(), self._clock())
+        """Do what the thread of this cable does when bytes have come or something is due."""
+        data, now = self._link.client_read(), self._clock()
+        if not data and now < self._wakes_at:
+            return
+        events = self.driver.receive(data, now)
         self._flush()
         self._publish(events, stamp_ns)
+        self._wakes_at = self.driver.deadline
 
     def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
         """Publish the driver's events from now on."""
@@ -196,6 +201,7 @@ class _Element:
             return call(self.driver, self._clock())
         finally:
             self._flush()
+            self._wakes_at = 0.0
 
     def _flush(self) -> None:
         self._link.client_write(self.driver.bytes_due(self._clock()))
@@ -230,14 +236,21 @@ class _Host:
         rng = random.Random(f"{seed} {name} driver")
         self._driver = Driver(lambda identity: model, NO_RATE, settings, rng)
         self._robot: RobotOnBus | None = None
+        self._wakes_at = 0.0
         self._driver.port_opened(clock())
         self._flush()
 
     def step(self) -> None:
-        """What the bridge's thread does when it wakes."""
-        data = self._link.client_read()
+        """Do what the gateway's threads do when bytes have come, something is due or a command was given."""
+        data, now = self._link.client_read(), self._clock()
+        if data or now >= self._wakes_at:
+            self._work(data, now)
+        if self._robot is not None:
+            for element in self._elements:
+                element.step(self._stamp_ns())
+
+    def _work(self, data: bytes, now: float) -> None:
         self.heard += data
-        now = self._clock()
         events = self._driver.receive(data, now)
         self._flush()
         if self._robot is None:
@@ -254,8 +267,7 @@ class _Host:
                 wall_clock=self._stamp_ns,
             )
         self._robot.on_events(events, now, self._stamp_ns())
-        for element in self._elements:
-            element.step(self._stamp_ns())
+        self._wakes_at = min(self._driver.deadline, self._robot.deadline)
 
     def command(self, call: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
@@ -263,6 +275,7 @@ class _Host:
             return call(self._driver, self._clock())
         finally:
             self._flush()
+            self._wakes_at = 0.0
 
     def close(self) -> None:
         """Leave the bus."""

@@ -1,13 +1,15 @@
 """Agents for every element of every robot: a platform, components, services and wrappers, on the bus.
 
-Exports what a program needs to drive robots (`Team`, from `agents.client`) and what an agent needs (`Agent` and its
-decorators, from `agents.platform`). Each is loaded on its first use, so that a container does not load the client.
+Exports what a program needs to drive robots (`Team` and what its methods return and raise) and what an agent needs
+most (`Agent` and its decorators; `agents.platform` has the rest). Each name is loaded on its first use, so that a
+container does not load the client.
 """
 
 from typing import TYPE_CHECKING
 
 __all__ = [
     "Agent",
+    "ElementClient",
     "Failed",
     "LeaseLost",
     "NotThere",
@@ -24,10 +26,17 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from agents.client import Failed, LeaseLost, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut
+    from agents.client.element import ElementClient
+    from agents.client.errors import Failed, LeaseLost, NotThere, RobotError, Stopped
+    from agents.client.errors import RequestRefused as Refused
+    from agents.client.errors import RequestTimedOut as TimedOut
+    from agents.client.robot import Robot
+    from agents.client.team import Team
     from agents.platform import Agent, every, on, request, subscription
 else:
-    _OF_PLATFORM = {"Agent", "every", "on", "request", "subscription"}
+    _PLATFORM = {"Agent", "every", "on", "request", "subscription"}
+    _MODULES = {"ElementClient": "agents.client.element", "Robot": "agents.client.robot", "Team": "agents.client.team"}
+    _OWN_NAMES = {"Refused": "RequestRefused", "TimedOut": "RequestTimedOut"}
 
     def __getattr__(name: str) -> object:
         """Load a name on its first use (PEP 562)."""
@@ -35,7 +44,8 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         from importlib import import_module
 
-        value = getattr(import_module("agents.platform" if name in _OF_PLATFORM else "agents.client"), name)
+        module = "agents.platform" if name in _PLATFORM else _MODULES.get(name, "agents.client.errors")
+        value = getattr(import_module(module), _OWN_NAMES.get(name, name))
         globals()[name] = value
         return value
 

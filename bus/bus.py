@@ -10,17 +10,21 @@ congestion).
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
-from bus.errors import BusError
+from bus.errors import BusError, TimedOut
 from bus.errors import Refused as Refused  # a handler raises it, so it belongs to this interface
 
 CDR = "application/cdr"
+"""Encoding of samples that hold a ROS 2 message."""
 JSON = "application/json"
+"""Encoding of samples that hold a JSON object."""
 MOST_WAITING = 64
 """Queries of one client that wait for their turn, at most."""
-QUERY_TIMEOUT = 10.0  # s; Zenoh's own default differs between versions, so every query says it
+QUERY_TIMEOUT = 10.0  # s; Zenoh's own default differs between versions, so every query sets it
+REPLY_GRACE = 2.0  # s after its timeout, in which a query ends by itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,22 +209,37 @@ class Bus(Closeable):
             urgent: Call it on the thread that receives, as `subscribe` does: such a query waits for no other.
         """
 
-    @abstractmethod
     def query(
         self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
     ) -> list[Answer]:
-        """Ask everyone who serves a matching key, and wait until all have answered.
+        """Query every program that serves a matching key, and block until all have answered.
+
+        `bus.aio.query` does the same in an event loop; both wait for the end of `ask`.
 
         Args:
-            key_expr: A key, or an expression to ask several at once.
+            key_expr: A key, or an expression that matches several keys.
             arguments: The JSON object to carry; none is the empty object.
             timeout: s to wait for the answers.
         Returns:
             At least one answer, in the order of arrival.
         Raises:
-            NoAnswer: Nobody serves the key, or someone who does has not answered in time.
-            Refused: An answerer said no; the answers of the others are in its `answers`.
+            NoAnswer: No program serves the key, or one that does has not answered in time.
+            Refused: A program sent an error reply; the answers of the others are in its `answers`.
         """
+        answers: list[Answer] = []
+        ended: SimpleQueue[BusError | None] = SimpleQueue()
+        with self.ask(key_expr, arguments, answers.append, ended.put, timeout, urgent=True):
+            try:
+                error = ended.get(timeout=self._time_to_end(timeout))
+            except Empty:
+                raise TimedOut(f"a program that serves {key_expr} has not answered within {timeout:g} s") from None
+        if error is not None:
+            raise error
+        return answers
+
+    def _time_to_end(self, timeout: float) -> float:
+        """Return for how many seconds `query` waits for the end of `ask`."""
+        return timeout + REPLY_GRACE
 
     @abstractmethod
     def converse(

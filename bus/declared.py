@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import zenoh
 
+from bus import threads
 from bus.bus import Subscription
 
 HANDLER_GRACE = 1.0  # s for handlers to end when the bus is closed
@@ -52,15 +53,29 @@ def _withdraw(handle: Undeclarable) -> None:
 class Listening(Declared):
     """A subscriber or queryable and its handler."""
 
-    def __init__(self, declared: set[Declared], handler: Callable[[Any], None]) -> None:
+    def __init__(self, declared: set[Declared], handler: Callable[..., None], is_urgent: bool = False) -> None:
+        """Open it.
+
+        Args:
+            declared: What the session holds open.
+            handler: Called with each item; must not raise.
+            is_urgent: Whether `hear` is called on Zenoh's own threads.
+        """
         super().__init__(declared)
         self._handler = handler
+        self._is_urgent = is_urgent
         self._is_open = True
 
-    def hear(self, item: object) -> None:
+    def hear(self, item: Any) -> None:
         """Run the handler, unless this was closed while the item waited."""
-        if self._is_open:
+        if self._prepare():
             self._handler(item)
+
+    def _prepare(self) -> bool:
+        """Return whether the handler is to be called, on this thread."""
+        if self._is_urgent:
+            threads.keep()
+        return self._is_open
 
     def close(self) -> None:
         """Withdraw it; what waits to be heard is dropped."""

@@ -15,7 +15,7 @@ from typing import Any
 
 
 class BusError(Exception):
-    """The root: whatever can go wrong on the bus."""
+    """Base class of the errors of the bus."""
 
 
 class BusUnavailable(BusError, ConnectionError):
@@ -23,7 +23,7 @@ class BusUnavailable(BusError, ConnectionError):
 
 
 class KeyNotValid(BusError, ValueError):
-    """A text is not a key (expression), or not a robot's name."""
+    """A text is not a key, a key expression or the name of a robot."""
 
 
 class MessageError(BusError, ValueError):
@@ -39,11 +39,11 @@ class NameTaken(BusError):
 
 
 class NoAnswer(BusError, TimeoutError):
-    """Nobody answered a query in time; a killed answerer is seen as this too."""
+    """No program answered a query in time, or the program that did was killed."""
 
 
 class TimedOut(NoAnswer):
-    """Someone is there and has not answered in time, or not ended its answers."""
+    """A program that serves the key has not answered in time, or has not ended its answers."""
 
 
 class Refused(BusError):

@@ -3,14 +3,15 @@
 import contextlib
 import logging
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
+from numbers import Real
 from typing import Any, NamedTuple, ParamSpec
 
 import zenoh
 
 from bus.bus import CDR, JSON, Answer, Conversation
 from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused
-from bus.messages import decode_json, decode_unchecked_json, encode, encode_json, type_of
+from bus.messages import decode_json, encode, encode_json, type_of
 from bus.validation import LARGEST_REQUEST, sentence
 
 log = logging.getLogger("bus")
@@ -34,6 +35,8 @@ def key_expression(text: str) -> zenoh.KeyExpr:
     Raises:
         KeyNotValid: It is malformed.
     """
+    if not isinstance(text, str):
+        raise KeyNotValid(f"{text!r} is not a key; a key is a text, such as happy/odom")
     try:
         return zenoh.KeyExpr(text)
     except zenoh.ZError as err:
@@ -113,12 +116,13 @@ def answered(key: str, answer: Answerer, payload: bytes) -> RawReply:
         return RawReply(True, key, refusal(_why_not(key, err)))
 
 
-def talked(key: str, handler: Talker, payload: bytes, conversation: Conversation) -> None:
-    """Let a handler begin one conversation; when it raises, the conversation has ended."""
+@contextlib.contextmanager
+def refusing_errors(key: str, conversation: Conversation) -> Iterator[None]:
+    """Refuse a conversation with what its handler raises in the block."""
     try:
-        handler(decode_unchecked_json(payload), conversation)
+        yield
     except Exception as err:
-        with contextlib.suppress(BusUnavailable):  # it had ended the conversation before it raised
+        with contextlib.suppress(BusUnavailable):  # the handler had ended the conversation before it raised
             conversation.refuse(_why_not(key, err))
 
 
@@ -173,29 +177,29 @@ class Replies:
         self._on_end(self.error)
 
 
-def sorted_out(key_expr: str, replies: Iterable[RawReply]) -> list[Answer]:
-    """The answers among the replies to one query.
+def check_handler(handler: object) -> None:
+    """Check that a handler can be called.
 
     Raises:
-        NoAnswer: There are no replies.
-        Refused: One of them is an error reply.
+        TypeError: It cannot.
     """
-    answers: list[Answer] = []
-    refusals: list[str] = []
-    for reply in replies:
-        if reply.is_error:
-            refusals.append(_why(reply.payload))
-        else:
-            answers.append(Answer(reply.key, decode_json(reply.payload)))
-    if refusals:
-        raise Refused("; ".join(refusals), {answer.key: answer.value for answer in answers})
-    if not answers:
-        raise NoAnswer(f"nobody answered on {key_expr}")
-    return answers
+    if not callable(handler):
+        raise TypeError(f"the handler must be a function, not {handler!r}")
+
+
+def check_timeout(timeout: object) -> None:
+    """Check the time within which replies are awaited.
+
+    Raises:
+        ValueError: It is not a time in s.
+    """
+    if not isinstance(timeout, Real) or not float(timeout) >= 0.0:
+        raise ValueError(f"timeout must be a time of 0 s or more, not {timeout!r}")
 
 
 def guarded(key_expr: str, handler: Callable[P, None]) -> Callable[P, None]:
     """The handler, with a log entry in place of what it raises: one bad sample must not end a stream."""
+    check_handler(handler)
 
     def call(*args: P.args, **kwargs: P.kwargs) -> None:
         try:

@@ -11,25 +11,26 @@ from functools import partial
 from typing import Any
 
 from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Closeable, Publisher, Sample, Subscription
-from bus.errors import BusError, BusUnavailable, TimedOut
+from bus.errors import BusError, BusUnavailable
 from bus.exchange import (
     Answerer,
     RawReply,
     Replies,
     Talker,
     answered,
+    check_handler,
+    check_timeout,
     encode_any,
     encode_as,
     encoding_of,
     guarded,
     key_expression,
     plain_key,
-    sorted_out,
-    talked,
+    refusing_errors,
 )
-from bus.memory_conversation import MemoryAsking, MemoryConversation
+from bus.memory_conversation import MemoryConversation, MemoryQuery
 from bus.memory_network import MemoryListener, MemoryNetwork
-from bus.messages import encode_json, prepare
+from bus.messages import decode_unchecked_json, encode_json, prepare
 
 
 class MemoryBus(Bus):
@@ -66,6 +67,7 @@ class MemoryBus(Bus):
 
     def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key; no query waits here."""
+        check_handler(answer)
 
         def call(payload: bytes, conversation: MemoryConversation) -> None:
             conversation.send(answered(key, answer, payload))
@@ -73,27 +75,15 @@ class MemoryBus(Bus):
 
         return self._enter(self.network.queryables, plain_key(key), partial(self._join, key, call))
 
-    def query(
-        self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
-    ) -> list[Answer]:
-        """Ask everyone who serves a matching key; the answers are there at once."""
-        self._check_open()
-        key = key_expression(key_expr)
-        payload = encode_json(arguments or {})
-        with self.network.lock:
-            serving = [entry for entry in self.network.queryables if entry.matches(key)]
-            replies: list[RawReply] = []
-            ended: list[None] = []
-            for entry in serving:
-                entry.call(payload, replies.append, lambda: ended.append(None))
-        if len(ended) < len(serving):
-            raise TimedOut(f"someone who serves {key_expr} has not answered at once")
-        return sorted_out(key_expr, replies)
-
     def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key with any number of replies."""
-        call = partial(self._join, key, partial(talked, key, handler))
-        return self._enter(self.network.queryables, plain_key(key), call)
+        check_handler(handler)
+
+        def call(payload: bytes, conversation: MemoryConversation) -> None:
+            with refusing_errors(key, conversation):
+                handler(decode_unchecked_json(payload), conversation)
+
+        return self._enter(self.network.queryables, plain_key(key), partial(self._join, key, call))
 
     def ask(
         self,
@@ -105,13 +95,18 @@ class MemoryBus(Bus):
         *,
         urgent: bool = False,
     ) -> Subscription:
-        """Ask everyone who serves a matching key, and hear every reply in its turn."""
+        """Ask everyone who serves a matching key, and hear every reply in its turn, or at once if it is urgent."""
+        check_timeout(timeout)
         self._check_open()
         key = key_expression(key_expr)
         payload = encode_json(arguments or {})
-        asking = MemoryAsking(self._open, self.network, Replies(key_expr, on_reply, on_end), timeout)
-        self.network.queue(partial(asking.begin, key, payload))
-        return asking
+        query = MemoryQuery(self._open, self.network, Replies(key_expr, on_reply, on_end), timeout, urgent)
+        query.begin(key, payload)
+        return query
+
+    def _time_to_end(self, timeout: float) -> float:
+        """Return 0: the replies are there when `ask` returns, or never."""
+        return 0.0
 
     def _join(
         self,

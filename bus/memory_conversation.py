@@ -53,34 +53,40 @@ class MemoryConversation(Conversation):
                 self._on_end()
 
 
-class MemoryAsking(Subscription):
-    """The asker's end, until all answerers have ended the conversation or patience has."""
+class MemoryQuery(Subscription):
+    """The initiator's end, until all programs that serve the key have ended the conversation, or its time is over."""
 
-    def __init__(self, among: dict[Closeable, None], network: MemoryNetwork, replies: Replies, timeout: float) -> None:
+    def __init__(
+        self, among: dict[Closeable, None], network: MemoryNetwork, replies: Replies, timeout: float, urgent: bool
+    ) -> None:
         self.deadline = network.now + timeout
         self._among = among
         self._network = network
         self._replies = replies
         self._timeout = timeout
-        self._talking = 0
+        self._do: Callable[[Callable[[], None]], None] = network.do_at_once if urgent else network.queue
+        self._open_conversations = 0
         with network.lock:
             among[self] = None
-            network.asking.append(self)
+            network.queries.append(self)
 
     def begin(self, key: zenoh.KeyExpr, payload: bytes) -> None:
-        """Hand the question to whoever serves the key."""
+        """Pass the query to every program that serves the key."""
+        self._do(lambda: self._send(key, payload))
+
+    def _send(self, key: zenoh.KeyExpr, payload: bytes) -> None:
         serving = [entry for entry in self._network.queryables if entry.matches(key)]
-        self._talking = len(serving) or 1
+        self._open_conversations = len(serving) or 1
         for entry in serving:
             entry.call(payload, self._heard, self._ended)
         if not serving:
             self._ended()
 
-    def lose_patience(self) -> None:
-        """End it because nobody has."""
+    def time_out(self) -> None:
+        """End it, since its time is over."""
         if self in self._among:
             self._replies.error = TimedOut(
-                f"someone who serves {self._replies.key_expr} has not answered within {self._timeout:g} s"
+                f"a program that serves {self._replies.key_expr} has not answered within {self._timeout:g} s"
             )
             self._finish()
 
@@ -89,17 +95,17 @@ class MemoryAsking(Subscription):
         with self._network.lock:
             if self in self._among:
                 del self._among[self]
-                self._network.asking.remove(self)
+                self._network.queries.remove(self)
 
     def _heard(self, reply: RawReply) -> None:
-        self._network.queue(lambda: self._replies.hear(reply) if self in self._among else None)
+        self._do(lambda: self._replies.hear(reply) if self in self._among else None)
 
     def _ended(self) -> None:
-        self._network.queue(self._one_less)
+        self._do(self._one_less)
 
     def _one_less(self) -> None:
-        self._talking -= 1
-        if self._talking == 0 and self in self._among:
+        self._open_conversations -= 1
+        if self._open_conversations == 0 and self in self._among:
             self._finish()
 
     def _finish(self) -> None:

@@ -30,12 +30,12 @@ class MemoryListener:
             self.call(*args)
 
 
-class Impatient(Protocol):
-    """Someone who waits for the end of a conversation, until the deadline."""
+class PendingQuery(Protocol):
+    """A query that has not ended."""
 
     deadline: float
 
-    def lose_patience(self) -> None:
+    def time_out(self) -> None:
         """End it, since the deadline has come."""
         ...
 
@@ -50,7 +50,7 @@ class MemoryNetwork:
         self.tokens: list[MemoryListener] = []
         self.watchers: list[MemoryListener] = []
         self.now = 0.0  # s since the network was made; moved by `let_pass` alone
-        self.asking: list[Impatient] = []
+        self.queries: list[PendingQuery] = []
         self._routes: dict[str, list[MemoryListener]] = {}
         self._due: deque[Callable[[], None]] = deque()
         self._is_delivering = False
@@ -72,17 +72,22 @@ class MemoryNetwork:
                     self.announce(listener.key, False)
 
     def let_pass(self, seconds: float) -> None:
-        """Let time pass: who asked and has waited long enough is told, the most impatient first."""
+        """Let time pass, and end the queries whose deadline has come, the earliest first."""
         with self.lock:
             self.now += seconds
-            late = [asking for asking in self.asking if asking.deadline <= self.now]
-            for asking in sorted(late, key=lambda asking: asking.deadline):
-                self.queue(asking.lose_patience)
+            late = [query for query in self.queries if query.deadline <= self.now]
+            for query in sorted(late, key=lambda query: query.deadline):
+                self.queue(query.time_out)
 
     def queue(self, work: Callable[[], None]) -> None:
         """Do it when it is its turn: after all that was put before."""
         with self.lock:
             self._do(work)
+
+    def do_at_once(self, work: Callable[[], None]) -> None:
+        """Do it now, also before what was put before."""
+        with self.lock:
+            work()
 
     def deliver(self, sample: Sample) -> None:
         """Hand a sample to whoever subscribes to its key."""

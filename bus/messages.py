@@ -118,6 +118,7 @@ __all__ = [
 ]
 
 NS_PER_S = 1_000_000_000
+"""Nanoseconds in a second."""
 
 # What the generated serialisers raise on values and bytes that do not fit.
 ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
@@ -216,8 +217,8 @@ def encode_json(value: Mapping[str, Any]) -> bytes:
     except (TypeError, ValueError, RecursionError) as err:
         raise MessageError(f"this object cannot be written as JSON: {err}") from err
     check_nesting(text)
-    check_json(text, value)
     payload = text.encode()
+    check_json(payload, value)
     check_size(payload, LARGEST_OBJECT)
     return payload
 
@@ -242,10 +243,10 @@ def decode_unchecked_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict
     Raises:
         MessageError: The payload is no JSON object, too large or too deep.
     """
-    return _read_object(payload, largest, lambda text, value: None)
+    return _read_object(payload, largest, lambda payload, value: None)
 
 
-def _read_object(payload: bytes, largest: int, check: Callable[[str, Any], None]) -> dict[str, Any]:
+def _read_object(payload: bytes, largest: int, check: Callable[[bytes, Any], None]) -> dict[str, Any]:
     if not payload:
         return {}
     check_size(payload, largest)
@@ -260,7 +261,7 @@ def _read_object(payload: bytes, largest: int, check: Callable[[str, Any], None]
         raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
     if not isinstance(value, dict):
         raise MessageError(f"expected a JSON object, not {type(value).__name__}")
-    check(text, value)
+    check(payload, value)
     return value
 
 

@@ -68,6 +68,8 @@ class Profile:
         Raises:
             ConfigError: There is no such profile, or what is given behind its name does not belong to it.
         """
+        if not isinstance(name, str):
+            raise ConfigError(f"a bus profile is a text, such as 'local', not {name!r}")
         given, _, folder = (name, "", "") if Path(name).is_file() else name.partition(":")
         path = find("bus", given)
         table = {} if path.suffix in (".json5", ".json") else read(path)

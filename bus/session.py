@@ -16,16 +16,16 @@ from typing import Any, Self
 import zenoh
 
 from bus import threads
-from bus.asking import ASK_AGAIN_AFTER, ZenohAsking, ZenohConversation, read_reply
 from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Publisher, Sample, Subscription
 from bus.declared import Declared, LatestListening, Listening, Undeclarable
-from bus.errors import BusError, BusUnavailable, TimedOut
+from bus.errors import BusError, BusUnavailable
 from bus.exchange import (
     Answerer,
-    RawReply,
     Replies,
     Talker,
     answered,
+    check_handler,
+    check_timeout,
     encode_any,
     encode_as,
     encoding_of,
@@ -33,8 +33,6 @@ from bus.exchange import (
     key_expression,
     plain_key,
     reason,
-    sorted_out,
-    talked,
 )
 from bus.handler_thread import HandlerThread
 from bus.links import LinkWatch
@@ -42,6 +40,7 @@ from bus.loopback import LocalBus, Registration
 from bus.messages import encode_json, prepare
 from bus.scouting import Scouting
 from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
+from bus.zenoh_conversation import ConversationListening, ZenohQuery
 from configs.default_bus import default_bus
 from configs.loader import ConfigError
 
@@ -223,6 +222,7 @@ class ZenohBus(Bus):
 
     def subscribe_latest(self, key: str, on_sample: Callable[[Sample], None], period: float) -> Subscription:
         """Hear the latest sample on a key."""
+        check_handler(on_sample)
         self._require("declare_subscriber", plain_key(key))
         with self._usable():
             subscriber = self._session.declare_subscriber(key, zenoh.handlers.RingChannel(1))
@@ -230,6 +230,7 @@ class ZenohBus(Bus):
 
     def serve(self, key: str, answer: Answerer, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key."""
+        check_handler(answer)
 
         def respond(query: zenoh.Query) -> None:
             with query:
@@ -243,30 +244,14 @@ class ZenohBus(Bus):
         self._require("declare_queryable", key)
         return self._listen(key, respond, declare, urgent, self._handlers.post_query)
 
-    def query(
-        self, key_expr: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
-    ) -> list[Answer]:
-        """Ask everyone who serves a matching key, and wait until all have answered."""
-        key = key_expression(key_expr)
-        payload = encode_json(arguments or {})
-        self._require("query", key_expr)
-        with self._usable():
-            replies = self._ask(key, payload, timeout)
-            while not replies and time.monotonic() < self._met_at:
-                time.sleep(ASK_AGAIN_AFTER)
-                replies = self._ask(key, payload, timeout)
-        return sorted_out(key_expr, replies)
-
     def converse(self, key: str, handler: Talker, *, urgent: bool = False) -> Subscription:
         """Answer queries on a key with any number of replies."""
-
-        def respond(query: zenoh.Query) -> None:
-            payload = query.payload
-            talked(key, handler, payload.to_bytes() if payload else b"", ZenohConversation(key, query))
-
+        check_handler(handler)
         declare = partial(self._session.declare_queryable, plain_key(key))
         self._require("declare_queryable", key)
-        return self._listen(key, respond, declare, urgent, self._handlers.post_query)
+        with self._usable():
+            listening = ConversationListening(self._declared, key, handler, urgent)
+            return self._declare(listening, declare, urgent, self._handlers.post_query)
 
     def ask(
         self,
@@ -279,6 +264,7 @@ class ZenohBus(Bus):
         urgent: bool = False,
     ) -> Subscription:
         """Ask everyone who serves a matching key, and hear every reply as it comes."""
+        check_timeout(timeout)
         get = partial(
             self._session.get,
             key_expression(key_expr),
@@ -291,9 +277,9 @@ class ZenohBus(Bus):
         self._require("query", key_expr)
         with self._usable():
             replies = Replies(key_expr, on_reply, on_end)
-            asking = ZenohAsking(self._declared, get, self._handlers, replies, timeout, self._met_at, urgent)
-            asking.begin()
-        return asking
+            query = ZenohQuery(self._declared, get, self._handlers, replies, timeout, self._met_at, urgent)
+            get(**query.options())
+        return query
 
     def declare_alive(self, key: str) -> Subscription:
         """Show a token while this session lives."""
@@ -341,26 +327,6 @@ class ZenohBus(Bus):
                 key, payload, encoding=encoding, congestion_control=congestion, attachment=attachment or None
             )
 
-    def _ask(self, key: zenoh.KeyExpr, payload: bytes, timeout: float) -> list[RawReply]:
-        """One round: every reply, in the order of arrival.
-
-        Consolidation would keep only the last of several replies on one key.
-        """
-        replies = []
-        for reply in self._session.get(
-            key,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=timeout,
-            payload=payload,
-            encoding=JSON,
-            attachment=self._identity,
-        ):
-            if (heard := read_reply(reply)) is None:
-                raise TimedOut(f"someone who serves {key} has not answered within {timeout:g} s")
-            replies.append(heard)
-        return replies
-
     def _listen(
         self,
         key_expr: str,
@@ -371,15 +337,25 @@ class ZenohBus(Bus):
     ) -> Subscription:
         """Declare a subscriber or queryable whose handler runs on this bus's thread, or at once if it is urgent."""
         with self._usable():
-            listening = Listening(self._declared, guarded(key_expr, handler))
-            take = listening.hear if urgent else partial(post or self._handlers.post, listening)
+            listening = Listening(self._declared, guarded(key_expr, handler), urgent)
+            return self._declare(listening, declare, urgent, post or self._handlers.post)
 
-            def call(item: object) -> None:
-                threads.keep()
-                take(item)
+    def _declare(
+        self,
+        listening: Listening,
+        declare: Callable[[Any], Undeclarable],
+        urgent: bool,
+        post: Callable[[Listening, Any], None],
+    ) -> Subscription:
+        """Declare on the session what listens."""
 
-            # Called on Zenoh's own thread; by default there would be a thread for every declaration.
-            listening.handle = declare(zenoh.handlers.Callback(call, indirect=False))
+        def hand_on(item: object) -> None:
+            threads.keep()
+            post(listening, item)
+
+        # Called on Zenoh's own thread; by default there would be a thread for every declaration.
+        handler = zenoh.handlers.Callback(listening.hear if urgent else hand_on, indirect=False)
+        listening.handle = declare(handler)
         return listening
 
     def _has_met_elders(self) -> bool:

@@ -27,8 +27,11 @@ INTEGER_LIMIT = 2**64
 
 # Category Cc but for those, and lone surrogates, which UTF-8 cannot carry.
 _NOT_TEXT = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")
-# What JSON text shows if its value can break a rule: an escape, a control character, a large number, or none of JSON's.
-_SUSPICIOUS = re.compile(r"[\\\x7f-\x9f]|\d{19}|[eE]\+?\d{3}|NaN|Infinity")
+# JSON whose digits are all 0, without plus signs, shows what follows if its value can break a rule: an escape or DEL, a
+# long integer, a large exponent. Searching for bytes takes a tenth of the time that a regular expression takes.
+_SHAPE = bytes.maketrans(b"123456789E\x7f", b"000000000e\\")
+_SUSPICIOUS_SHAPES = (b"\\", b"0" * 19, b"e000")
+_NOT_JSON = (b"NaN", b"Infinity")
 # A string, whether it ends or not, or a bracket. The possessive quantifier keeps the search linear.
 _STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"?|[\[\]{}]', re.DOTALL)
 
@@ -61,13 +64,22 @@ def check_nesting(text: str) -> None:
             depth -= 1
 
 
-def check_json(text: str, value: Any) -> None:
-    """Refuse a JSON value that holds what must not be passed on; the text from which it was decoded spares most looks.
+def check_json(payload: bytes, value: Any) -> None:
+    """Refuse a JSON value that holds what must not be passed on.
 
+    Args:
+        payload: The JSON from which the value was decoded. It shows whether the value has to be searched at all.
+        value: What was decoded.
     Raises:
         MessageError: As `check_value`.
     """
-    if _SUSPICIOUS.search(text):
+    shape = payload.translate(_SHAPE, b"+")
+    is_plain = (
+        payload.isascii()
+        and not any(part in shape for part in _SUSPICIOUS_SHAPES)
+        and not any(part in payload for part in _NOT_JSON)
+    )
+    if not is_plain:
         check_value(value)
 
 

@@ -9,12 +9,12 @@ One that is lost may come back, and whoever wants its pictures opens it again.
 
 
 class CameraError(Exception):
-    """The root. The message is one sentence that says what to do."""
+    """Base class of the errors of cameras. The message says what to do."""
 
 
 class CameraNotUsable(CameraError):
-    """The camera is written wrong, or something is missing to open it."""
+    """The address of the camera is not valid, or a package that is needed to open it is not installed."""
 
 
 class CameraLost(CameraError, ConnectionError):
-    """The camera is not there, or gives no pictures."""
+    """The camera cannot be reached, or sends no pictures."""

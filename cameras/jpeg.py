@@ -15,6 +15,8 @@ def picture_size(data: bytes) -> tuple[int, int] | None:
 
     Source: ITU-T T.81, annex B: a frame's header gives its height and then its width.
     """
+    if not isinstance(data, bytes):
+        raise TypeError(f"a picture must be bytes, not {type(data).__name__}")
     if not (data.startswith(START) and data.rstrip(b"\0").endswith(END)):
         return None
     at = len(START)

@@ -49,13 +49,7 @@ def check_source(where: str) -> None:
     Raises:
         CameraNotUsable: It is written wrong, or a part of the installation is missing.
     """
-    if not where:
-        raise CameraNotUsable("the camera is empty text; give http://HOST:PORT/PATH, or a device as /dev/video0")
-    try:
-        parts = urlsplit(where)
-        parts.port  # noqa: B018 - it is read here to see that it can be
-    except ValueError as error:
-        raise CameraNotUsable(f"{where} is no address: {error}; write http://HOST:PORT/PATH") from error
+    parts = _split(where)
     if parts.scheme and parts.scheme not in SCHEMES:
         raise CameraNotUsable(f"{where} is no camera; give a URL that begins with http://, or a device as /dev/video0")
     if parts.scheme and not parts.hostname:
@@ -71,9 +65,24 @@ def open_source(where: str) -> CameraSource:
         where: A URL of an MJPEG stream; or a device, by its path or its number.
     Raises:
         CameraLost: It is not there, or gives no pictures.
+        CameraNotUsable: `where` is not an address.
     """
-    parts = urlsplit(where)
+    parts = _split(where)
     return UrlSource(parts) if parts.scheme else DeviceSource(where)
+
+
+def _split(where: str) -> SplitResult:
+    """Parse an address; a device has no scheme."""
+    if not isinstance(where, str):
+        raise CameraNotUsable(f"the camera is a text, as http://HOST:PORT/PATH or /dev/video0, not {where!r}")
+    if not where:
+        raise CameraNotUsable("the camera is empty text; give http://HOST:PORT/PATH, or a device as /dev/video0")
+    try:
+        parts = urlsplit(where)
+        parts.port  # noqa: B018 - it is read here to see that it can be
+    except ValueError as error:
+        raise CameraNotUsable(f"{where} is no address: {error}; write http://HOST:PORT/PATH") from error
+    return parts
 
 
 class UrlSource:

@@ -23,6 +23,7 @@ LONGEST_QUOTE = 200  # characters of a value in an error
 MAX_DEPTH = 64  # levels of a dotted key; lists and tables end where Python's parser ends
 FILE_SUFFIXES = (SUFFIX, PARAMETER_SUFFIX, ".map")
 KINDS = ("robots", "worlds", "links", "bus", "accessories", "teams", "wrappers")
+_CALLED = {"bus": "bus profiles"}
 # The time that tomllib needs for a key grows with the square of its levels.
 _KEY = r"""(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+"""
 _DEEP_KEY = re.compile(rf"(?:{_KEY}\.[ \t]*+){{{MAX_DEPTH}}}")
@@ -46,13 +47,16 @@ def find(kind: str, name: str) -> Path:
     Raises:
         ConfigError: There is no such file; the message gives the nearest names.
     """
-    for path in _files(kind):
+    files = _files(kind)
+    if not isinstance(name, str):
+        raise ConfigError(f"a name of {_CALLED.get(kind, kind)} is a text, not {name!r}")
+    for path in files:
         if name in (path.name, path.stem):
             return path
     elsewhere = Path(name)
     if elsewhere.is_file():
         return elsewhere
-    called = "bus profiles" if kind == "bus" else kind
+    called = _CALLED.get(kind, kind)
     if name and elsewhere.is_dir():
         raise ConfigError(f"{name} is a folder; give the file or one of the {called} {_listed(names(kind))}")
     if elsewhere.name != name or elsewhere.suffix in FILE_SUFFIXES:
@@ -75,7 +79,7 @@ def nearest(kind: str, name: str, likeness: float = 0.4) -> list[str]:
         At most three, the nearest first; only one when that is the same but for upper and lower case.
     """
     known = {full_name(kind, each).lower(): each for each in names(kind)} | {each: each for each in names(kind)}
-    wanted = name.lower()
+    wanted = str(name).lower()
     if wanted in known:
         return [known[wanted]]
     return list(dict.fromkeys(known[text] for text in difflib.get_close_matches(wanted, known, 6, likeness)))[:3]
@@ -93,12 +97,13 @@ def full_name(kind: str, name: str) -> str:
     return str(read(path).get("full_name", "")) if path.suffix == SUFFIX else ""
 
 
-def read(path: Path) -> dict[str, Any]:
+def read(path: str | Path) -> dict[str, Any]:
     """Parse a TOML file, or a robot's parameter file (`.p`) as ARIA's programs keep them.
 
     Raises:
         ConfigError: The file cannot be read or has an error; the message names file, line and reason.
     """
+    path = Path(path)
     try:
         if path.suffix == PARAMETER_SUFFIX:
             return parse(path.read_text(encoding="latin-1"), lambda name: read(find("robots", name)), names("robots"))
@@ -147,6 +152,8 @@ def build(cls: type[T], table: Mapping[str, Any], source: str) -> T:
     Raises:
         ConfigError: A key is unknown or missing, or a value has the wrong type.
     """
+    if not isinstance(table, Mapping):
+        raise ConfigError(f"{source}: a table is needed, not {table!r}")
     from_table: Callable[[Mapping[str, Any]], T] | None = getattr(cls, "from_table", None)
     if from_table is None:
         return _build_dataclass(cls, table, source, "")
@@ -158,7 +165,8 @@ def build(cls: type[T], table: Mapping[str, Any], source: str) -> T:
 
 def _build_dataclass(cls: type[T], table: Mapping[str, Any], source: str, path: str) -> T:
     if not is_dataclass(cls):
-        raise TypeError(f"{cls.__name__} is no dataclass and has no from_table")
+        name = getattr(cls, "__name__", repr(cls))
+        raise TypeError(f"{name} is no dataclass and has no from_table; give a class such as p2os.RobotModel")
     hints = get_type_hints(cls)
     for key in table:
         if key not in hints:

@@ -22,7 +22,7 @@ from typing import ClassVar
 
 
 class GatewayError(Exception):
-    """The base of all errors of the gateway. The message is one sentence that says what to do."""
+    """Base class of the errors of a gateway. The message says what happened and what to do."""
 
     exit_code: ClassVar[int] = 1
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from math import pi
+from numbers import Real
 from pathlib import Path
 
 from configs import ConfigError, build, read
@@ -125,8 +126,9 @@ class CameraSettings:
     field_of_view_rad: float | None = None
 
     def __post_init__(self) -> None:
-        if self.field_of_view_rad is not None and not 0.0 < self.field_of_view_rad < pi:
-            raise ValueError(f"camera.field_of_view_rad must be between 0 and pi, not {self.field_of_view_rad}")
+        angle = self.field_of_view_rad
+        if angle is not None and not (_is_number(angle) and 0.0 < angle < pi):
+            raise ValueError(f"camera.field_of_view_rad must be between 0 and pi, not {angle}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +163,7 @@ class Settings:
     laser: LaserSettings = field(default_factory=LaserSettings)
 
     def __post_init__(self) -> None:
-        if not self.unbound_motion_s >= 0.0:
+        if not _is_number(self.unbound_motion_s) or not self.unbound_motion_s >= 0.0:
             raise ValueError(f"unbound_motion_s must be 0 s or more, not {self.unbound_motion_s}")
         rates = sorted(BAUD_CODES.values())
         if self.raise_baud_to is not None and self.raise_baud_to not in rates:
@@ -191,5 +193,9 @@ def load_settings(path: Path) -> Settings:
 def _check_above_zero(table: str, values: object, keys: Iterable[str]) -> None:
     for key in keys:
         value: float | None = getattr(values, key)
-        if value is not None and not value > 0.0:
+        if value is not None and not (_is_number(value) and value > 0.0):
             raise ValueError(f"{table}.{key} must be above 0, not {value}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real)

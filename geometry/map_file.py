@@ -77,14 +77,14 @@ class MapFile:
         return homes[0].pose if homes else None
 
 
-def read_map(path: Path) -> MapFile:
+def read_map(path: str | Path) -> MapFile:
     """Read a map file.
 
     Raises:
         MapError: the file cannot be read, is no map, or a row of it makes no sense.
     """
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = Path(path).read_text(encoding="utf-8", errors="replace")
     except OSError as err:
         raise MapError(f"{path}: cannot be read: {err.strerror}") from err
     return parse_map(text, str(path))

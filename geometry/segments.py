@@ -5,7 +5,9 @@ from math import cos, hypot, inf, sin
 from typing import NamedTuple
 
 Point = tuple[float, float]
+"""x and y, m."""
 Polygon = tuple[Point, ...]
+"""Corners in their order along the outline, m; the last one is joined to the first."""
 
 
 class Segment(NamedTuple):

@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from p2os.command_table import COMMANDS, Argument, Command
-from p2os.errors import EncodeError
+from p2os.errors import EncodeError, check_bytes
 from p2os.fields import FIXED_SCALES, Quantity
 from p2os.framing import MAX_PAYLOAD, encode_frame
 
@@ -25,6 +25,7 @@ MAX_DATA = MAX_PAYLOAD - 2
 """Bytes behind the command number and the argument type."""
 
 CommandValue = float | bytes | tuple[int, int]
+"""Argument of a command: a quantity in the unit of its row in `COMMANDS`, bytes, or two bytes (high, low)."""
 
 
 class ReceivedCommand(NamedTuple):
@@ -49,7 +50,7 @@ def encode_command(command: Command, value: CommandValue | None = None) -> bytes
     Raises:
         EncodeError: There is no such command, or the value does not fit its argument.
     """
-    row = COMMANDS.get(command)
+    row = COMMANDS.get(command) if isinstance(command, int) else None
     if row is None:
         meant = (
             f"Command.{command}" if str(command) in Command.__members__ else "a member of Command, such as Command.VEL"
@@ -104,7 +105,12 @@ def _encode_two_bytes(command: Command, high: int, low: int) -> bytes:
 
 
 def decode_command(payload: bytes) -> ReceivedCommand:
-    """Read the payload of a frame from a host. Whatever it holds, this never fails."""
+    """Read the payload of a frame from a host. Every payload has a result.
+
+    Raises:
+        TypeError: The payload is not bytes.
+    """
+    check_bytes("payload", payload)
     if not payload:
         return ReceivedCommand(0, None)
     number = payload[0]

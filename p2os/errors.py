@@ -21,3 +21,13 @@ class DecodeError(P2OSError, ValueError):
 
 class LocalProtocolError(P2OSError):
     """We broke the protocol."""
+
+
+def check_bytes(what: str, value: object) -> None:
+    """Check the type of an argument that holds bytes.
+
+    Raises:
+        TypeError: It is of another type; the message names the argument.
+    """
+    if not isinstance(value, (bytes, bytearray, memoryview)):  # a union of types takes three times as long
+        raise TypeError(f"{what} must be bytes, not {value!r}")

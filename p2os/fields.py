@@ -197,7 +197,10 @@ def to_count(field: Field, value: float, scales: Scales) -> int:
 def fits(field: Field, value: float, scales: Scales) -> bool:
     """Whether a field can carry a value."""
     low, high = limits(field.code)
-    return math.isfinite(value) and low <= _nearest(field, value, scales) <= high
+    try:
+        return math.isfinite(value) and low <= _nearest(field, value, scales) <= high
+    except TypeError:  # not a number
+        return False
 
 
 def misfit(field: Field, value: float, scales: Scales) -> EncodeError:

@@ -103,6 +103,7 @@ FIRMWARES: Mapping[Family, Firmware] = {
         replace(_ARCOS, family=Family.UARCS),
     )
 }
+"""What each firmware family does differently."""
 
 BAUD_CODES: Mapping[int, int] = {0: 9600, 1: 19200, 2: 38400, 3: 57600, 4: 115200}
 """Argument of HOSTBAUD and AUXnBAUD, and baud fields of CONFIGpac, to bit/s. Source: Pioneer 3 operations manual."""

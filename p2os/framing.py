@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from enum import StrEnum
 from typing import NamedTuple
 
-from p2os.errors import EncodeError
+from p2os.errors import EncodeError, check_bytes
 
 SYNC = b"\xfa\xfb"
 CHECKSUM_SIZE = 2
@@ -35,6 +35,7 @@ def checksum(payload: bytes) -> int:
 
     Source: Pioneer 3 operations manual, packet checksum; the odd byte as client libraries count it.
     """
+    check_bytes("payload", payload)
     words = int.from_bytes(payload, "big")
     odd = 0
     if len(payload) & 1:
@@ -50,7 +51,9 @@ def encode_frame(payload: bytes) -> bytes:
 
     Raises:
         EncodeError: The payload is empty or longer than a frame may carry.
+        TypeError: The payload is not bytes.
     """
+    check_bytes("payload", payload)
     size = len(payload)
     if not 1 <= size <= MAX_PAYLOAD:
         raise EncodeError(f"payload of {size} bytes does not fit a frame, which carries 1 to {MAX_PAYLOAD}")
@@ -118,7 +121,10 @@ class FrameDecoder:
             now: Steady time, s.
         Returns:
             What was found, in the order of the line.
+        Raises:
+            TypeError: `data` is not bytes.
         """
+        check_bytes("data", data)
         events: list[Frame | Damaged] = []
         buffer = self._buffer
         if buffer and now - self._last_byte_at >= PARTIAL_TIMEOUT:

@@ -23,11 +23,11 @@ from p2os.accessory_packets import (
     Reset,
 )
 from p2os.configuration import Configuration
-from p2os.errors import DecodeError
+from p2os.errors import DecodeError, check_bytes
 from p2os.fields import Field, Quantity, Ring, fields_of
 from p2os.firmware import FIRMWARES
 from p2os.packing import pack, unpack
-from p2os.robot_model import RobotModel
+from p2os.robot_model import RobotModel, check_model
 from p2os.simulator_packets import (
     SIMULATOR_STATE,
     ExtendedLaser,
@@ -139,6 +139,7 @@ Packet = (
     | MtxPacket
     | UnknownPacket
 )
+"""Everything that `decode_packet` returns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,8 +231,10 @@ def encode_packet(packet: Packet, model: RobotModel) -> bytes:
     Returns:
         The payload of its frame.
     Raises:
-        EncodeError: A value does not fit its field.
+        EncodeError: A value does not fit its field, or is of another type.
+        TypeError: `packet` is not a packet, or `model` not a `RobotModel`.
     """
+    check_model(model)
     match packet:
         case StandardSip():
             return SipCodec(model).encode(packet)
@@ -247,6 +250,8 @@ def encode_packet(packet: Packet, model: RobotModel) -> bytes:
             return bytes([PacketType.SIMULATOR_STATE]) + pack(fields, values, model.scales)
         case UnknownPacket(packet_type, body) | MtxPacket(packet_type, body):
             return bytes([packet_type]) + body
+    if type(packet) not in _BY_CLASS:
+        raise TypeError(f"packet must be one of the packet classes of p2os, not {packet!r}")
     packet_type, layout = _BY_CLASS[type(packet)]
     return bytes([packet_type]) + pack(layout.fields, packet, model.scales)
 
@@ -259,8 +264,13 @@ def decode_packet(payload: bytes, model: RobotModel, codec: SipCodec | None = No
         model: Gives the scales.
         codec: The model's SIP codec; keep one where SIPs come often, it compiles their layouts once.
     Raises:
-        DecodeError: A packet of a fixed size ends too early.
+        DecodeError: The payload is empty, or a packet of a fixed size ends too early.
+        TypeError: `payload` is not bytes, or `model` not a `RobotModel`.
     """
+    check_bytes("payload", payload)
+    check_model(model)
+    if not payload:
+        raise DecodeError("the payload is empty; a packet begins with its type")
     packet_type, body = payload[0], payload[1:]
     if packet_type in SIP_TYPES:
         return (codec or SipCodec(model)).decode(payload)

@@ -266,3 +266,14 @@ class _Table:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def check_model(model: object) -> None:
+    """Check the type of an argument that is a robot model.
+
+    Raises:
+        TypeError: It is of another type, such as the name of a model.
+    """
+    if not isinstance(model, RobotModel):
+        hint = f"configs.load(RobotModel, 'robots', {model!r})" if isinstance(model, str) else "a RobotModel"
+        raise TypeError(f"model must be a RobotModel, not {model!r}; give {hint}")

@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple
 from p2os.errors import DecodeError, EncodeError
 from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fields_of, fits, misfit
 from p2os.firmware import FIRMWARES
-from p2os.robot_model import RobotModel
+from p2os.robot_model import RobotModel, check_model
 
 STOPPED = 0x32
 MOVING = 0x33
@@ -249,7 +249,10 @@ class SipCodec:
         Args:
             model: Gives scales and firmware family.
             last_field: The last field to send, if it is not the one of the firmware family.
+        Raises:
+            TypeError: `model` is not a `RobotModel`.
         """
+        check_model(model)
         self._scales = model.scales
         last = last_field or FIRMWARES[model.firmware].last_sip_field
         self._sent = [field.name for field in TAIL].index(last) + 1
@@ -282,7 +285,7 @@ class SipCodec:
         """Write a packet.
 
         Raises:
-            EncodeError: A value does not fit its field.
+            EncodeError: A value does not fit its field, or is of another type.
         """
         tail = sip[_FIRST : _FIRST + self._sent]
         if None in tail:
@@ -302,7 +305,7 @@ class SipCodec:
             for number, metres in sip.sonar:
                 sonar += number, _round(metres * per_metre)
             return layout.struct.pack(*counts[:_FIRST], *sonar, *counts[_FIRST:])
-        except (ValueError, OverflowError, error) as err:
+        except (TypeError, ValueError, OverflowError, error) as err:
             raise self._explain(layout, sip) from err
 
     def _learn(self, payload: bytes) -> _Layout:

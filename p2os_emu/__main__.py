@@ -118,6 +118,12 @@ def _emulate(options: EmulatorOptions) -> None:
         control = ControlSocket(_control_path(options, stack), poller, requests.answer)
         stack.callback(control.close)
         runner.between_steps += [control.serve, cameras.tend]
+        runner.needs_each_step += [
+            lambda: control.has_requests,
+            lambda: cameras.are_watched,
+            lambda: bool(faults.faults),
+            lambda: options.gui,
+        ]
         if not options.quiet:
             runner.between_steps.append(lambda: _report_load(runner))
 

@@ -58,6 +58,11 @@ class ControlSocket:
         self._listener = _listen(path)
         poller.watch(self._listener.fileno(), self._on_knock)
 
+    @property
+    def has_requests(self) -> bool:
+        """Whether requests wait for an answer."""
+        return bool(self._requests)
+
     def serve(self) -> None:
         """Answer what has been asked, but no more than leaves time for the next step."""
         for _ in range(min(len(self._requests), _REQUESTS_PER_STEP)):

@@ -1,6 +1,7 @@
 """Something with a serial port of its own: a laser scanner, an arm's modules, a camera head behind an AUX port."""
 
 from collections.abc import Callable
+from math import inf
 from typing import Protocol
 
 from p2os_emu.links.line import EmulatedLine
@@ -27,13 +28,22 @@ class Device(Protocol):
         ...
 
 
+class CableDevice(Device, Protocol):
+    """A device on a line of its own, which may send unasked."""
+
+    @property
+    def silence(self) -> float:
+        """Time in which it sends nothing unless it or the robot receives something, s."""
+        ...
+
+
 class Cable:
     """A device on a line of its own, beside the robot's.
 
     is_powered: without power the device hears and says nothing.
     """
 
-    def __init__(self, make: Callable[[], Device], line: EmulatedLine) -> None:
+    def __init__(self, make: Callable[[], CableDevice], line: EmulatedLine) -> None:
         """Connect a device.
 
         Args:
@@ -44,6 +54,13 @@ class Cable:
         self.line = line
         self.is_powered = True
         self._make = make
+
+    @property
+    def silence(self) -> float:
+        """Time in which nothing is sent unless something is received, s."""
+        if not self.line.is_plain:
+            return 0.0
+        return self.device.silence if self.is_powered else inf
 
     def think(self, now: float, dt: float) -> bytes:
         """Take what has come over the line and let the device take a step; returns what it has to say."""

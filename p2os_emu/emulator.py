@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from math import inf
 from random import Random
 from typing import Any
 
@@ -45,6 +46,15 @@ class EmulatedRobot:
     is_frozen: bool = False
     is_powered: bool = True
     was_attached: bool = False
+
+    @property
+    def silence(self) -> float:
+        """Time in which nothing is sent unless something is received, s."""
+        if not self.line.is_plain:
+            return 0.0
+        runs = self.is_powered and not self.is_frozen
+        own = self.microcontroller.silence if runs else inf
+        return min(own, *(cable.silence for cable in self.cables.values())) if self.cables else own
 
     def think(self, now: float) -> bytes:
         """Take what has come over the line and let the firmware take a step; returns what it has to say."""
@@ -153,6 +163,13 @@ class Emulator:
     def time(self) -> float:
         """Emulated time since the start, s."""
         return self._world.time
+
+    @property
+    def silence(self) -> float:
+        """Time in which no robot sends anything unless something is received, s; inf for one that waits for clients."""
+        if self._hangup_stops:
+            return 0.0  # clients that leave are looked for at every step
+        return min((robot.silence for robot in self.robots.values()), default=inf)
 
     def add(
         self,

@@ -15,7 +15,7 @@ from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.accessories.tcm2 import Tcm2, Tcm2Spec
 from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.body import Body
-from p2os_emu.device import Device
+from p2os_emu.device import CableDevice
 from p2os_emu.fit import Fit, FitError
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
@@ -37,13 +37,13 @@ class FittingContext(NamedTuple):
     rng: Random
 
 
-def _powercube(bench: FittingContext) -> Device:
+def _powercube(bench: FittingContext) -> CableDevice:
     if bench.body.arm is None:
         raise FitError("this world has no joints, and so no arm; take one with physics")
     return PowerCubeArm(load(ArmModel, "accessories", "powercube-arm"), bench.body.arm)
 
 
-def _laser(bench: FittingContext) -> Device:
+def _laser(bench: FittingContext) -> CableDevice:
     def has_power() -> bool:
         return not mount.power_controlled or bench.microcontroller.outputs.power[LASER_POWER]
 
@@ -51,7 +51,7 @@ def _laser(bench: FittingContext) -> Device:
     return Lms200(load(ScannerModel, "accessories", "lms200"), mount, bench.body, has_power)
 
 
-CABLED: Mapping[tuple[str, str], Callable[[FittingContext], Device]] = {
+CABLED: Mapping[tuple[str, str], Callable[[FittingContext], CableDevice]] = {
     ("laser", "lms200"): _laser,
     ("arm", "powercube"): _powercube,
 }
@@ -94,7 +94,7 @@ def plugged_head(controller: Microcontroller) -> Vcc4 | EviD30 | None:
     return device if isinstance(device, Vcc4 | EviD30) else None
 
 
-def cabled(part: str, bench: FittingContext) -> Device:
+def cabled(part: str, bench: FittingContext) -> CableDevice:
     """Make the device of a part that has a cable of its own."""
     return CABLED[part, bench.fit.parts[part]](bench)
 

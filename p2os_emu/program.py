@@ -22,12 +22,16 @@ _SPEAKER = "p2os-emu: "
 
 
 class ChildFailed(RuntimeError):
-    """A program that was started ended before it was ready, or does not answer; the message holds what it said."""
+    """The emulator ended before it was ready, refused a request or no longer answers; the message quotes it."""
 
 
 @dataclass(frozen=True, slots=True)
 class EmulatedRobots:
-    """A running `p2os-emu`: its process, its robots as it announced them, and its control socket, if it has one."""
+    """A running `p2os-emu`.
+
+    process: the child. robots: for each robot its name, model and ports, as in the output of `--json`. control: path of
+    the control socket; empty without one.
+    """
 
     process: subprocess.Popen[str]
     robots: tuple[dict[str, Any], ...]
@@ -35,11 +39,11 @@ class EmulatedRobots:
 
     @property
     def port(self) -> str:
-        """The first robot's port."""
+        """Port of the first robot."""
         return str(self.robots[0]["port"])
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Put one request to the control socket.
+        """Send one request to the control socket and return the reply.
 
         Raises:
             ChildFailed: The emulator refused, or is gone.

@@ -28,6 +28,8 @@ import pytest
 from p2os_emu.program import ChildFailed
 from p2os_emu.robot_for_tests import RobotForTests, start
 
+__all__ = ["emulate_robots", "emulated_robot"]
+
 MARKER = "emulated_robot"
 _USUAL = "p3dx"
 
@@ -39,7 +41,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers",
         f"{MARKER}(model='{_USUAL}', *, fit, world, link, faults, flash, seed, perfect): what the fixture of this name "
-        "gives; see p2os_emu.robot_for_tests.start",
+        "gives; see p2os_emu.start",
     )
 
 
@@ -48,7 +50,7 @@ def emulate_robots() -> Iterator[EmulateRobots]:
     """Factory of emulated robots: `happy, grumpy = emulate_robots("p3dx:happy", "amigo:grumpy", world="office")`.
 
     Each call starts a world of its own; all of them end with the test. It takes models and options as
-    `p2os_emu.robot_for_tests.start` does. A test whose robot cannot be had fails with the emulator's own sentence.
+    `p2os_emu.start` does. A test whose robot cannot be had fails with the emulator's own sentence.
     """
     with ExitStack() as running:
 

@@ -21,11 +21,11 @@ _LOOKS = 10  # so many in a row must find a robot at rest
 
 @dataclass(frozen=True, slots=True)
 class RobotTruth:
-    """A robot as it really is, which no client can see.
+    """The true state of a robot, which no client can see.
 
-    time: s since the emulator's start. x, y, heading: of the middle of the axle in the world, m, m, rad. linear,
-    angular: m/s forward, rad/s counter-clockwise. connected: a client has opened the connection. motors_enabled: the
-    motors have power. battery_charge: 0 to 1. frames_dropped: because the client does not read.
+    time: s since the emulator's start. x, y, heading: pose of the middle of the axle in the frame of the world, m, m,
+    rad. linear, angular: m/s forward, rad/s counter-clockwise. connected: a client has opened the connection.
+    motors_enabled: the motors have power. battery_charge: 0 to 1. frames_dropped: because the client does not read.
     """
 
     time: float
@@ -42,7 +42,7 @@ class RobotTruth:
 
 @dataclass(frozen=True, slots=True)
 class RunningFault:
-    """A fault that a test has asked for; it may also end by itself."""
+    """A fault that a test has requested. It may also end by its own duration."""
 
     number: int
     spec: str
@@ -54,7 +54,7 @@ class RunningFault:
         return all(row["number"] != self.number for row in self._emulator.ask("faults")["faults"])
 
     def clear(self) -> None:
-        """End it now, or call it off if it has not begun; nothing if it is over."""
+        """End the fault now, or cancel it if it has not begun. Does nothing if it is over."""
         try:
             self._emulator.ask("clear", number=self.number)
         except ChildFailed:
@@ -79,20 +79,23 @@ class RobotForTests:
         self.camera_url: str | None = entry["camera_url"]
 
     def truth(self) -> RobotTruth:
-        """Where the robot really is and what state it is in."""
+        """Return the true pose, velocity and state of the robot."""
         answer = self.emulator.ask("truth", robot=self.name)
         row = {"time": answer["time"], **answer["robots"][self.name]}
         return RobotTruth(**{field.name: row[field.name] for field in fields(RobotTruth)})
 
     def fault(self, spec: str) -> RunningFault:
-        """Let something go wrong: `robot.fault("sonar-dead:disc=3@1+5")`; `p2os-emu --list-faults` explains each.
+        """Apply a fault: `robot.fault("sonar-dead:disc=3@1+5")`; `p2os-emu --list-faults` explains each.
 
-        It befalls this robot, whatever others there are. Without START it begins with the next step.
+        The fault is applied to this robot only. Without START it begins with the next step.
 
         Raises:
             ChildFailed: The emulator refuses, and says what this robot can suffer.
+            TypeError: `spec` is not a text.
         """
         __tracebackhide__ = True
+        if not isinstance(spec, str):
+            raise TypeError(f"a fault is a text such as 'line-cut@1+5', not {spec!r}")
         name, colon, rest = spec.partition(":")
         if not colon:
             name, at, rest = spec.partition("@")
@@ -102,11 +105,11 @@ class RobotForTests:
         return RunningFault(self.emulator.ask("fault", fault=mine)["number"], mine, self.emulator)
 
     def clear(self) -> None:
-        """End every fault of this emulator, and call off those to come."""
+        """End every fault of this emulator, and cancel those that have not begun."""
         self.emulator.ask("clear")
 
     def place(self, x: float, y: float, heading: float = 0.0) -> None:
-        """Put the robot elsewhere in the world, m, m, rad, as a hand would; its odometry does not notice."""
+        """Move the robot to a pose in the world, m, m, rad. Its odometry does not change."""
         self.emulator.ask("pose", robot=self.name, x=x, y=y, heading=heading)
 
     def wait_until(
@@ -161,7 +164,7 @@ def start(
     world: str | Path = "empty",
     link: str = "ideal",
     faults: Iterable[str] = (),
-    flash: Path | Mapping[str, object] | None = None,
+    flash: str | Path | Mapping[str, object] | None = None,
     seed: int = 0,
     perfect: bool = False,
     tcp: bool = False,
@@ -173,29 +176,30 @@ def start(
         models: MODEL or MODEL:NAME of each, as `--robot`.
         fit: Accessories, as `--fit`: one text or several.
         world: Name or file.
-        link: What the cables do to bytes, as `--link`.
+        link: Link profile of the serial lines, as `--link`.
         faults: Specs, as `--fault`; their START counts from the start of the emulator.
         flash: FLASH parameters that replace the factory's: a TOML file, or names and values.
-        seed: Decides everything that chance would.
-        perfect: No imperfections of body and sensors.
+        seed: Seed of the random generators.
+        perfect: Without the imperfections of body and sensors.
         tcp: TCP ports in place of pseudo-terminals.
         options: Further options of `p2os-emu`.
     Raises:
         ChildFailed: The emulator could not start; the message is its own sentence.
+        TypeError: A model, accessory, fault or option is not a text.
     """
     with ExitStack() as stack:
         arguments = ["--world", str(world), "--link", link, "--seed", str(seed), "--quiet"]
         for option, values in ("--robot", models), ("--fit", _listed(fit)), ("--fault", _listed(faults)):
-            for value in values:
+            for value in _texts(option, values):
                 arguments += [option, value]
         if flash is not None:
-            file = flash if isinstance(flash, Path) else _written(flash, stack)
+            file = flash if isinstance(flash, str | Path) else _written(flash, stack)
             arguments += ["--flash", str(file)]
         if perfect:
             arguments.append("--perfect")
         if tcp:
             arguments += ["--tcp", "0"]
-        running = stack.enter_context(emulator(*arguments, *options))
+        running = stack.enter_context(emulator(*arguments, *_texts("options", _listed(options))))
         yield tuple(RobotForTests(running, entry) for entry in running.robots)
 
 
@@ -205,6 +209,13 @@ def _stands(truth: RobotTruth) -> bool:
 
 def _listed(given: str | Iterable[str]) -> Iterable[str]:
     return [given] if isinstance(given, str) else given
+
+
+def _texts(option: str, values: Iterable[str]) -> Iterable[str]:
+    """Check that all are texts: the arguments of a program are nothing else."""
+    if not isinstance(values, Iterable) or not all(isinstance(value, str) for value in values):
+        raise TypeError(f"{option.strip('-')}: texts are needed, not {values!r}")
+    return values
 
 
 def _written(flash: Mapping[str, object], stack: ExitStack) -> Path:

@@ -65,8 +65,10 @@ class Recording:
 class ServedRobot:
     """A player on a line; a runner moves it as it moves an emulator.
 
-    time: s since the start.
+    time: s since the start. silence: as that of an emulator; what is on the recording is sent at its step.
     """
+
+    silence = 0.0
 
     def __init__(self, player: Player, line: EmulatedLine) -> None:
         self.time = 0.0

@@ -14,10 +14,6 @@ from pty_tests.conftest import Site
 from pty_tests.firmware import ARCOS, Firmware
 from pty_tests.models import Model
 
-arcos = pytest.importorskip(
-    "soar.robot.arcos", reason="Soar imports tkinter, which this Python lacks", exc_type=ImportError
-)
-
 pytestmark = [
     pytest.mark.moves,
     # In the office there are echoes nearer than 5 m; without any, Soar waits 5 s for one at every connection.
@@ -28,7 +24,15 @@ pytestmark = [
 
 
 @pytest.fixture
-def connect(site: Site, firmware: Firmware) -> Iterator[Callable[[], Any]]:
+def arcos() -> Any:
+    """Soar's module; imported for its tests only, since it brings a window system with it."""
+    return pytest.importorskip(
+        "soar.robot.arcos", reason="Soar imports tkinter, which this Python lacks", exc_type=ImportError
+    )
+
+
+@pytest.fixture
+def connect(site: Site, firmware: Firmware, arcos: Any) -> Iterator[Callable[[], Any]]:
     """A function that returns a new, connected Soar client."""
     if firmware.family != ARCOS:
         pytest.skip("Soar reads the fields that only ARCOS sends")
@@ -76,7 +80,7 @@ def is_free(site: Site) -> bool:
 
 
 def test_soar_connects_reads_everything_drives_and_leaves_several_times(
-    connect: Callable[[], Any], site: Site, model: Model
+    connect: Callable[[], Any], arcos: Any, site: Site, model: Model
 ) -> None:
     for _ in range(3):
         client = connect()

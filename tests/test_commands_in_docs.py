@@ -1,10 +1,11 @@
-"""Every command line in the documentation has options that its program takes, and every file in it can be read."""
+"""Every command line in the documentation has options that its program takes; every file and link in it is valid."""
 
 import ast
 import re
 import shlex
 import tomllib
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -15,11 +16,13 @@ from tests.live_team import ROOT
 from tests.reader import blocks
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+LINKING = [*PAGES, *sorted(ROOT.glob("[AGP]*.md")), ROOT / "pty_tests/README.md", *(ROOT / "examples").glob("*/*.md")]
 PARSERS: dict[str, Callable[[list[str]], object]] = {
     "acromovi": lambda given: acromovi._parser(given).parse_args(given),
     "p2os-emu": parse_emulator,
     "p2os-gateway": lambda given: gateway._parser().parse_args(given),
 }
+PLACEHOLDER = re.compile(r"\b(?!SIM_)[A-Z]{3,}\b|\.\.\.|…")  # LASERPORT, NAME; what a reader replaces
 BLOCKS = [(page.name, language, text) for page in PAGES for language, text in blocks(page.read_text(encoding="utf-8"))]
 
 
@@ -28,7 +31,18 @@ def command_lines() -> list[tuple[str, str]]:
     lines = [(page, line) for page, language, text in BLOCKS if not language for line in text.splitlines()]
     bare = [(page, re.split(r"\s{3,}| #", re.sub(r"^(\$ )?(\.venv/bin/)?", "", line))[0]) for page, line in lines]
     is_error = re.compile(r"\S+ \w+: ")  # what a program prints, not what is typed
-    return [(page, line) for page, line in bare if line.split(" ")[0] in PARSERS and not is_error.match(line)]
+    return [
+        (page, line)
+        for page, line in [*bare, *in_tables()]
+        if line.split(" ")[0] in PARSERS and not is_error.match(line)
+    ]
+
+
+def in_tables() -> list[tuple[str, str]]:
+    """Return page and command line of the cells of tables, without names of commands and what has placeholders."""
+    rows = [(page.name, row) for page in PAGES for row in re.findall(r"^\|.*", page.read_text("utf-8"), re.MULTILINE)]
+    cells = [(page, code) for page, row in rows for code in re.findall(r"`([^`]+)`", row)]
+    return [(page, code) for page, code in cells if code.count(" ") > 1 and not PLACEHOLDER.search(code)]
 
 
 def test_there_are_command_lines_of_every_program() -> None:
@@ -47,3 +61,17 @@ def test_a_file_is_valid(page: str, language: str, text: str) -> None:
         tomllib.loads(text)
     else:
         compile(text, page, "exec", flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)  # some show what stands in a method
+
+
+@pytest.mark.parametrize("page", LINKING, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_to_files_and_headings_that_are_there(page: Path) -> None:
+    for target, heading in re.findall(r"\]\((?!http)([^)#]*)(?:#([^)]*))?\)", page.read_text(encoding="utf-8")):
+        file = page.parent / target if target else page
+        assert file.exists(), target
+        assert not heading or heading in headings(file), f"{target}#{heading}"
+
+
+def headings(page: Path) -> set[str]:
+    """Return the headings of a page as links name them."""
+    titles = re.findall(r"^#+ (.*)", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}

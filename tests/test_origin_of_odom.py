@@ -12,7 +12,7 @@ from gateway import odometry
 
 ROOT = Path(__file__).resolve().parents[1]
 WORDS = "where the robot stood when its gateway first connected"
-PAGES = ("README.md", "GLOSSARY.md", "docs/components.md", "docs/navigation.md")
+PAGES = ("docs/gateway.md", "GLOSSARY.md", "docs/components.md", "docs/navigation.md")
 TEXTS = {
     **{page: (ROOT / page).read_text(encoding="utf-8") for page in PAGES},
     "keys": keys.ODOM.meaning,

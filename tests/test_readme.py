@@ -1,4 +1,4 @@
-"""What README tells people to type, run as it stands; only the robot's name and the port's path are this test's own."""
+"""What README and its reference pages tell people to type, run as it stands; only names of robots and ports differ."""
 
 import re
 import shlex
@@ -21,11 +21,15 @@ from gateway.elements.all_elements import ELEMENTS
 from gateway.streams import STREAMS
 from tests.acromovi.agents_alive import living
 from tests.live_team import own_bus
-from tests.reader import Reader, links
+from tests.reader import Reader, blocks, links
 from tests.waiting import run, wait_until
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README, BUS, COMMAND_LINE, GATEWAY, TESTING = (
+    (ROOT / name).read_text(encoding="utf-8")
+    for name in ("README.md", "docs/bus.md", "docs/command-line.md", "docs/gateway.md", "docs/testing.md")
+)
+MOST_LINES = 150  # of README
 PROGRAMS = {"p2os-emu": "p2os_emu", "p2os-gateway": "gateway", "acromovi": "acromovi"}
 
 
@@ -38,7 +42,7 @@ class Setting:
     robots: EmulatedRobots
 
     def personal(self, text: str) -> str:
-        """README's words with this robot's name and port."""
+        """Return a text with this robot's name and port."""
         return re.sub(r"\bpowerbot/", f"{self.name}/", text.replace("/tmp/powerbot", self.port))
 
 
@@ -55,15 +59,26 @@ def setting(tmp_path: Path) -> Iterator[Setting]:
         yield Setting(name, port, robots)
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+def blocks_in(page: str, language: str) -> list[str]:
+    return [text for each, text in blocks(page) if each == language]
 
 
 def commands(program: str) -> list[list[str]]:
     """Every command line of a program in README's shell blocks, without comments."""
-    lines = [line.partition("#")[0].strip() for block in blocks("") for line in block.splitlines()]
+    lines = [line.partition("#")[0].strip() for block in blocks_in(README, "") for line in block.splitlines()]
     words = [shlex.split(line) for line in lines if line.startswith(".venv/bin/")]
     return [line for line in words if Path(line[0]).name == program]
+
+
+def test_readme_is_short_and_has_three_pictures() -> None:
+    assert len(README.splitlines()) <= MOST_LINES
+    assert len(re.findall(r"^!\[", README, re.MULTILINE)) == 3
+
+
+def test_readme_names_every_page() -> None:
+    assert {page.resolve() for page in (ROOT / "docs").glob("*.md")} <= {
+        to.resolve() for to in links(ROOT / "README.md")
+    }
 
 
 def test_readme_shows_every_program() -> None:
@@ -89,12 +104,12 @@ def test_looking_lines_of_readme_show_the_robot(setting: Setting) -> None:
 
 
 def own_program() -> str:
-    """README's program on the bus."""
-    (program,) = [block for block in blocks("python") if "from bus import" in block]
+    """Return the program that uses only the bus."""
+    (program,) = blocks_in(BUS, "python")
     return program
 
 
-def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> None:
+def test_program_on_the_bus_drives_until_something_is_near(setting: Setting) -> None:
     start = setting.robots.ask("truth", robot=setting.name)
     setting.robots.ask("pose", robot=setting.name, x=13.8, y=6.1, heading=0.0)
     done = run([sys.executable, "-c", setting.personal(own_program())], cwd=ROOT)
@@ -103,28 +118,29 @@ def test_program_of_readme_drives_until_something_is_near(setting: Setting) -> N
     assert end["x"] > 13.9 > start["x"]
 
 
-def test_program_of_readme_ends_with_a_message_when_the_robot_is_not_there(robot: str) -> None:
+def test_program_on_the_bus_ends_with_a_message_when_the_robot_is_not_there(robot: str) -> None:
     program = re.sub(r"\bpowerbot\b", robot, own_program())
     done = run([sys.executable, "-c", program], cwd=ROOT)
     assert done.returncode == 1
     assert done.stderr.startswith(f"no sonar readings of {robot} for 3 s; start its gateway")
 
 
-def test_plugin_test_of_readme_passes(tmp_path: Path) -> None:
-    (program,) = [block for block in blocks("python") if "emulated_robot" in block]
-    (tmp_path / "test_mine.py").write_text(program)
+def test_tests_on_the_page_about_the_plugin_pass(tmp_path: Path) -> None:
+    tests = blocks_in(TESTING, "python")
+    (tmp_path / "test_mine.py").write_text("\n".join(tests))
+    (tmp_path / "pioneer_driver.py").symlink_to(ROOT / "examples" / "foreign-driver" / "pioneer_driver.py")
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "test_mine.py"]
     done = run(command, 60.0, cwd=tmp_path)  # a pytest that starts an emulator
-    assert "1 passed" in done.stdout, done.stdout + done.stderr
+    assert f"{len(tests)} passed" in done.stdout, done.stdout + done.stderr
 
 
 def test_first_program_of_readme_is_the_example_that_is_tried_elsewhere() -> None:
     example = (ROOT / "examples" / "square.py").read_text(encoding="utf-8")
-    assert blocks("python")[0] in example
+    assert blocks_in(README, "python") == [example.partition('"""\n\n')[2]]
 
 
 class Base(Agent):
-    """What README asks a base for, so that it need not drive."""
+    """A base that need not drive."""
 
     services: ClassVar[tuple[str, ...]] = ("base", "laser")
 
@@ -133,7 +149,7 @@ class Base(Agent):
         return distance
 
 
-AGENTS = README.partition("## Agents")[2].partition("## ")[0]
+AGENTS = COMMAND_LINE.partition("## Agents")[2].partition("## ")[0]
 AGENT_LINES = [f"acromovi {line}" for line in re.findall(r"`acromovi (.*?)`", AGENTS)]
 WITH_PROCESSES = ("acromovi container ", "acromovi agent ")
 
@@ -146,7 +162,7 @@ def reader(tmp_path: Path) -> Iterator[Reader]:
     reader.leave()
 
 
-def test_agent_lines_of_readme_work_in_their_order(reader: Reader) -> None:
+def test_agent_commands_work_in_their_order(reader: Reader) -> None:
     shown = {
         "container": "the container {} serves; stop with Ctrl-C\n",
         "start": "follow@happy is active in workshop\n",
@@ -162,7 +178,9 @@ def test_agent_lines_of_readme_work_in_their_order(reader: Reader) -> None:
         reader.see(shown[words[1] if words[1] == "container" else words[2]].format(words[2]))
 
 
-def test_agents_do_what_readme_says_of_them(robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_agents_do_what_the_page_about_commands_asks_them(
+    robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     lines = [shlex.split(line)[1:] for line in AGENT_LINES if not line.startswith(WITH_PROCESSES)]
     assert {line[0] for line in lines} == {"ps", "directory", "ask", "sniff", "introspect"}
@@ -173,7 +191,7 @@ def test_agents_do_what_readme_says_of_them(robot: str, tmp_path: Path, monkeypa
     assert "<svg" in (tmp_path / "talk.svg").read_text()
 
 
-def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
+def test_page_of_the_gateway_lists_every_stream_and_command_of_the_gateway() -> None:
     adapters = [adapter for row in ELEMENTS for adapter in adapter_types(row)]
     served = [
         *STREAMS,
@@ -182,14 +200,9 @@ def test_readme_lists_every_stream_and_command_of_the_gateway() -> None:
         keys.LEASE,
         keys.DESCRIPTION,
     ]
-    rows = [line for line in README.splitlines() if line.startswith("| `")]
+    rows = [line for line in GATEWAY.splitlines() if line.startswith("| `")]
     for topic in served:
         row = next((row for row in rows if f"`{topic.suffix}`" in row), None)
-        assert row is not None, f"README does not list {topic.suffix}"
+        assert row is not None, f"the page does not list {topic.suffix}"
         short_name = topic.type_name.rpartition("/")[2]
         assert short_name in row or topic.type_name == "application/json"
-
-
-@pytest.mark.parametrize("target", links(ROOT / "README.md"), ids=str)
-def test_links_of_readme_lead_somewhere(target: Path) -> None:
-    assert target.exists()

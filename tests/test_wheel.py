@@ -51,6 +51,10 @@ def test_wheel_holds_every_source_and_data_file_of_its_packages(unpacked: Path) 
                 assert (unpacked / within).is_file(), f"{within} is not in the wheel"
 
 
+def test_wheel_says_that_every_package_has_types(unpacked: Path) -> None:
+    assert {path.parent.name for path in unpacked.glob("*/py.typed")} == PACKAGES
+
+
 def test_wheel_names_the_three_commands_and_the_pytest_plugin(unpacked: Path) -> None:
     (path,) = unpacked.glob("*.dist-info/entry_points.txt")
     points = ConfigParser()

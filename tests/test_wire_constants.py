@@ -46,6 +46,7 @@ ALLOWED: Mapping[tuple[str, Finding], str] = {
 }
 SHARED: Mapping[str, str] = {
     "PATIENCE": "times to wait for different things",
+    "ENDING_TIMEOUT_S": "time that a child process has to end",
     "EXIT_OK": "exit code of every program",
     "EXIT_USAGE": "exit code of every program",
 }

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 
 from acromovi.team.plan import PlannedProcess
 from acromovi.team.supervisor import ProcessRow, ProcessState, Start, Supervisor
-from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import NameNotValid
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from bus import Bus
+from bus.aio import hand_over
 from bus.bus import Closeable
 from bus.secure import WARNING
 

@@ -74,15 +74,14 @@ def query(bus: Bus, robot: str, component: str, what: str) -> Mapping[str, Any]:
 
 async def _answers(bus: Bus, key: str) -> list[Mapping[str, Any]]:
     """Of all who answer in time."""
-    from contextlib import aclosing
-
-    from agents.platform.conversations.talk import replies
+    from bus.aio import ReplyQueue
     from bus.errors import NoAnswer, Refused, TimedOut
 
     found: list[Mapping[str, Any]] = []
     try:
-        async with aclosing(replies(bus, key, None, PATIENCE)) as heard:
-            async for answer in heard:
+        replies = ReplyQueue(PATIENCE)
+        with bus.ask(key, None, replies.put, replies.put, PATIENCE, urgent=True):
+            async for answer in replies:
                 found.append(answer.value)
     except (NoAnswer, Refused, TimedOut, TimeoutError):
         pass  # those who are silent are missing in what is made of it, and that is told there

@@ -14,10 +14,10 @@ from acromovi.team.progress import ProgressLines
 from acromovi.team.queue import StartQueue
 from acromovi.team.readiness import PATIENCE, Readiness
 from acromovi.team.supervisor import ProcessRow, Start, Supervisor
-from agents.platform.conversations.talk import hand_over
 from agents.platform.directory import Directory
 from agents.platform.names import AgentName
 from bus import Bus
+from bus.aio import hand_over
 from bus.bus import Closeable
 from bus.secure import WARNING
 from configs.team_file import TeamRobot

@@ -8,25 +8,3 @@
 
 `Team` (team.py) is all robots, `Robot` one of them, `ElementClient` a part of it; `LoopThread` makes their calls.
 """
-
-from agents.client.element import ElementClient
-from agents.client.errors import Failed, LeaseLost, NotThere, RobotError, Stopped
-from agents.client.errors import RequestRefused as Refused
-from agents.client.errors import RequestTimedOut as TimedOut
-from agents.client.robot import Robot
-from agents.client.team import Team
-from agents.platform import request
-
-__all__ = [
-    "ElementClient",
-    "Failed",
-    "LeaseLost",
-    "NotThere",
-    "Refused",
-    "Robot",
-    "RobotError",
-    "Stopped",
-    "Team",
-    "TimedOut",
-    "request",
-]

@@ -14,8 +14,8 @@ from agents.client.private_container import PLATFORM
 from agents.client.program import RunningApplication, find_program
 from agents.client.team import Team, look
 from agents.platform import FAIL_AGENT, Agent, AgentName, OneShot, Restart
-from agents.platform.conversations.talk import hand_over
 from agents.platform.hooks import marks
+from bus.aio import hand_over
 
 SERVICE = "application"
 LEAVE = 1.0  # s in which a program that is told to end is expected to

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 
 from agents.client.errors import NotThere
 from agents.platform import AgentName, Directory
-from agents.platform.conversations.talk import hand_over
 from bus import Bus
+from bus.aio import hand_over
 from configs.suggestion import meant
 
 MEETING_TIME = 3.0  # s in which whoever is there has been seen, on a loaded machine too

@@ -9,9 +9,9 @@ from agents.client.errors import Failed, NotThere, RequestRefused, RobotError
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LoopThread
 from agents.client.wording import in_api_words
-from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import in_words
 from bus import MessageError, Publisher, Sample, Subscription, keys, messages
+from bus.aio import hand_over
 
 LASTS = 0.5
 """Seconds from the first stall flag on, after which another one counts: a robot that only starts hard shows it once."""

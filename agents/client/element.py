@@ -1,17 +1,17 @@
 """One element of a robot, as a program sees it: something to ask, to read and to watch."""
 
 import asyncio
-from collections.abc import Iterator, Mapping
+from collections.abc import Coroutine, Iterator, Mapping
 from contextlib import closing, suppress
 from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
-from agents.client.errors import NotThere, RequestTimedOut, error_of
+from agents.client.errors import NotThere, RequestTimedOut, check_seconds, error_of
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import OtherReading, Reading
-from agents.platform import AgentName
-from agents.platform.conversations.talk import hand_over
+from agents.platform import AgentName, Outcome, Performative
 from bus import MessageError, Sample, Subscription
+from bus.aio import hand_over
 from bus.messages import decode_json
 
 PATIENCE = 10.0  # s for an answer, and for the next result of a stream
@@ -43,8 +43,16 @@ class ElementClient(Generic[R]):
         Raises:
             RobotError: It was not done; which one says how that came.
         """
+        return self._result_of(request, self._thread.call(self._requested(request, within, arguments)))
+
+    def _requested(self, request: str, within: float, arguments: Mapping[str, Any]) -> Coroutine[Any, Any, Outcome]:
+        """Return the coroutine of a request to the element's agent."""
+        check_seconds("within", within)
         given = {name: plain(value) for name, value in arguments.items()}
-        outcome = self._thread.call(self._thread.agent.request(self.agent, request, reply_within=within, **given))
+        initiator = self._thread.agent.initiator
+        return initiator.conversation(Performative.REQUEST, self.agent, request, given, within, within).outcome()
+
+    def _result_of(self, request: str, outcome: Outcome) -> Any:
         if not outcome.is_done:
             raise error_of(outcome, self.agent, request)
         return numbered(outcome.result)
@@ -68,6 +76,7 @@ class ElementClient(Generic[R]):
             NotThere: The element has gone.
             TimedOut: It has fallen silent.
         """
+        check_seconds("within", within)
         latest: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         with closing(self._thread.call(self._listen(latest))):
             while True:

@@ -13,36 +13,38 @@ Every message says in one sentence what happened and, where there is a way out, 
 RobotError` or `except Exception` must not hold it up.
 """
 
+from numbers import Real
+
 from agents.client.wording import in_api_words
 from agents.platform import Ending, Outcome
 
 
 class RobotError(Exception):
-    """The root: whatever can go wrong between a program and its robots."""
+    """Base class of the errors that a program gets from its robots."""
 
 
 class NotThere(RobotError):
-    """No such robot, element or agent, or not any more."""
+    """There is no such robot, element or agent, or it has left the bus."""
 
 
 class RequestRefused(RobotError):
-    """The other said no, and has done nothing."""
+    """The agent refused the request and did nothing."""
 
 
 class LeaseLost(RequestRefused):
-    """The lease is lost under which it was to be done, or somebody of higher priority is about to take it."""
+    """The lease that the request needs is lost, or a holder of higher priority is about to take it."""
 
 
 class Failed(RobotError):
-    """It was tried, in vain."""
+    """The agent agreed to the request, but could not carry it out."""
 
 
 class RequestTimedOut(RobotError, TimeoutError):
-    """It has not come to an end in time; it may still be done."""
+    """The request has not ended in time. The agent may still carry it out."""
 
 
 class Stopped(BaseException):
-    """The program is told to end, by whoever runs it."""
+    """The container that runs the program ends it. Raised from every call, so that the program can clean up."""
 
 
 _BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
@@ -60,3 +62,13 @@ def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
     kind, sentence = _BY_ENDING[outcome.ending]
     why = in_api_words(outcome.why, str(peer).partition("@")[0])
     return kind(sentence.format(peer=peer, request=request, why=why))
+
+
+def check_seconds(argument: str, value: object) -> None:
+    """Check an argument that is a time.
+
+    Raises:
+        RobotError: It is not a time of 0 s or more.
+    """
+    if not isinstance(value, Real) or not float(value) >= 0.0:
+        raise RobotError(f"{argument} must be a time of 0 s or more, not {value!r}")

@@ -54,29 +54,37 @@ class LoopThread:
             return False
         return bool(self._under_way) or time.monotonic() - self._last_call < ATTENTION
 
-    def call(self, work: Coroutine[Any, Any, Result]) -> Result:
-        """Have something done, and wait for its result. Ctrl-C interrupts the wait, and what is being done as well.
+    def call(self, work: Coroutine[Any, Any, Result], *, at_end: bool = False) -> Result:
+        """Run a coroutine in the loop, and wait for its result. Ctrl-C interrupts the wait, and cancels the coroutine.
 
+        Args:
+            work: The coroutine.
+            at_end: Run it also when the program is suspended or to end.
         Raises:
-            RobotError: It was not done.
+            RobotError: It failed.
             Stopped: The program is to end.
         """
         try:
             self._check_thread()
-            with self._changed:
-                self._changed.wait_for(lambda: self.is_stopped or not self._is_suspended)
-                if self.is_stopped:
-                    raise Stopped(self._why_stopped)
-                future = self._submit(work)
+            with self._changed:  # it is under way before `stop` looks at what is, or `stop` would miss it
+                if not at_end:
+                    self._changed.wait_for(lambda: self.is_stopped or not self._is_suspended)
+                    if self.is_stopped:
+                        raise Stopped(self._why_stopped)
+                future = asyncio.run_coroutine_threadsafe(work, self.loop)
+                self._under_way.add(future)
+        except RuntimeError as err:  # the loop has ended
+            work.close()
+            raise RobotError("this team is closed; open another with `with Team() as team:`") from err
         except BaseException:
             work.close()
             raise
         return self._wait(future)
 
     def last(self, work: Coroutine[Any, Any, object]) -> None:
-        """The same for what must be tried even when the program is to end, whose reason counts for more than this."""
+        """Best-effort call while the program ends; errors are not raised, since they would hide why it ends."""
         with suppress(RobotError, TimeoutError):  # the program's own reason to end counts for more
-            self._wait(self._submit(_in_time(work)))
+            self.call(_in_time(work), at_end=True)
 
     def suspend(self) -> None:
         """Let calls wait until `resume`; those under way are finished."""
@@ -107,17 +115,6 @@ class LoopThread:
     def _check_thread(self) -> None:
         if asyncio._get_running_loop() is self.loop:
             raise RobotError("a team waits for its robots and so cannot be used in a coroutine; use a plain function")
-
-    def _submit(self, work: Coroutine[Any, Any, Result]) -> "concurrent.futures.Future[Result]":
-        """Start something in the loop. It is under way before `stop` can look at what is, or `stop` would miss it."""
-        with self._changed:
-            try:
-                future = asyncio.run_coroutine_threadsafe(work, self.loop)
-            except RuntimeError as err:  # the loop has ended
-                work.close()
-                raise RobotError("this team is closed; open another with `with Team() as team:`") from err
-            self._under_way.add(future)
-            return future
 
     def _wait(self, future: "concurrent.futures.Future[Result]") -> Result:
         try:

@@ -67,13 +67,13 @@ class Mover(ElementClient[R], Generic[R]):
         """Stop."""
         self.ask("stop", **self._right)
 
-    def _move(self, request: str, /, **arguments: Any) -> Any:
-        """Ask for a motion and wait for its end; a wait that is broken off stops it."""
+    def _move(self, request: str, /, **arguments: Any) -> R:
+        """Request a motion, wait for its end, and return the reading then; an interrupted wait stops the motion."""
         if token := self._token:
             arguments["token"] = token
         self._thread.moving[self] = self._halt
         try:
-            result = self.ask(request, within=MOTION, **arguments)
+            result = self._result_of(request, self._thread.call(self._requested(request, MOTION, arguments)))
         except RequestTimedOut:
             self._stop_at_once()
             raise
@@ -86,10 +86,7 @@ class Mover(ElementClient[R], Generic[R]):
             self._stop_at_once()
             raise
         self._thread.moving.pop(self, None)
-        return result
-
-    def _done(self, request: str, /, **arguments: Any) -> R:
-        return self._read(self._move(request, **arguments))
+        return self._read(result)
 
     def _stop_at_once(self) -> None:
         self._thread.last(self._halt())
@@ -119,19 +116,23 @@ class BaseClient(Mover[BaseReading]):
 
     def move(self, distance: float, speed: float | None = None) -> Pose2D:
         """Drive so many m straight on, backward if negative; returns where it ended."""
-        return self._go("move", distance=distance, **_given(speed=speed))
+        self._end_driving()
+        return self._move("move", distance=distance, **_given(speed=speed)).pose
 
     def turn(self, angle: float) -> Pose2D:
         """Turn on the spot by so many rad, counter-clockwise; returns where it ended."""
-        return self._go("turn", angle=angle)
+        self._end_driving()
+        return self._move("turn", angle=angle).pose
 
     def heading(self, heading: float) -> Pose2D:
         """Turn to a heading, rad; returns where it ended."""
-        return self._go("heading", heading=heading)
+        self._end_driving()
+        return self._move("heading", heading=heading).pose
 
     def go_to(self, x: float, y: float, heading: float | None = None, speed: float | None = None) -> Pose2D:
         """Drive to a place, m and m, and there to a heading if one is given; returns where it ended."""
-        return self._go("go_to", x=x, y=y, **_given(heading=heading, speed=speed))
+        self._end_driving()
+        return self._move("go_to", x=x, y=y, **_given(heading=heading, speed=speed)).pose
 
     def drive(self, linear: float, angular: float = 0.0, seconds: float | None = None) -> None:
         """Drive at m/s forward and rad/s counter-clockwise.
@@ -151,11 +152,12 @@ class BaseClient(Mover[BaseReading]):
                 self._thread.moving.pop(self, None)  # it is at rest, or moved by somebody else
                 raise
         else:
-            self._go("drive", linear=linear, angular=angular, seconds=seconds)
+            self._end_driving()
+            self._move("drive", linear=linear, angular=angular, seconds=seconds)
 
     def stop(self) -> None:
         """Stop."""
-        self._thread.call(self._driving.end())
+        self._end_driving()
         self.ask("stop")
         self._thread.moving.pop(self, None)
         self._driving.has_stopped()
@@ -168,9 +170,9 @@ class BaseClient(Mover[BaseReading]):
         """Stop at once, and let nothing move until `estop(False)` and `enable()`."""
         self.ask("estop", on=on)
 
-    def _go(self, request: str, /, **arguments: Any) -> Pose2D:
+    def _end_driving(self) -> None:
+        """End what `drive` without `seconds` has begun."""
         self._thread.call(self._driving.end())
-        return self._done(request, **arguments).pose
 
     async def _halt(self) -> None:
         await self._driving.end()
@@ -189,27 +191,27 @@ class GripperClient(Mover[GripperReading]):
 
     def open(self) -> GripperReading:
         """Open the paddles."""
-        return self._done("open")
+        return self._move("open")
 
     def close(self) -> GripperReading:
         """Close the paddles, until they hold something or meet; `holds` of the result tells which."""
-        return self._done("close")
+        return self._move("close")
 
     def up(self) -> GripperReading:
         """Raise the lift."""
-        return self._done("up")
+        return self._move("up")
 
     def down(self) -> GripperReading:
         """Lower the lift."""
-        return self._done("down")
+        return self._move("down")
 
     def store(self) -> GripperReading:
         """Close and raise, for driving."""
-        return self._done("store")
+        return self._move("store")
 
     def deploy(self) -> GripperReading:
         """Open and lower, for gripping."""
-        return self._done("deploy")
+        return self._move("deploy")
 
 
 class ArmClient(Mover[ArmReading]):
@@ -219,19 +221,19 @@ class ArmClient(Mover[ArmReading]):
 
     def move(self, joints: Mapping[int, float] | Mapping[str, float], speed: float | None = None) -> ArmReading:
         """Move joints, by number, to angles, rad, at rad/s: `arm.move({1: 0.5})`."""
-        return self._done("move", joints=dict(joints), **_given(speed=speed))
+        return self._move("move", joints=dict(joints), **_given(speed=speed))
 
     def home(self) -> ArmReading:
         """Send every joint home."""
-        return self._done("home")
+        return self._move("home")
 
     def park(self) -> ArmReading:
         """Send every joint home, and let it rest there without power."""
-        return self._done("park")
+        return self._move("park")
 
     def power(self, on: bool = True) -> ArmReading:
         """Switch its motors."""
-        return self._done("power", on=on)
+        return self._move("power", on=on)
 
 
 class PtzClient(Mover[PtzReading]):
@@ -241,11 +243,11 @@ class PtzClient(Mover[PtzReading]):
 
     def look(self, pan: float | None = None, tilt: float | None = None, zoom: float | None = None) -> PtzReading:
         """Point it, rad to the left and rad up, and zoom; what is left out stays as it is."""
-        return self._done("look", **_given(pan=pan, tilt=tilt, zoom=zoom))
+        return self._move("look", **_given(pan=pan, tilt=tilt, zoom=zoom))
 
     def centre(self) -> PtzReading:
         """Look straight ahead."""
-        return self._done("centre")
+        return self._move("centre")
 
 
 def _given(**arguments: float | None) -> dict[str, Any]:

@@ -31,6 +31,8 @@ class PrivateContainer:
         Raises:
             RobotError: The bus cannot be reached, or allows no program on it.
         """
+        if not isinstance(bus, Bus | str):
+            raise RobotError(f"a bus is a profile such as 'local', or an open bus, not {bus!r}")
         home = _opened(bus) if isinstance(bus, str) else bus
         self._own_bus = home if isinstance(bus, str) else None
         name = f"app-{uuid.uuid4().hex[:8]}"

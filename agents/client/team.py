@@ -5,12 +5,12 @@ import atexit
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, SupportsFloat
 
 from agents.client.complaints import complain_in_a_sentence
 from agents.client.discovery import Discovery
 from agents.client.element import PATIENCE, numbered, plain
-from agents.client.errors import RobotError, Stopped, error_of
+from agents.client.errors import RobotError, Stopped, check_seconds, error_of
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LoopThread
 from agents.client.private_container import PrivateContainer
@@ -70,8 +70,8 @@ class Team:
         """
         if not isinstance(name, str):
             raise RobotError(f"a robot's name is a text, not {name!r}")
-        if within is not None and not within >= 0.0:
-            raise RobotError(f"within must be a time of 0 s or more, not {within!r}")
+        if within is not None:
+            check_seconds("within", within)
         if not name:
             return self._robot(self._thread.call(self._discovery.any_robot(_tuple(having), within)))
         try:
@@ -98,6 +98,7 @@ class Team:
             peer = AgentName.parse(agent)
         except NameNotValid as err:
             raise RobotError(str(err)) from err
+        check_seconds("within", within)
         given = {name: plain(value) for name, value in arguments.items()}
         outcome = self._thread.call(self._thread.agent.request(peer, request, reply_within=within, **given))
         if not outcome.is_done:
@@ -130,7 +131,13 @@ class Team:
             lease.release()
 
     def sleep(self, seconds: float) -> None:
-        """Wait; what drives goes on driving."""
+        """Wait for so many s; what drives goes on driving.
+
+        Raises:
+            RobotError: It is not a number.
+        """
+        if not isinstance(seconds, SupportsFloat):
+            raise RobotError(f"sleep takes a time in s, not {seconds!r}")
         self._thread.call(asyncio.sleep(seconds))
 
     def every(self, period: float) -> Iterator[float]:

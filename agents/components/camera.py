@@ -16,8 +16,8 @@ import numpy as np
 
 from agents.components.component import ElementAgent, failure
 from agents.platform import AgentName, request
-from agents.platform.conversations.talk import hand_over
 from bus import BusError, MessageError, Publisher, Refused, Sample, Subscription, keys
+from bus.aio import hand_over
 from bus.keys import frame
 from bus.messages import NS_PER_S, CompressedImage, decode, header, stamp_ns
 from cameras import CameraFrame, CameraNotUsable, CameraReader, check_source, picture_size, shrunk

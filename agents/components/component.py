@@ -17,9 +17,9 @@ from math import isfinite
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, OneShot, Restart, agree, attended, request
-from agents.platform.conversations.talk import hand_over
 from agents.platform.stream import Stream
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
+from bus.aio import ReplyQueue, hand_over
 from bus.keys import Topic
 from bus.messages import NS_PER_S, decode, stamp_ns
 
@@ -173,7 +173,10 @@ class ElementAgent(Agent):
             name: value for name, value in arguments.items() if value is not None and (name, value) != ("token", "")
         }
         try:
-            return await self.query(topic.key(self.robot), given, COMMAND_TIME)
+            replies = ReplyQueue(COMMAND_TIME)
+            with self.bus.ask(topic.key(self.robot), given, replies.put, replies.put, COMMAND_TIME, urgent=True):
+                (answer,) = [reply.value async for reply in replies]
+            return answer
         except TimeoutError as err:
             if isinstance(err, NoAnswer) and not isinstance(err, TimedOut):
                 raise Refused(f"nobody drives {self.robot}; see whether its p2os-gateway runs") from err

@@ -6,8 +6,8 @@ from contextlib import suppress
 from typing import TypeVar
 
 from agents.platform import AgentName, agree, asker
-from agents.platform.conversations.talk import hand_over
 from bus import Bus, Refused
+from bus.aio import hand_over
 
 T = TypeVar("T")
 
@@ -72,7 +72,14 @@ class OneAtATime:
             Refused: It was not begun, or has failed.
         """
         async with self._beginning:
-            begun = await self._begin(begin, token)
+            beginning = asyncio.ensure_future(begin())
+            try:
+                begun = await asyncio.shield(beginning)
+            except asyncio.CancelledError:  # it is known first whether the motion has begun, and then it is stopped
+                with suppress(Exception):  # it has not begun, so there is nothing to stop
+                    await beginning
+                    self._halt(token)
+                raise
             request = MovingRequest(f"{what}, asked by {asker()}", asyncio.ensure_future(_wait(follow, begun)))
             self.end(f"replaced by {request.name}")
             self._present = request
@@ -82,17 +89,6 @@ class OneAtATime:
         finally:
             if self._present is request:
                 self._present = None
-
-    async def _begin(self, begin: Callable[[], Awaitable[T]], token: str) -> T:
-        """Set it going. Who is cancelled meanwhile first learns whether it goes, and then halts it."""
-        beginning = asyncio.ensure_future(begin())
-        try:
-            return await asyncio.shield(beginning)
-        except asyncio.CancelledError:
-            with suppress(Exception):  # it does not go, so there is nothing to halt
-                await beginning
-                self._halt(token)
-            raise
 
     async def _to_its_end(self, request: MovingRequest, token: str) -> None:
         who, loop = asker(), asyncio.get_running_loop()

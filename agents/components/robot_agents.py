@@ -12,9 +12,9 @@ from typing import Any
 
 from agents.components.all_components import component_for
 from agents.platform import AgentName, AlreadyThere, Container, Restart, UnknownAgent
-from agents.platform.conversations.talk import hand_over, query
 from agents.platform.errors import NameNotValid
 from bus import BusUnavailable, Refused
+from bus.aio import hand_over, query
 from bus.keys import DESCRIPTION, ELEMENT_ALIVE, robot_name
 
 DESCRIPTION_TIME = 2.0  # s

@@ -7,6 +7,7 @@ stream has nobody who says no.
 import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from math import inf
 from typing import Any, ClassVar, NoReturn
 
@@ -112,11 +113,8 @@ class Wheels(ElementAgent):
             Refused: It was not begun, or did not reach its goal.
         """
 
-        async def begin() -> str:
-            self._ends.clear()  # a gateway that begins anew gives the same ids again
-            return str((await self.command(topic, **arguments, token=token, heartbeat=heartbeat))["id"])
-
-        async def follow(motion_id: str) -> None:
+        async def follow(begun: Mapping[str, Any]) -> None:
+            motion_id = str(begun["id"])
             try:
                 await self._end_of(motion_id, within)
             except Refused:
@@ -125,6 +123,8 @@ class Wheels(ElementAgent):
             await self._judge(self._ends.pop(motion_id))
 
         with self.commanding_motion() as heartbeat:
+            self._ends.clear()  # a gateway that has been restarted uses the same ids again
+            begin = partial(self.command, topic, **arguments, token=token, heartbeat=heartbeat)
             await self.moving.run(topic.suffix.rpartition("/")[2], token, begin, follow)
         return self.latest()
 

@@ -17,6 +17,7 @@ from bus.errors import MessageError
 from bus.messages import decode_json
 from bus.validation import check_line, check_value
 
+ONTOLOGY = "acromovi"
 MAX_SIZE = 256 * 1024  # bytes of one message; pictures and streams do not travel by ACL
 MAX_DEPTH = 32  # levels of lists and objects in one message
 LONGEST_FIELD = 1000  # characters of a field of text, such as the conversation's identifier, but not of the content

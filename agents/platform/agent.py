@@ -1,4 +1,4 @@
-"""What every agent is: a name, a life, a mailbox, behaviours, streams it hears and requests it answers.
+"""The base class of agents: name, life cycle, mailbox, behaviours, streams, requests to it and requests by it.
 
     class Wanderer(Agent):
         services = ("wander",)
@@ -24,51 +24,62 @@ All of an agent's code runs in the one event loop of its container and must not 
 """
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from typing import Any, ClassVar
 
-from agents.platform.acl import AclMessage
+from agents.platform.acl import AclMessage, Performative
 from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
 from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
 from agents.platform.container.ends import AgentEnd
+from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
+from agents.platform.conversations.fipa_request import Request
+from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
 from agents.platform.conversations.handler import Handler
+from agents.platform.conversations.initiator import Initiator
+from agents.platform.conversations.outcome import Outcome
 from agents.platform.conversations.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
 from agents.platform.conversations.responder_conversation import ResponderConversation
-from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import AclError, AgentError
 from agents.platform.hooks import hooks_of
-from agents.platform.life import AgentState, Step, after
+from agents.platform.life import AgentState, Life, Step
 from agents.platform.mailbox import ANY, Mailbox, Template
+from agents.platform.mobility.migration import Migration
 from agents.platform.mobility.migration_state import MigrationState
-from agents.platform.mobility.mobile_agent import MobileAgent
 from agents.platform.names import AgentName
 from agents.platform.schedule import DROP, Failure, Policy, Restart, Running, Schedule
 from agents.platform.stream import Stream
 from bus import JSON, Bus, Publisher, Subscription
+from bus.aio import hand_over, query
+from bus.bus import QUERY_TIMEOUT
+
+PATIENCE = 10.0  # s for a conversation, unless the initiator sets another time
 
 
-class Agent(MobileAgent):
+class Agent:
     """One agent. Derive from it; a container starts it.
 
     services: what it offers, for the directory.
     properties: JSON values that tell it from others, for the directory.
+    initiator, migration: the parts that begin conversations, and move the agent into another container.
     """
 
     services: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
-        self.name = AgentName.parse(name) if isinstance(name, str) else name
+        self.name = name if isinstance(name, AgentName) else AgentName.parse(name)
         self.properties = dict(properties or {})
         self.mailbox = Mailbox()
         self._unreadable = 0
-        self._state = AgentState.INITIATED
-        self._dispatcher = RequestDispatcher(self.name, lambda: self._state, self._rouse)
-        self._door = DeliveryGate(self._take, self._dispatcher.begin)
+        self._life = Life()
+        self._dispatcher = RequestDispatcher(self.name, self._life, self._rouse)
+        self._gate = DeliveryGate(self._take, self._dispatcher.begin)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, AgentEnd.FAILED))
+        self.initiator = Initiator(lambda: self.name)
+        self.migration = Migration(self.name, self._life, self._gate, self.mailbox, self._dispatcher, self._schedule)
         self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -78,10 +89,21 @@ class Agent(MobileAgent):
     async def take_down(self) -> None:
         """Clean up; runs when all behaviours have ended, and after a setup that failed."""
 
+    def pack(self) -> dict[str, Any]:
+        """Return what the agent keeps when it moves into another container: a JSON object.
+
+        Called when no conversation is under way and no action of a behaviour starts; one that has started may still be
+        at work. What is not packed is in the new container as `setup` leaves it.
+        """
+        return {}
+
+    def unpack(self, state: Mapping[str, Any]) -> None:
+        """Take what `pack` returned, after `setup` in the new container and before any behaviour."""
+
     @property
     def state(self) -> AgentState:
-        """Where it is in its life."""
-        return self._state
+        """The state in its life cycle."""
+        return self._life.state
 
     @property
     def home(self) -> ContainerContext:
@@ -119,7 +141,7 @@ class Agent(MobileAgent):
         return {
             "name": str(self.name),
             "robot": self.name.platform,
-            "state": str(self._state),
+            "state": str(self.state),
             "container": self.home.name,
             "services": list(self.services),
             "requests": self._dispatcher.names(REQUESTS),
@@ -187,14 +209,123 @@ class Agent(MobileAgent):
         """Whether somebody listens to its results; what is dear to make is made only while it is true."""
         return self._result_stream.has_listeners
 
+    def send(self, message: AclMessage) -> None:
+        """Send a message to the mailboxes of its receivers. It is lost where no agent of that name lives.
+
+        Raises:
+            AclError: The message is not valid.
+        """
+        self.initiator.send(message)
+
+    async def request(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Have another agent do something, and wait for the end, whatever it is.
+
+        A request whose caller is cancelled, or whose time is over, is cancelled.
+
+        Args:
+            agent: The agent that does it.
+            name: What to do.
+            reply_within: s to wait.
+            arguments: JSON values by name.
+        Raises:
+            AclError: The arguments have no JSON form, or are too large.
+            BusUnavailable: The bus is closed.
+        """
+        return await self.initiator.conversation(
+            Performative.REQUEST, agent, name, arguments, reply_within, reply_within
+        ).outcome()
+
+    def begin_request(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Request:
+        """Request something, and go on; the request can be cancelled, and awaited for its outcome."""
+        return Request(
+            self.initiator.conversation(Performative.REQUEST, agent, name, arguments, reply_within, reply_within)
+        )
+
+    async def query_ref(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Ask another agent for the value of something; otherwise as `request`."""
+        return await self.initiator.conversation(
+            Performative.QUERY_REF, agent, name, arguments, reply_within, reply_within
+        ).outcome()
+
+    async def query_if(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Ask another agent whether something is so; the result is true or false, otherwise as `request`."""
+        return await self.initiator.conversation(
+            Performative.QUERY_IF, agent, name, arguments, reply_within, reply_within
+        ).outcome()
+
+    async def call_for_proposals(
+        self,
+        agents: Iterable[AgentName | str],
+        name: str,
+        /,
+        *,
+        choose: Choose,
+        bids_within: float = BIDS_WITHIN,
+        reply_within: float = PATIENCE,
+        **arguments: Any,
+    ) -> Tender:
+        """Call for proposals to do something, and have it done by the agents that are chosen.
+
+        Args:
+            agents: Those that are called.
+            name: What to do.
+            choose: Gets the bids in the order of arrival, and returns which to accept: one, several or None. Not called
+                when there are none.
+            bids_within: s to wait for bids; later ones are rejected.
+            reply_within: s to wait for the end, from the choice on.
+            arguments: JSON values by name.
+        Raises:
+            ValueError: `choose` has returned what is none of the bids.
+            AclError, BusUnavailable: As for `request`.
+        """
+        peers = dict.fromkeys(AgentName.parse(agent) if isinstance(agent, str) else agent for agent in agents)
+        within = bids_within + reply_within
+        calls = [
+            self.initiator.conversation(Performative.CFP, peer, name, arguments, within, bids_within) for peer in peers
+        ]
+        return await call_for(calls, choose, bids_within)
+
+    def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
+        """Subscribe to values of another agent: a block with a loop in it that yields them.
+
+        Args:
+            agent: The publisher.
+            name: What to subscribe to.
+            keep: How many values wait while one is processed; older ones are left out.
+            arguments: JSON values by name.
+        Raises:
+            AclError, BusUnavailable: As for `request`; in the loop.
+            RequestNotDone: It was refused, has failed, or the peer has gone; in the loop.
+        """
+        return Values(self.initiator.conversation(Performative.SUBSCRIBE, agent, name, arguments, FOREVER, None), keep)
+
+    async def query(
+        self, key: str, arguments: Mapping[str, Any] | None = None, timeout: float = QUERY_TIMEOUT
+    ) -> dict[str, Any]:
+        """Query a key of the bus, and wait for the first answer without blocking other agents.
+
+        Raises:
+            NoAnswer, TimeoutError: No answer came in time.
+            Refused: The answer is an error reply.
+        """
+        return (await query(self.bus, key, arguments, timeout))[0].value
+
     def wait(self) -> None:
         """Rest until a message or a request comes: no action of a behaviour starts meanwhile."""
-        self._go(Step.WAIT)
+        self._life.go(Step.WAIT)
         self._schedule.gate.shut()
 
     def wake(self) -> None:
         """Go on after `wait`."""
-        self._go(Step.WAKE)
+        self._life.go(Step.WAKE)
         self._schedule.gate.open()
 
     def delete(self) -> None:
@@ -215,11 +346,11 @@ class Agent(MobileAgent):
         self._move_in(home)
         self._listen_to_others()
         await self.setup()
-        if self._state is AgentState.DELETED:
+        if self.state is AgentState.DELETED:
             return
         for method, hook in hooks_of(self):
             hook.begin(self, method)
-        self._go(Step.INVOKE)
+        self._life.go(Step.INVOKE)
         self._enter_directory()
 
     async def look_on(self, home: ContainerContext) -> None:
@@ -228,15 +359,13 @@ class Agent(MobileAgent):
 
     async def arrive(self, home: ContainerContext, migration: MigrationState) -> None:
         """Come into a container from another: set up and unpack, and let all that comes wait until `settle`."""
-        self._go(Step.MOVE)
-        self._schedule.gate.shut()
-        self._door.wait_for_the_rest()
+        self.migration.arrive()
         self._move_in(home)
         await self.setup()
-        if self._state is AgentState.DELETED:
+        if self.state is AgentState.DELETED:
             return
         self.unpack(migration.state)
-        self._unload(migration)
+        self.migration.refill_mailbox(migration)
         for method, hook in hooks_of(self):
             hook.begin(self, method)
         self._listen_to_others()
@@ -248,17 +377,17 @@ class Agent(MobileAgent):
 
     def suspend(self) -> None:
         """Rest until `resume`: no action of a behaviour starts, requests are refused, messages wait."""
-        self._go(Step.SUSPEND)
+        self._life.go(Step.SUSPEND)
         self._schedule.gate.shut()
 
     def resume(self) -> None:
         """Go on after `suspend`."""
-        self._go(Step.RESUME)
+        self._life.go(Step.RESUME)
         self._schedule.gate.open()
 
     def mark_deleted(self) -> None:
         """Refuse everything from now on."""
-        self._go(Step.DELETE)
+        self._life.go(Step.DELETE)
 
     async def finish(self) -> None:
         """Withdraw from the bus and stop all it does; whoever waits for an answer is told."""
@@ -271,17 +400,15 @@ class Agent(MobileAgent):
     def _move_in(self, home: ContainerContext) -> None:
         self._home, self._loop = home, asyncio.get_running_loop()
         self._dispatcher.open(home)
+        self.initiator.open(home)
 
     def _listen_to_others(self) -> None:
-        self._open.append(self.bus.subscribe(self.name.acl_key, self._door.queued, urgent=True))
-        self._open.append(self.bus.converse(self.name.acl_key, self._door.caller, urgent=True))
+        self._open.append(self.bus.subscribe(self.name.acl_key, self._gate.queued, urgent=True))
+        self._open.append(self.bus.converse(self.name.acl_key, self._gate.caller, urgent=True))
 
     def _enter_directory(self) -> None:
         self._listed = self.bus.serve(self.name.description_key, lambda arguments: self.describe())
         self._open += [self._listed, self.bus.declare_alive(self.name.alive_key)]
-
-    def _go(self, step: Step) -> None:
-        self._state = after(self._state, step)
 
     def _report(self, what: str, error: Exception | None) -> None:
         self.home.report(self.name, what, error)
@@ -302,11 +429,11 @@ class Agent(MobileAgent):
             self._rouse()
 
     def _rouse(self) -> None:
-        if self._state is AgentState.WAITING and self._loop is not None:
+        if self.state is AgentState.WAITING and self._loop is not None:
             hand_over(self._loop, self._wake_if_waiting)
 
     # In the loop again.
 
     def _wake_if_waiting(self) -> None:
-        if self._state is AgentState.WAITING:
+        if self.state is AgentState.WAITING:
             self.wake()

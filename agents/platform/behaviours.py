@@ -12,6 +12,7 @@ import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Mapping
 from enum import Enum
+from numbers import Real
 from typing import Any
 
 Action = Callable[[], Awaitable[Any]]
@@ -55,7 +56,7 @@ class OneShot(Behaviour):
 
     def __init__(self, action: Action, name: str = "") -> None:
         self.name = name or name_of(action)
-        self._action = action
+        self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Do the action."""
@@ -71,7 +72,7 @@ class Cyclic(Behaviour):
 
     def __init__(self, action: Action, name: str = "") -> None:
         self.name = name or name_of(action)
-        self._action = action
+        self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Do the action until it raises `Done`."""
@@ -92,12 +93,11 @@ class Ticker(Behaviour):
     """
 
     def __init__(self, period: float, action: Action, name: str = "") -> None:
-        if not period > 0:
-            raise ValueError(f"a period is more than 0 s, not {period:g} s")
+        check_period(period)
         self.name = name or name_of(action)
         self.missed = 0
         self._period = period
-        self._action = action
+        self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Do the action at every beat until it raises `Done`."""
@@ -122,7 +122,7 @@ class Waker(Behaviour):
     def __init__(self, delay: float, action: Action, name: str = "") -> None:
         self.name = name or name_of(action)
         self._delay = delay
-        self._action = action
+        self._action = checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Wait, and do the action."""
@@ -234,6 +234,27 @@ class NoTransition(LookupError):
 def behaviour(part: Behaviour | Action) -> Behaviour:
     """The behaviour that it is, or an action done once."""
     return part if isinstance(part, Behaviour) else OneShot(part)
+
+
+def check_period(period: object) -> None:
+    """Check the time from one beat to the next.
+
+    Raises:
+        ValueError: It is not a time of more than 0 s.
+    """
+    if not isinstance(period, Real) or not float(period) > 0.0:
+        raise ValueError(f"a period is more than 0 s, not {period!r}")
+
+
+def checked(action: Action) -> Action:
+    """Return an action that can be called.
+
+    Raises:
+        TypeError: It cannot.
+    """
+    if not callable(action):
+        raise TypeError(f"an action is a coroutine function, not {action!r}")
+    return action
 
 
 def name_of(action: Action) -> str:

@@ -8,15 +8,14 @@ import itertools
 import logging
 import threading
 from collections.abc import Callable, Mapping
-from contextlib import aclosing
 from dataclasses import dataclass, field
 from typing import Any, Self
 
-from agents.platform.conversations.talk import replies
 from agents.platform.errors import AlreadyThere, DescriptionNotValid, NameNotValid
 from agents.platform.life import AgentState
 from agents.platform.names import AgentName
 from bus import Answer, Bus, NoAnswer, Refused, TimedOut
+from bus.aio import ReplyQueue
 from bus.bus import Closeable
 from bus.keys import robot_name
 
@@ -160,8 +159,9 @@ async def descriptions(bus: Bus, key_expr: str, within: float = SEARCH_TIME) -> 
     """
     found: list[Description] = []
     try:
-        async with aclosing(replies(bus, key_expr, None, within)) as heard:
-            async for answer in heard:
+        replies = ReplyQueue(within)
+        with bus.ask(key_expr, None, replies.put, replies.put, within, urgent=True):
+            async for answer in replies:
                 try:
                     found.append(Description.from_answer(answer))
                 except (DescriptionNotValid, NameNotValid) as err:

@@ -16,11 +16,11 @@ from bus.errors import BusError
 
 
 class AgentError(Exception):
-    """The root: whatever can go wrong among agents."""
+    """Base class of the errors of the agent platform."""
 
 
 class NameNotValid(AgentError, ValueError):
-    """A text names no agent."""
+    """A text is not the name of an agent."""
 
 
 class AclError(AgentError, ValueError):
@@ -28,23 +28,23 @@ class AclError(AgentError, ValueError):
 
 
 class DescriptionNotValid(AgentError, ValueError):
-    """What an agent says of itself cannot be read, or is about another one."""
+    """The description of an agent cannot be read, or describes another agent."""
 
 
 class IllegalTransition(AgentError):
-    """An agent's life knows no such step from its present state."""
+    """The life cycle of agents has no such transition from the present state."""
 
 
 class UnknownAgent(AgentError, LookupError):
-    """No such agent lives here."""
+    """The container has no agent of this name."""
 
 
 class AlreadyThere(AgentError):
-    """An agent of this name lives here already."""
+    """The container has an agent of this name already."""
 
 
 class SetupFailed(AgentError):
-    """An agent's setup raised or took too long, so it does not live."""
+    """The setup of an agent raised an error or took too long; the agent was not started."""
 
 
 class NotMoved(AgentError):
@@ -52,7 +52,7 @@ class NotMoved(AgentError):
 
 
 class RequestNotDone(AgentError):
-    """What another agent was asked for was not done; the message says how it ended and why."""
+    """Another agent has not done what was requested; the message says how the request ended and why."""
 
 
 def in_words(error: BaseException) -> str:

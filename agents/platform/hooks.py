@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from agents.platform.behaviours import check_period
 from agents.platform.schedule import Policy
 
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -25,6 +26,7 @@ class Hook:
 
 def every(period: float, policy: Policy | None = None) -> Callable[[Method], Method]:
     """Do this method every `period` seconds while the agent is active; begun again after a failure by default."""
+    check_period(period)
     return hooked(lambda agent, method: agent.every(period, method, policy))
 
 
@@ -33,6 +35,7 @@ def on(topic: str, *, keep: int = 1, policy: Policy | None = None) -> Callable[[
 
     keep: how many messages wait while the method is at work; older ones are left out, since readings age quickly.
     """
+    _check_name("on", topic)
 
     def begin(agent: Any, method: Callable[..., Any]) -> object:
         return agent.listen(f"{agent.name.platform}/{topic}", method, keep=keep, policy=policy)
@@ -47,6 +50,7 @@ def request(name: str, *, agrees_itself: bool = False) -> Callable[[Method], Met
     the agent has agreed, and every exception is a failure. With `agrees_itself` it may refuse until it has called
     `agree`. When the one who asks cancels or dies, it gets a `CancelledError`, and may clean up.
     """
+    _check_name("request", name)
     return hooked(lambda agent, method: agent.answer(name, method, agrees_itself=agrees_itself))
 
 
@@ -56,11 +60,13 @@ def subscription(name: str) -> Callable[[Method], Method]:
     Its arguments are checked, and it refuses, as with `request`. It is closed when the subscriber cancels or dies, and
     when this agent ends.
     """
+    _check_name("subscription", name)
     return hooked(lambda agent, method: agent.answer_subscriptions(name, method))
 
 
 def answers(name: str) -> Callable[[Method], Method]:
     """Let this method answer queries of a name: what it returns is what the other wants to know, else as `request`."""
+    _check_name("answers", name)
     return hooked(lambda agent, method: agent.answer_queries(name, method))
 
 
@@ -70,7 +76,14 @@ def proposes(name: str) -> Callable[[Method], Method]:
     It takes the arguments of the request, returns the proposal, and raises `bus.Refused` to make none. Once the
     proposal is accepted, the request is done.
     """
+    _check_name("proposes", name)
     return hooked(lambda agent, method: agent.answer_calls(name, method))
+
+
+def _check_name(decorator: str, name: object) -> None:
+    """Check that a decorator has its name, which is easily forgotten."""
+    if not isinstance(name, str):
+        raise TypeError(f'the name is a text, not {name!r}; write it as @{decorator}("name")')
 
 
 def hooks_of(agent: object) -> list[tuple[Callable[..., Any], Hook]]:

@@ -49,11 +49,26 @@ TRANSITIONS = {
 }
 
 
+class Life:
+    """The life of one agent: its state, and the steps that change it."""
+
+    def __init__(self) -> None:
+        self.state = AgentState.INITIATED
+
+    def go(self, step: Step) -> None:
+        """Take a step.
+
+        Raises:
+            IllegalTransition: There is no such step from the present state.
+        """
+        self.state = after(self.state, step)
+
+
 def after(state: AgentState, step: Step) -> AgentState:
-    """The state to which a step leads.
+    """Return the state to which a step leads.
 
     Raises:
-        IllegalTransition: Life knows no such step from this state.
+        IllegalTransition: There is no such step from this state.
     """
     if (state, step) not in TRANSITIONS:
         raise IllegalTransition(f"an agent that is {state} cannot {step}")

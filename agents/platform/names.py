@@ -30,7 +30,7 @@ class AgentName:
         Raises:
             NameNotValid: It is not two parts around one `@`, or a part does not serve.
         """
-        local, at, platform = text.partition("@")
+        local, at, platform = text.partition("@") if isinstance(text, str) else ("", "", "")
         if not at:
             raise NameNotValid(f"{text!r} names no agent; a name is written like base@happy")
         return cls(local, platform)

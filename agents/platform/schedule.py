@@ -41,7 +41,10 @@ class Restart:
 
 
 Policy = Drop | FailAgent | Restart
-DROP, FAIL_AGENT = Drop(), FailAgent()
+DROP = Drop()
+"""Policy: a behaviour that fails is removed; the agent and its other behaviours continue."""
+FAIL_AGENT = FailAgent()
+"""Policy: a behaviour that fails makes its agent fail."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from agents.platform.behaviours import Behaviour, Gate
-from agents.platform.conversations.talk import hand_over
 from bus import JSON, MessageError, Sample
+from bus.aio import hand_over
 from bus.messages import decode, decode_json
 
 

@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterable
 from types import FrameType
 
 from agents.platform.agent import Agent
-from agents.platform.conversations.talk import hand_over
 from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Subscription
+from bus.aio import hand_over
 from bus.messages import compiled_at
 
 LONGEST_TURN = 0.5  # s that one step of an agent may take

@@ -20,13 +20,13 @@ from contextlib import suppress
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, Directory, NameNotValid, agree, asker, request
-from agents.platform.conversations.talk import hand_over
 from agents.services.audit import Audit, AuditEvent
 from agents.services.gateway_leases import GatewayAway, GatewayLeases
 from agents.services.lease_book import Book, Claim, Grant, Wish, new_id
 from agents.services.lease_manager import LeaseManager
 from agents.services.leases import SERVICE, LeaseEvent, LeaseTarget
 from bus import Refused
+from bus.aio import hand_over
 from bus.bus import Closeable
 
 LONGEST_LEASE = 60.0  # s, as the gateways have it

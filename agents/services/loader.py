@@ -20,12 +20,12 @@ from agents.client.private_container import PLATFORM
 from agents.client.program import ProgramNotValid
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
 from agents.platform.container.ends import AgentEnd
-from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
 from agents.services.loaded import KIND, check_text, locate
 from agents.services.restarts import RestartRules, Restarts
 from bus import BusError, NoAnswer, Refused
+from bus.aio import hand_over
 from bus.bus import Closeable
 
 SERVICE = "loading"

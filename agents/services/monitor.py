@@ -14,7 +14,6 @@ from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, NameNotValid, OneShot, every, request
 from agents.platform.container.ends import AgentEnd
-from agents.platform.conversations.talk import hand_over
 from agents.platform.names import ContainerName
 from agents.services.diagnostics import Standing, diagnostic_array, worst
 from agents.services.events import History
@@ -23,6 +22,7 @@ from agents.services.streams import steady_streams
 from agents.services.supervision import Supervision
 from agents.services.watching import ElementName, RobotName, Watching
 from bus import BusError, Refused, Sample, Subscription
+from bus.aio import hand_over
 from bus.bus import Publisher
 from bus.keys import DESCRIPTION, DIAGNOSTICS, STATE, split
 from bus.messages import NS_PER_S, DiagnosticArray, RobotState

@@ -15,12 +15,12 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, Restart, asker, request, subscription
-from agents.platform.conversations.talk import hand_over
 from agents.platform.stream import Stream
 from agents.services.selection import Selection, SelectionNotValid
 from agents.services.sources import Hear, StreamSource, Subscriber, maker_of, source_key, token_of
 from bus import Refused
 from bus import Subscription as Held
+from bus.aio import hand_over
 
 TOKENS = ("*/alive", "*/agents/*/alive")
 MEETING_TIME = 0.3  # s in which a session that has just been opened learns who is there

@@ -143,6 +143,20 @@ class Lms200:
         """It sends scans without being asked for each."""
         return self._segment is not None and self._time >= self._ready_at and self._has_power()
 
+    @property
+    def silence(self) -> float:
+        """Time in which it sends nothing unless it or the robot receives something, s."""
+        has_power = self._has_power()
+        if has_power != self._had_power or self._answers or self._next_baud is not None:
+            return 0.0
+        if not has_power:
+            return inf
+        if self._time < self._ready_at:
+            return self._ready_at - self._time
+        if self._is_new:
+            return 0.0
+        return inf if self._segment is None else max(self._free_at, self._scan_at) - self._time
+
     def receive(self, data: bytes) -> None:
         """Take bytes from the line; without power and while it boots, nobody hears them."""
         if self._time < self._ready_at or not self._has_power():

@@ -10,7 +10,7 @@ codec's own assumptions. Assumed besides:
 """
 
 from dataclasses import dataclass
-from math import copysign, isfinite, radians
+from math import copysign, inf, isfinite, radians
 
 from p2os.accessories.arm_model import ArmModel, CubeModel
 from p2os.accessories.powercube import (
@@ -243,6 +243,11 @@ class PowerCubeArm:
                     cube.answer(request, self._arm)
             elif module <= len(self.cubes):
                 self._answers.append(encode_reply(module, self.cubes[module - 1].answer(request, self._arm)))
+
+    @property
+    def silence(self) -> float:
+        """Time in which the modules send nothing unless they receive something, s."""
+        return 0.0 if self._answers else inf
 
     def step(self, dt: float) -> bytes:
         """Let time pass, s; what the modules have to say."""

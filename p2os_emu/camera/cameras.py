@@ -78,6 +78,11 @@ class Cameras:
                 self._drop(name)
                 self._complain(f"the camera of {name} has ended; the robot goes on without it")
 
+    @property
+    def are_watched(self) -> bool:
+        """Whether somebody looks at a picture of one of them."""
+        return any(process.wants_news for process in self._processes.values())
+
     def close(self) -> None:
         """End every process."""
         for name in list(self._processes):

@@ -70,6 +70,11 @@ class EmulatedLine:
         self._lay(profile)
 
     @property
+    def is_plain(self) -> bool:
+        """Whether bytes leave as they enter, in both directions."""
+        return self._to_robot.is_plain and self._to_host.is_plain
+
+    @property
     def faults(self) -> list[str]:
         """The names of what has gone wrong with `impair`."""
         return [name for name in LINE_FAULTS if name in self._impaired]

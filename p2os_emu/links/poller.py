@@ -40,6 +40,10 @@ class Poller:
             if handler is not None:
                 handler(events)
 
+    def wait(self, timeout: float) -> None:
+        """Wait until a descriptor is ready, or until `timeout` s have passed and up to 1 ms more; call no handler."""
+        self._epoll.poll(timeout, 1)
+
     def close(self) -> None:
         """Let the operating system's part go; the descriptors themselves belong to those who opened them."""
         self._handlers.clear()

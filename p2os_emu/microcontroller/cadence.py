@@ -17,6 +17,11 @@ class Cadence:
         """Begin a fresh period now."""
         self._elapsed = 0.0
 
+    @property
+    def remaining(self) -> float:
+        """Time until a period ends, s."""
+        return self.period - TOLERANCE - self._elapsed
+
     def advance(self, dt: float) -> int:
         """Let time pass; say how many periods ended in it."""
         elapsed = self._elapsed + dt

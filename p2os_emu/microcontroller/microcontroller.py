@@ -1,6 +1,7 @@
 """The firmware of a robot, without port and clock: bytes and time in, bytes out."""
 
 from collections.abc import Callable
+from math import inf
 
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessory_packets import Reset
@@ -92,6 +93,13 @@ class Microcontroller:
     def battery_charge(self) -> float:
         """State of charge, 0 to 1."""
         return self._board.battery.charge
+
+    @property
+    def silence(self) -> float:
+        """Time in which the firmware sends nothing unless it receives something, s."""
+        if self._inbox or self._outbox:
+            return 0.0
+        return self._sip_clock.remaining if self.connected else inf
 
     def fit_arm(self, arm: ArmModel) -> None:
         """Plug in the arm that its board drives by itself; it is at home, without power."""

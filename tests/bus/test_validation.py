@@ -55,6 +55,18 @@ def test_numbers_that_are_not_finite_are_refused(number: str) -> None:
         decode_json(f'{{"a": [{number}]}}'.encode())
 
 
+@given(VALUES, st.booleans())
+def test_payload_alone_shows_what_a_search_of_the_whole_value_would_refuse(value: Any, ascii_only: bool) -> None:
+    payload = json.dumps({"a": value}, ensure_ascii=ascii_only).encode("utf-8", "surrogatepass")
+    try:
+        received = decode_json(payload)
+    except MessageError:
+        with pytest.raises(MessageError):
+            validation.check_value({"a": value})
+    else:
+        validation.check_value(received)
+
+
 @pytest.mark.parametrize("number", [INTEGER_LIMIT, -INTEGER_LIMIT, 10**400])
 def test_integers_beyond_64_bits_are_refused_at_both_ends(number: int) -> None:
     with pytest.raises(MessageError, match="bits is too large"):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
+from math import inf
 
 import pytest
 
@@ -10,7 +11,20 @@ from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.pacing import FASTEST, SLOWEST
-from p2os_emu.runner import Runner
+from p2os_emu.runner import Runner, Stepped
+
+
+class VirtualPoller(Poller):
+    """Waits on a machine's clock. next_input: when something comes."""
+
+    def __init__(self, machine: "Machine") -> None:
+        super().__init__()
+        self.machine = machine
+        self.next_input = inf
+
+    def wait(self, timeout: float) -> None:
+        until_input = self.next_input - self.machine.now
+        self.machine.sleep(min(timeout, until_input) if until_input > 0.0 else timeout)
 
 
 class Machine:
@@ -18,7 +32,7 @@ class Machine:
 
     def __init__(self, speed: float = 1.0) -> None:
         self.now = 1000.0
-        self.poller = Poller()
+        self.poller = VirtualPoller(self)
         self.emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
         self.runner = Runner(self.emulator, self.poller, clock=lambda: self.now, sleep=self.sleep, speed=speed)
 
@@ -78,6 +92,7 @@ def test_longer_standstill_is_dropped_beyond_a_second_and_counted(machine: Machi
 
 def test_pause_stands_still_while_others_are_still_served(machine: Machine) -> None:
     machine.runner.pause(True)
+    machine.runner.needs_each_step.append(lambda: True)
     turns = 0
 
     def between_steps() -> None:
@@ -95,6 +110,7 @@ def test_pause_stands_still_while_others_are_still_served(machine: Machine) -> N
 
 
 def test_leaving_ends_the_run_before_the_next_step(machine: Machine) -> None:
+    machine.runner.needs_each_step.append(lambda: True)
     machine.runner.between_steps.append(machine.runner.leave)
     machine.runner.run()
     assert machine.emulator.time == 0.0
@@ -143,3 +159,71 @@ def test_requests_are_heard_at_once_at_any_speed(machine: Machine, speed: float)
     machine.runner.run()
     assert max(b - a for a, b in pairwise([start, *turns])) < 0.2
     assert machine.now - start == pytest.approx(11 * STEP / speed, rel=0.2, abs=0.01)
+
+
+class SipClock(Stepped):
+    """Sends something at every twelfth step; notes when it takes each step, and what it receives at which."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.steps: list[float] = []
+        self.takes = 0.0
+
+    @property
+    def time(self) -> float:
+        return len(self.steps) * STEP
+
+    @property
+    def silence(self) -> float:
+        return (12 - len(self.steps) % 12) * STEP
+
+    def step(self) -> None:
+        self.steps.append(self.machine.now)
+        self.machine.now += self.takes
+
+
+@pytest.fixture
+def clock(machine: Machine) -> SipClock:
+    clock = SipClock(machine)
+    machine.runner = Runner(clock, machine.poller, clock=lambda: machine.now, sleep=machine.sleep)
+    return clock
+
+
+def test_what_is_sent_is_sent_on_time_while_the_steps_before_are_taken_together(
+    machine: Machine, clock: SipClock
+) -> None:
+    start = machine.now
+    machine.runner.run(12.0)
+    assert len(clock.steps) == 1440
+    for number, taken in enumerate(clock.steps):
+        due = start + number * STEP
+        if number % 12 == 11:
+            assert taken == pytest.approx(due, abs=1e-3)
+        else:
+            assert due - 1e-9 <= taken < due + 0.1
+    turns = sum(1 for a, b in pairwise(clock.steps) if b - a > STEP / 2)
+    assert turns == pytest.approx(2 * 120, abs=2)
+
+
+def test_steps_that_take_long_are_not_taken_together(machine: Machine, clock: SipClock) -> None:
+    clock.takes = 0.003
+    machine.runner.run(2.0)
+    assert max(b - a for a, b in pairwise(clock.steps)) < 2 * STEP
+
+
+def test_every_step_is_taken_on_time_while_somebody_needs_it(machine: Machine, clock: SipClock) -> None:
+    machine.runner.needs_each_step.append(lambda: True)
+    start = machine.now
+    machine.runner.run(2.0)
+    assert clock.steps == pytest.approx([start + number * STEP for number in range(240)], abs=1e-3)
+
+
+def test_what_has_come_ends_the_silence(machine: Machine, clock: SipClock) -> None:
+    machine.poller.next_input = machine.now + 0.03
+    heard: list[float] = []
+    machine.runner.between_steps.append(lambda: heard.append(machine.now))
+    start = machine.now
+    machine.runner.run(0.09)
+    # Heard at the step after it came: the fourth is due at 33 ms.
+    assert heard[0] == pytest.approx(start + 4 * STEP, abs=1e-3)
+    assert clock.steps[:5] == pytest.approx([start + 0.03] * 4 + [start + 4 * STEP], abs=1e-3)

@@ -81,7 +81,10 @@ class Container:
             kinds: Which agents it may be told to start; by default those of the packages `agents` and `apps`.
         Raises:
             NameNotValid: Name or platform is not one chunk of a key.
+            TypeError: `bus` is not a bus.
         """
+        if not isinstance(bus, Bus):
+            raise TypeError(f"a container needs an open bus, such as ZenohBus.open(), not {bus!r}")
         name = name or f"container-{uuid.uuid4().hex[:8]}"
         self._bus = bus
         self._called = ContainerName(name, platform or bus.own_name or name)

@@ -28,7 +28,6 @@ from typing import Any
 
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.introspection import introspect
-from agents.platform.conversations.talk import hand_over
 from agents.platform.directory import check_free
 from agents.platform.errors import AgentError, in_words
 from agents.platform.kinds import kind_of
@@ -38,6 +37,7 @@ from agents.platform.mobility.departures import Departures
 from agents.platform.mobility.migration_state import opened, unpacked
 from agents.platform.names import AgentName
 from bus import BusError, BusUnavailable, Conversation, Subscription
+from bus.aio import hand_over
 from bus.name_holder import BusProgram
 from bus.validation import check_value
 from configs.suggestion import meant
@@ -139,7 +139,8 @@ class Control:
     def _call(self, given: Given, conversation: Conversation) -> None:
         """Hand a conversation to an agent that has moved here: its replies are the agent's own."""
         try:
-            self._container.agent(named_in(given)).call(table_of(given, "message"), conversation)
+            agent = self._container.agent(named_in(given))
+            agent.migration.gate.caller(table_of(given, "message"), conversation)
         except AgentError as err:
             with contextlib.suppress(BusUnavailable):  # who asked cannot be reached any more
                 conversation.refuse(str(err))
@@ -213,7 +214,7 @@ class Control:
         return {}
 
     async def _deliver(self, given: Given) -> dict[str, Any]:
-        self._container.agent(named_in(given)).deliver(opened(given.get("letters")))
+        self._container.agent(named_in(given)).migration.gate.bring(opened(given.get("letters")))
         return {}
 
     async def _forsake(self, given: Given) -> dict[str, Any]:

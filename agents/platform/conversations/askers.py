@@ -4,9 +4,9 @@ import asyncio
 import contextlib
 from collections.abc import Callable
 
-from agents.platform.conversations.talk import hand_over
 from agents.platform.names import AgentName
 from bus import Bus, BusError, Subscription
+from bus.aio import hand_over
 
 UNSEEN_TIME = 40.0  # s; longer than a setup, in which an agent may ask and shows no token yet
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.conversations.handler import ParsedRequest
 from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
 from agents.platform.conversations.outcome import Ending, Outcome
-from agents.platform.conversations.parsed_request import ParsedRequest
 from agents.platform.conversations.responder_conversation import ResponderConversation
 from agents.platform.names import AgentName
 from bus import Refused
@@ -85,19 +85,18 @@ async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
                 await caller.answered.wait()
 
 
-async def propose(conversation: ResponderConversation, opening: ParsedRequest) -> None:
-    """Make a proposal, and do what it is about if it is accepted."""
+async def propose(conversation: ResponderConversation, opening: ParsedRequest) -> Any:
+    """Make a proposal, and return the result of the task once it is accepted."""
     assert opening.task is not None
     conversation.say(Performative.PROPOSE, await opening.handler.call(opening.arguments))
     try:
         async with asyncio.timeout(PROPOSAL_TIME):
-            answer = await conversation.heard()
+            await conversation.accepted.wait()
     except TimeoutError:
         conversation.commit()
         raise Refused(f"nobody has accepted this proposal within {PROPOSAL_TIME:g} s") from None
-    if answer.performative is Performative.ACCEPT_PROPOSAL:
-        conversation.commit()
-        conversation.say(Performative.INFORM, await opening.task.call(opening.arguments))
+    conversation.commit()
+    return await opening.task.call(opening.arguments)
 
 
 class _Caller:

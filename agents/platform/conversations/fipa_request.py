@@ -1,44 +1,27 @@
 """FIPA's request protocol (SC00026H), both ends: request, then refuse, or agree and then inform or failure.
 
-Its content is `{"action": name, "arguments": {...}}`; that of an inform is what the action returned, that of every no
-is `{"why": sentence}`. A request under way is cancelled by `cancel` in the same conversation; it then ends with a
-failure, or with the inform that had been said before.
+The content of a request is `{"action": name, "arguments": {...}}`, that of an inform is what the action returned, and
+that of a refusal or failure is `{"why": sentence}`. A request under way is cancelled by `cancel` in the same
+conversation; it then ends with a failure, or with the inform that had been sent before.
+
+FIPA's query protocol (SC00027H) runs alike: query-ref asks for the value of something, query-if whether something is
+so. A query changes nothing.
 """
 
 import asyncio
-from collections.abc import Generator
-from contextlib import aclosing
+from collections.abc import Awaitable, Generator
 from typing import Any
 
-from agents.platform.acl import Performative
 from agents.platform.conversations.handler import Handler as Handler
 from agents.platform.conversations.handler import NotUnderstood as NotUnderstood
-from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
+from agents.platform.conversations.handler import ParsedRequest
+from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Ending, Outcome
-from agents.platform.conversations.parsed_request import ParsedRequest
 from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-request"
+QUERY_PROTOCOL = "fipa-query"
 CANCEL_TIME = 2.0  # s to wait for the word that what was cancelled has ended
-
-
-async def ask_to(initiated: InitiatorConversation) -> Outcome:
-    """Ask another agent to do something, and wait for the end.
-
-    Raises:
-        AclError: The arguments have no JSON form, or are too many.
-        BusUnavailable: The bus is closed.
-    """
-    try:
-        async with aclosing(initiated.replies()) as heard:
-            async for reply in heard:
-                if reply.performative is Performative.INFORM:
-                    return initiated.done(reply.content)
-                if reply.performative is not Performative.AGREE:
-                    raise initiated.misplaced(reply)
-    except ConversationEnded as over:
-        return over.outcome
-    raise AssertionError("a dialogue ends with a reply or with ConversationEnded")
 
 
 class Request:
@@ -47,7 +30,7 @@ class Request:
     def __init__(self, initiated: InitiatorConversation) -> None:
         """Begin it, in a running event loop."""
         self._initiated = initiated
-        self._asking = asyncio.ensure_future(ask_to(initiated))
+        self._asking = asyncio.ensure_future(initiated.outcome())
         self._unconfirmed: Outcome | None = None
 
     def __await__(self) -> Generator[Any, None, Outcome]:
@@ -70,8 +53,18 @@ class Request:
         return await self.outcome()
 
 
-async def do(conversation: ResponderConversation, opening: ParsedRequest) -> None:
-    """Do what was asked, and tell the result."""
+def do(conversation: ResponderConversation, opening: ParsedRequest) -> Awaitable[Any]:
+    """Do what was requested; the result is that of the handler."""
+    return opening.handler.call(opening.arguments)
+
+
+async def answer_whether(conversation: ResponderConversation, opening: ParsedRequest) -> bool:
+    """Answer query-if with true or false.
+
+    Raises:
+        TypeError: The handler has returned something else.
+    """
     result = await opening.handler.call(opening.arguments)
-    conversation.agree()
-    conversation.say(Performative.INFORM, result)
+    if not isinstance(result, bool):
+        raise TypeError(f"{opening.handler.name} is not something that is so or not; ask what it is, with query-ref")
+    return result

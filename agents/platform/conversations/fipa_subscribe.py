@@ -6,14 +6,15 @@ so; the publisher ends it with a failure, or with an inform of `{"done": true}` 
 
 import asyncio
 from collections import deque
+from collections.abc import Mapping
 from contextlib import aclosing
 from types import TracebackType
 from typing import Any, Self
 
 from agents.platform.acl import AclMessage, Performative
+from agents.platform.conversations.handler import ParsedRequest
 from agents.platform.conversations.initiator_conversation import ConversationEnded, InitiatorConversation
 from agents.platform.conversations.outcome import Outcome
-from agents.platform.conversations.parsed_request import ParsedRequest
 from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-subscribe"
@@ -114,12 +115,11 @@ class Values:
         raise self._initiated.misplaced(reply)
 
 
-async def inform(conversation: ResponderConversation, opening: ParsedRequest) -> None:
-    """Tell each value that the handler yields."""
+async def inform(conversation: ResponderConversation, opening: ParsedRequest) -> Mapping[str, Any]:
+    """Send each value that the handler yields; return the content of the last inform."""
     async with aclosing(opening.handler.function(**opening.arguments)) as values:
         async for value in values:
             conversation.agree()
             conversation.say(Performative.INFORM, {"value": value})
-            await asyncio.sleep(0)  # others get their turn, whatever the handler does not wait for
-    conversation.agree()
-    conversation.say(Performative.INFORM, {"done": True})
+            await asyncio.sleep(0)  # other tasks get their turn, even if the handler waits for nothing
+    return {"done": True}

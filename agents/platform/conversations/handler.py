@@ -1,11 +1,13 @@
 """A function of an agent's that answers others, and the arguments that it takes."""
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass
 from inspect import Parameter
 from typing import Any, get_type_hints
 
-from configs.suggestion import not_taken
+from agents.platform.acl import ONTOLOGY, AclMessage
+from configs.suggestion import hint, not_taken
 
 
 class NotUnderstood(Exception):
@@ -54,10 +56,14 @@ class Handler:
         expected = self._hints.get(name)
         return f" ({expected.__name__})" if isinstance(expected, type) and expected in _PLAIN else ""
 
-    async def call(self, arguments: Mapping[str, Any]) -> Any:
-        """Call it, whether or not it is a coroutine function."""
+    def call(self, arguments: Mapping[str, Any]) -> Awaitable[Any]:
+        """Call it, whether or not it is a coroutine function, and return its result to be awaited."""
         result = self.function(**arguments)
-        return await result if inspect.isawaitable(result) else result
+        return result if inspect.isawaitable(result) else _ready(result)
+
+
+async def _ready(result: Any) -> Any:
+    return result
 
 
 _BY_NAME = (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
@@ -69,3 +75,44 @@ _PLAIN: dict[Any, Callable[[Any], bool]] = {
     list: lambda value: isinstance(value, list),
     dict: lambda value: isinstance(value, dict),
 }
+
+
+@dataclass(frozen=True, slots=True)
+class ParsedRequest:
+    """A conversation that may begin.
+
+    task: what does it, when the handler only says what it would do it for.
+    """
+
+    handler: Handler
+    arguments: Mapping[str, Any]
+    task: Handler | None = None
+
+
+def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mapping[str, Handler]) -> ParsedRequest:
+    """The handler that a message calls for, and its arguments.
+
+    Args:
+        message: What has come.
+        protocol: The rules that go with its performative.
+        noun: What it asks for, for people.
+        handlers: By name.
+    Raises:
+        NotUnderstood: It is not one that any of the handlers can answer.
+    """
+    if message.protocol not in ("", protocol):
+        raise NotUnderstood(f"{message.performative} does not begin {message.protocol!r} here; it begins {protocol}")
+    if message.ontology not in ("", ONTOLOGY):
+        raise NotUnderstood(f"the ontology {message.ontology!r} is not known here; {ONTOLOGY} is")
+    match message.content:
+        case {"action": str(action), "arguments": dict(arguments)}:
+            pass
+        case {"action": str(action), **rest} if not rest:
+            arguments = {}
+        case _:
+            raise NotUnderstood(f'the content of {message.performative} is {{"action": name, "arguments": {{...}}}}')
+    if action not in handlers:
+        known = ", ".join(sorted(handlers)) or "none"
+        raise NotUnderstood(f"there is no {noun} {action!r} here{hint(action, handlers)}; known: {known}")
+    handlers[action].check(arguments)
+    return ParsedRequest(handlers[action], arguments)

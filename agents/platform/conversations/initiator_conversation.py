@@ -1,7 +1,7 @@
-"""The initiator's end of a conversation: one query on the bus, whose replies are all that the peer says.
+"""The initiator's end of a conversation: one query on the bus, whose replies are the messages of the peer.
 
-What the initiator says later (cancel, accept-proposal, reject-proposal) goes to the peer's mailbox key as a message of
-the same conversation. Who leaves a conversation before its end, for whatever reason, cancels it.
+Later messages of the initiator (cancel, accept-proposal, reject-proposal) go to the peer's mailbox key, with the same
+conversation id. A conversation that the initiator leaves before its end, for whatever reason, is cancelled.
 """
 
 import contextlib
@@ -10,23 +10,22 @@ from collections.abc import AsyncGenerator, Mapping
 from contextlib import aclosing
 from typing import Any
 
-from agents.platform.acl import AclMessage, Performative
+from agents.platform.acl import ONTOLOGY, AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import new_label
 from agents.platform.conversations.outcome import Ending, Outcome, why_of
-from agents.platform.conversations.talk import replies
 from agents.platform.errors import AclError
 from agents.platform.names import AgentName
 from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
+from bus.aio import ReplyQueue
 
-ONTOLOGY = "acromovi"
 LANGUAGE = "json"
 MOVING = (Performative.REQUEST, Performative.CFP)
-"""What may set something moving; the initiator's heartbeat beats until the conversation ends."""
+"""Performatives that may start a motion: the initiator's heartbeat is published until the conversation ends."""
 
 
 class ConversationEnded(Exception):
-    """A conversation has ended otherwise than its protocol hopes."""
+    """A conversation has ended before its protocol was completed."""
 
     def __init__(self, outcome: Outcome) -> None:
         super().__init__(outcome.why)
@@ -36,8 +35,8 @@ class ConversationEnded(Exception):
 class InitiatorConversation:
     """One conversation that an agent begins.
 
-    opening: the message with which it begins.
-    agreed: whether the peer has said that it will do it.
+    opening: the first message.
+    agreed: whether the peer has agreed.
     """
 
     def __init__(
@@ -52,18 +51,18 @@ class InitiatorConversation:
         within: float,
         answer_within: float | None = None,
     ) -> None:
-        """Prepare it; nothing is said yet.
+        """Prepare it; nothing is sent yet.
 
         Args:
-            home: Where the initiator lives.
+            home: The container of the initiator.
             me: The initiator.
-            peer: With whom.
-            performative: How it begins.
-            protocol: Its rules, for people and records.
-            action: What it is about.
+            peer: The agent that answers.
+            performative: That of the first message.
+            protocol: The FIPA protocol, for logs and records.
+            action: The name of what is requested.
             arguments: JSON values by name.
             within: s of the loop's time until its end.
-            answer_within: s until an answer helps, for the message; without it the message does not say.
+            answer_within: s until the reply-by time of the first message; None for none.
         """
         label = uuid.uuid4().hex
         self._beats = performative in MOVING
@@ -87,13 +86,31 @@ class InitiatorConversation:
         self._is_open = False
         self._is_cancelled = False
 
-    async def replies(self) -> AsyncGenerator[AclMessage, None]:
-        """What the peer says: agree, propose and inform; to be used in `aclosing`.
-
-        Who has heard the last of it calls `end`, or the peer is told that the conversation is cancelled.
+    async def outcome(self) -> Outcome:
+        """Have the peer do what is requested, and wait for the end (the request and query protocols).
 
         Raises:
-            Over: The peer says no or nonsense, dies, or has not come to an end in time.
+            AclError: The arguments have no JSON form, or are too large.
+            BusUnavailable: The bus is closed.
+        """
+        try:
+            async with aclosing(self.replies()) as heard:
+                async for reply in heard:
+                    if reply.performative is Performative.INFORM:
+                        return self.done(reply.content)
+                    if reply.performative is not Performative.AGREE:
+                        raise self.misplaced(reply)
+        except ConversationEnded as over:
+            return over.outcome
+        raise AssertionError("a conversation ends with a reply or with ConversationEnded")
+
+    async def replies(self) -> AsyncGenerator[AclMessage, None]:
+        """Yield the peer's replies: agree, propose and inform; to be used in `aclosing`.
+
+        The caller calls `end` after the last reply. Otherwise the conversation is cancelled.
+
+        Raises:
+            ConversationEnded: The peer refuses, fails, sends a malformed reply, dies, or does not end in time.
             AclError: The arguments have no JSON form, or are too large.
             BusUnavailable: The bus is closed.
         """
@@ -103,7 +120,8 @@ class InitiatorConversation:
         beating = self._home.beating(self.opening.sender) if self._beats else contextlib.nullcontext()
         try:
             with beating:
-                async with aclosing(replies(self._home.bus, self.peer.acl_key, written, self._within)) as heard:
+                heard = ReplyQueue(self._within)
+                with self._home.bus.ask(self.peer.acl_key, written, heard.put, heard.put, self._within, urgent=True):
                     async for answer in heard:
                         yield self._read(answer.value)
             raise self._ended(Ending.DIED, f"{self.peer} has gone before the end")
@@ -122,27 +140,27 @@ class InitiatorConversation:
                 self.cancel()
 
     def end(self) -> None:
-        """Note that all has been said."""
+        """Note that the last reply has come."""
         self._is_open = False
 
     def done(self, result: Any) -> Outcome:
-        """The end that the protocol hopes for."""
+        """End the conversation, and return the outcome of one that was completed."""
         self.end()
         return Outcome(Ending.DONE, result, agreed=self.agreed)
 
     def misplaced(self, reply: AclMessage) -> ConversationEnded:
-        """The end that comes from a reply that has no place here."""
+        """Return the end that follows from a reply that the protocol does not allow here."""
         why = f"{self.peer} answers nonsense: {reply.performative} has no place in this conversation"
         return ConversationEnded(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed))
 
     def cancel(self) -> None:
-        """Tell the peer to leave it, once; its end comes as a reply."""
+        """Send a cancel to the peer, once; the end comes as a reply."""
         if not self._is_cancelled:
             self._is_cancelled = True
             self.say(Performative.CANCEL)
 
     def say(self, performative: Performative, content: Any = None) -> None:
-        """Say something more in this conversation; lost where the peer, or the bus, has gone."""
+        """Send one more message; it is lost if the peer, or the bus, has gone."""
         more = AclMessage(
             performative=performative,
             sender=self.opening.sender,
@@ -154,22 +172,22 @@ class InitiatorConversation:
             conversation_id=self.opening.conversation_id,
         )
         self._home.trace(more)
-        with contextlib.suppress(BusError):  # who cannot be reached notices by its own time limit
+        with contextlib.suppress(BusError):  # a peer that cannot be reached has a time limit of its own
             self._home.bus.send(self.peer.acl_key, more.to_dict(), new_label())
 
     def _read(self, value: Mapping[str, Any]) -> AclMessage:
-        """One reply, if it is one of this conversation that leads on."""
+        """Return a reply, unless it ends the conversation."""
         try:
             reply = AclMessage.from_dict(value)
         except AclError as err:
             why = f"{self.peer} answers nonsense: {err}"
             raise ConversationEnded(Outcome(Ending.NOT_UNDERSTOOD, why=why, agreed=self.agreed)) from err
         is_ours = reply.conversation_id == self.opening.conversation_id and reply.sender == self.peer
-        # Who has not understood an opening may not even have read of which conversation it was.
+        # A not-understood reply may lack the conversation id, since the peer could not read the first message.
         if reply.performative in _ENDINGS and (is_ours or reply.performative is Performative.NOT_UNDERSTOOD):
             ending = _ENDINGS[reply.performative]
-            is_no = ending in (Ending.REFUSED, Ending.FAILED)
-            raise self._ended(Ending.CANCELLED if is_no and self._is_cancelled else ending, why_of(reply))
+            is_negative = ending in (Ending.REFUSED, Ending.FAILED)
+            raise self._ended(Ending.CANCELLED if is_negative and self._is_cancelled else ending, why_of(reply))
         if not is_ours or (reply.performative is Performative.AGREE and self.agreed):
             raise self.misplaced(reply)
         self.agreed = self.agreed or reply.performative is Performative.AGREE

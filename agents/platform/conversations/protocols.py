@@ -1,18 +1,17 @@
-"""The protocols in which an agent answers: how each begins, and what carries it out."""
+"""The FIPA protocols in which an agent answers: the performative that begins each, and the function that answers."""
 
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.conversations import fipa_contract_net, fipa_query, fipa_request, fipa_subscribe
-from agents.platform.conversations.handler import Handler, NotUnderstood
-from agents.platform.conversations.parsed_request import ParsedRequest, read_opening
+from agents.platform.conversations import fipa_contract_net, fipa_request, fipa_subscribe
+from agents.platform.conversations.handler import Handler, NotUnderstood, ParsedRequest, read_opening
 from agents.platform.conversations.responder_conversation import ResponderConversation
 
 REQUESTS = fipa_request.PROTOCOL
 SUBSCRIPTIONS = fipa_subscribe.PROTOCOL
-QUERIES = fipa_query.PROTOCOL
+QUERIES = fipa_request.QUERY_PROTOCOL
 CALLS = fipa_contract_net.PROTOCOL
 
 
@@ -20,14 +19,14 @@ CALLS = fipa_contract_net.PROTOCOL
 class Protocol:
     """How conversations that begin with one performative are answered.
 
-    noun: what they ask for, for people.
-    carry_out: does it, and says all but a no.
-    agrees_itself: whether `carry_out` says itself when it is bound.
+    noun: what the initiator asks for, for messages.
+    carry_out: does it; its result is the content of the last inform.
+    agrees_itself: whether `carry_out` agrees itself.
     """
 
     name: str
     noun: str
-    carry_out: Callable[[ResponderConversation, ParsedRequest], Coroutine[Any, Any, None]]
+    carry_out: Callable[[ResponderConversation, ParsedRequest], Awaitable[Any]]
     agrees_itself: bool = False
 
 
@@ -35,19 +34,19 @@ PROTOCOLS = {
     Performative.REQUEST: Protocol(REQUESTS, "request", fipa_request.do),
     Performative.SUBSCRIBE: Protocol(SUBSCRIPTIONS, "subscription", fipa_subscribe.inform),
     Performative.QUERY_REF: Protocol(QUERIES, "query", fipa_request.do),
-    Performative.QUERY_IF: Protocol(QUERIES, "query", fipa_query.tell_whether),
+    Performative.QUERY_IF: Protocol(QUERIES, "query", fipa_request.answer_whether),
     Performative.CFP: Protocol(CALLS, "proposal", fipa_contract_net.propose, agrees_itself=True),
 }
 
 
 def read(message: AclMessage, handlers: Mapping[str, Mapping[str, Handler]]) -> tuple[Protocol, ParsedRequest]:
-    """How a message wants to be answered.
+    """Return the protocol of a message, and what it requests.
 
     Args:
-        message: What has come.
+        message: The first of a conversation.
         handlers: By protocol and name.
     Raises:
-        NotUnderstood: It is not one that any of the handlers can answer.
+        NotUnderstood: None of the handlers can answer it.
     """
     if message.performative not in PROTOCOLS:
         raise NotUnderstood(f"{message.performative} begins no conversation that is known here")

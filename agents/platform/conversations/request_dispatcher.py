@@ -4,24 +4,25 @@ A conversation that an agent answers is known by its id and its initiator; what 
 """
 
 import asyncio
+import contextlib
 import itertools
 import threading
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.container.context import ContainerContext
-from agents.platform.conversations.handler import Handler, NotUnderstood
-from agents.platform.conversations.parsed_request import ParsedRequest
+from agents.platform.conversations.handler import Handler, NotUnderstood, ParsedRequest
 from agents.platform.conversations.protocols import REQUESTS, Protocol, read
 from agents.platform.conversations.responder_conversation import ResponderConversation
-from agents.platform.conversations.talk import hand_over
 from agents.platform.errors import AclError
-from agents.platform.life import AgentState
+from agents.platform.life import AgentState, Life
 from agents.platform.names import AgentName
 from agents.platform.schedule import LETTING_GO
-from bus import Conversation
+from bus import Conversation, Refused
+from bus.aio import hand_over
 from bus.validation import sentence
 
 # How many conversations of one protocol an agent answers at a time. It refuses more, so that a flood costs no memory.
@@ -37,18 +38,18 @@ class RequestDispatcher:
     malformed: what came and began no conversation.
     """
 
-    def __init__(self, me: AgentName, state: Callable[[], AgentState], rouse: Callable[[], None]) -> None:
+    def __init__(self, me: AgentName, life: Life, rouse: Callable[[], None]) -> None:
         """Make one that is not open yet.
 
         Args:
             me: Whose it is.
-            state: Where the agent is in its life.
+            life: The state of the agent.
             rouse: Called on the bus's thread when a conversation begins.
         """
         self.malformed = 0
         self.handlers: dict[str, dict[str, Handler]] = {}  # by protocol and name
         self._me = me
-        self._state = state
+        self._life = life
         self._rouse = rouse
         self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -57,7 +58,7 @@ class RequestDispatcher:
         self._in_flight: Counter[str] = Counter()  # by protocol
         self._of_one: Counter[tuple[str, AgentName]] = Counter()  # by protocol and asker
         self._unnamed = itertools.count()
-        self._tasks: dict[asyncio.Task[None], ResponderConversation] = {}
+        self._has_ended = asyncio.Event()  # a conversation
 
     def add(self, protocol: str, handler: Handler) -> None:
         """Let a function answer conversations of a protocol about its name."""
@@ -78,24 +79,25 @@ class RequestDispatcher:
         self._home, self._loop = home, asyncio.get_running_loop()
 
     async def rest(self, within: float) -> None:
-        """Wait until nothing is under way, or for so many seconds."""
-        await asyncio.sleep(0)  # what the bus's thread has handed over begins now
-        if self._tasks:
-            await asyncio.wait(self._tasks, timeout=within)
-            await asyncio.sleep(0)  # let those that have ended be struck off
+        """Wait until no conversation is under way, or for so many seconds."""
+        with contextlib.suppress(TimeoutError):  # the caller looks at what is under way
+            async with asyncio.timeout(within):
+                while self.under_way:
+                    self._has_ended.clear()
+                    await self._has_ended.wait()
 
     async def close(self, within: float = LETTING_GO) -> list[str]:
-        """End all conversations; whoever waits for an answer is told.
+        """End all conversations; the initiators are told.
 
         Args:
-            within: s for the handlers to leave what they do.
+            within: s for the handlers to end.
         Returns:
-            What goes on all the same, in words.
+            The conversations whose handlers have not ended, as text.
         """
-        for task in self._tasks:
-            task.cancel()
-        _, late = await asyncio.wait(self._tasks, timeout=within) if self._tasks else (None, set())
-        clinging = [responder for task, responder in self._tasks.items() if task in late]
+        for responder in self.under_way:
+            responder.end()
+        await self.rest(within)
+        clinging = self.under_way
         for responder in clinging:
             responder.turn_away(f"{self._me} has ended")
         return [responder.what for responder in clinging]
@@ -107,8 +109,8 @@ class RequestDispatcher:
         message = None
         try:
             message = AclMessage.from_dict(arguments)
-            if self._state() not in AT_WORK:
-                self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._state()}", conversation)
+            if self._life.state not in AT_WORK:
+                self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._life.state}", conversation)
                 return
             protocol, opening = read(message, self.handlers)
             key = self._key(message)
@@ -123,7 +125,19 @@ class RequestDispatcher:
             return
         assert self._loop is not None
         self._rouse()
-        hand_over(self._loop, self._serve, key, responder, protocol, opening)
+        name = opening.handler.name
+        work = responder.run(
+            f"the {protocol.noun} {name} of {message.sender}",
+            partial(self._carry_out, protocol, responder, opening),
+            protocol.agrees_itself or opening.handler.agrees_itself,
+            partial(self._ended, key, protocol),
+        )
+        try:
+            self._loop.call_soon_threadsafe(responder.watch_initiator)  # before the loop hears that its token has gone
+            asyncio.run_coroutine_threadsafe(work, self._loop)
+        except RuntimeError:  # the loop has been closed, and so the agent has ended
+            work.close()
+            responder.close()
 
     def hear(self, message: AclMessage) -> bool:
         """Take a one-way message if it belongs to a conversation under way; whether it does."""
@@ -176,32 +190,20 @@ class RequestDispatcher:
 
     # In the loop.
 
-    def _serve(
-        self, key: tuple[str, AgentName], responder: ResponderConversation, protocol: Protocol, opening: ParsedRequest
-    ) -> None:
-        if self._state() not in (*AT_WORK, AgentState.TRANSIT):  # one that moves finishes what was asked before
-            responder.turn_away(f"{self._me} is {self._state()}")
-            self._ended(key, responder, protocol)
-            return
-        release = self._home_there.attend(responder.message.sender, responder.asker_gone)
-        task = asyncio.ensure_future(self._serve_one(responder, protocol, opening))
-        self._tasks[task] = responder
-        task.add_done_callback(self._tasks.pop)
-        task.add_done_callback(lambda task: release())
-        task.add_done_callback(lambda task: self._ended(key, responder, protocol))
+    def _carry_out(
+        self, protocol: Protocol, responder: ResponderConversation, opening: ParsedRequest
+    ) -> Awaitable[Any]:
+        """Do what was requested, unless the agent has been suspended or ended since."""
+        if self._life.state not in (*AT_WORK, AgentState.TRANSIT):  # a moving agent finishes what was requested before
+            raise Refused(f"{self._me} is {self._life.state}")
+        return protocol.carry_out(responder, opening)
 
-    async def _serve_one(self, responder: ResponderConversation, protocol: Protocol, opening: ParsedRequest) -> None:
-        name, agrees_itself = opening.handler.name, protocol.agrees_itself or opening.handler.agrees_itself
-        error = await responder.run(name, protocol.carry_out(responder, opening), agrees_itself)
-        if error is not None:
-            self._home_there.report(self._me, f"the {protocol.noun} {name} of {responder.message.sender} failed", error)
-
-    def _ended(self, key: tuple[str, AgentName], responder: ResponderConversation, protocol: Protocol) -> None:
-        responder.close()  # one that was cancelled before it began has not done so itself
-        one = protocol.name, responder.message.sender
+    def _ended(self, key: tuple[str, AgentName], protocol: Protocol) -> None:
+        one = protocol.name, key[1]
         with self._lock:
             self._in_flight[protocol.name] -= 1
             self._of_one[one] -= 1
             if not self._of_one[one]:
                 del self._of_one[one]  # a forged name leaves no trace
             del self._under_way[key]
+        self._has_ended.set()

@@ -1,8 +1,8 @@
-"""The responder's end of a conversation: what is done for the initiator, and how its end is told."""
+"""The responder's end of a conversation: it runs the handler and sends the replies."""
 
 import asyncio
 import contextlib
-from collections.abc import Coroutine, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextvars import ContextVar
 from typing import Any
 
@@ -17,44 +17,54 @@ from bus.validation import sentence
 
 
 class ResponderConversation:
-    """One conversation that is being answered. All of it happens in the agent's event loop."""
+    """One conversation that an agent answers, in the agent's event loop.
+
+    accepted: set when the initiator has accepted a proposal.
+    """
 
     def __init__(self, home: ContainerContext, me: AgentName, message: AclMessage, conversation: Conversation) -> None:
         self.message = message
+        self.accepted = asyncio.Event()
         self._me = me
         self._conversation = conversation
         self._home = home
         self._has_agreed = False
-        self._more: asyncio.Queue[AclMessage] = asyncio.Queue(maxsize=1)
-        self._work: asyncio.Task[None] | None = None
-        self._why_cancelled: str | None = None  # empty when there is nobody to be told
+        self._task: asyncio.Task[Any] | None = None
+        self._why_cancelled: str | None = None  # empty when the initiator is not to be told
+        self._is_ending = False
+        self._release: Callable[[], None] = lambda: None  # the initiator is watched no more
 
     @property
     def what(self) -> str:
-        """What is being done for whom, in words."""
-        return f"the {self.message.performative} {self.message.content['action']} of {self.message.sender}"
+        """What is done, and for whom, as text."""
+        return f"the {self.message.performative} {self.action} of {self.message.sender}"
+
+    @property
+    def action(self) -> str:
+        """The name of what is requested."""
+        return str(self.message.content["action"])
 
     @property
     def has_agreed(self) -> bool:
-        """Whether it is bound: what goes wrong from now on is a failure and no refusal."""
+        """Whether the agent is committed: an error from now on is a failure, not a refusal."""
         return self._has_agreed
 
     def works_in(self, task: "asyncio.Task[Any]") -> bool:
-        """Whether that is done in this task."""
-        return self._work is task
+        """Whether it is answered in this task."""
+        return self._task is task
 
     def agree(self) -> None:
-        """Say that it will be done; once."""
+        """Send agree, once."""
         if not self._has_agreed:
             self._has_agreed = True
             self.say(Performative.AGREE)
 
     def commit(self) -> None:
-        """Be bound without saying so: whatever goes wrong from now on is a failure and no refusal."""
+        """Be committed without sending agree: an error from now on is a failure, not a refusal."""
         self._has_agreed = True
 
     def say(self, performative: Performative, content: Any = None) -> None:
-        """Say something to the initiator.
+        """Send a reply to the initiator.
 
         Raises:
             AclError: The content has no JSON form, or is too large.
@@ -62,31 +72,33 @@ class ResponderConversation:
         reply = self.message.reply(performative, content, sender=self._me)
         written = reply.to_dict()
         self._home.trace(reply)
-        with contextlib.suppress(BusUnavailable):  # the bus was closed meanwhile: nobody listens any more
+        with contextlib.suppress(BusUnavailable):  # the bus has been closed, and no initiator can be reached
             self._conversation.reply(written)
 
     def hear(self, more: AclMessage) -> None:
-        """What the initiator says later."""
+        """Take a later message of the initiator."""
         if more.performative is Performative.CANCEL:
             self.cancel(f"{more.sender} has cancelled it")
         elif more.performative is Performative.REJECT_PROPOSAL:
             self.cancel("")
-        elif not self._more.full():
-            self._more.put_nowait(more)
-
-    async def heard(self) -> AclMessage:
-        """The next thing that the initiator says."""
-        return await self._more.get()
+        else:
+            self.accepted.set()
 
     def cancel(self, why: str) -> None:
-        """Stop what is being done; the handler gets a `CancelledError`."""
+        """Cancel the handler, which gets a `CancelledError`."""
         self._why_cancelled = why if self._why_cancelled is None else self._why_cancelled
-        if self._work is not None:
-            self._work.cancel()
+        if self._task is not None:
+            self._task.cancel()
+
+    def end(self) -> None:
+        """Cancel the handler, since its agent ends."""
+        self._is_ending = True
+        if self._task is not None:
+            self._task.cancel()
 
     @contextlib.contextmanager
     def attended(self) -> Iterator[bool]:
-        """Cancel what is being done when the initiator's heartbeat falls silent during a block.
+        """Cancel the handler when the initiator's heartbeat stops during a block.
 
         Yields:
             Whether the initiator has a heartbeat.
@@ -103,56 +115,56 @@ class ResponderConversation:
         with watched(self._home.bus, key, lambda: self.cancel(why)):
             yield True
 
-    def asker_gone(self) -> None:
-        """Stop what is being done, since there is nobody any more for whom."""
-        self.cancel(f"{self.message.sender} has gone")
+    def watch_initiator(self) -> None:
+        """Cancel the handler, which may not have begun, when the initiator dies."""
+        gone = f"{self.message.sender} has gone"
+        self._release = self._home.attend(self.message.sender, lambda: self.cancel(gone))
 
-    async def run(self, name: str, work: Coroutine[Any, Any, None], agrees_itself: bool) -> Exception | None:
-        """Do the work, and say how it ended, unless it was well, which the work itself says.
+    async def run(
+        self, what: str, carry_out: Callable[[], Awaitable[Any]], agrees_itself: bool, ended: Callable[[], None]
+    ) -> None:
+        """Do what was requested, and send the result or the reason why there is none.
 
-        What it raises as `Refused` before it first waits for something is a refusal; later, after it has agreed, it is
-        a failure. Work that agrees itself may refuse until it has called `agree`.
+        `Refused`, raised before the handler first waits, is a refusal; later, when the agent has agreed, it is a
+        failure. A handler that agrees itself may refuse until it has called `agree`.
 
         Args:
-            name: What is being done, for people.
-            work: Does it.
-            agrees_itself: Whether it does.
-        Returns:
-            What it raised beyond a refusal, to be reported.
+            what: The request, as text.
+            carry_out: Does it; returns the content of the last inform.
+            agrees_itself: Whether it calls `agree`.
+            ended: Called in every case at the end.
         """
-        if self._was_cancelled():
-            work.close()
-            self.turn_away(self._why_cancelled or "")
-            return None
-        token = _SERVING.set(self)
+        self._task = asyncio.current_task()
+        serving = _SERVING.set(self)
+        agreeing: asyncio.Handle | None = None
         try:
-            self._work = asyncio.ensure_future(work)
-        finally:
-            _SERVING.reset(token)
-        try:
-            await asyncio.sleep(0)  # the work begins first, since its task was made first
-            if not self._work.done() and not agrees_itself:
-                self.agree()
-            await self._work
+            if self._is_cancelled:
+                raise asyncio.CancelledError
+            if not agrees_itself:
+                agreeing = asyncio.get_running_loop().call_soon(self.agree)  # when the handler first waits
+            result = await carry_out()
+            self.agree()
+            self.say(Performative.INFORM, result)
         except asyncio.CancelledError:
-            if self._was_cancelled() and not _is_being_cancelled():
-                self._say_no(self._why_cancelled or "")
-                return None
-            self._work.cancel()
-            await asyncio.gather(self._work, return_exceptions=True)
-            self._say_no(f"{self._me} has ended")
-            raise
+            if self._why_cancelled is None or self._is_ending:
+                self._say_no(f"{self._me} has ended")
+                raise
+            self._say_no(self._why_cancelled)
         except Refused as err:
             self._say_no(in_words(err))
         except Exception as err:
-            self.say(Performative.FAILURE, {"why": sentence(f"{name} failed with {in_words(err)}")})
-            return err
+            self.say(Performative.FAILURE, {"why": sentence(f"{self.action} failed with {in_words(err)}")})
+            self._home.report(self._me, f"{what} failed", err)
         finally:
+            if agreeing is not None:
+                agreeing.cancel()
+            _SERVING.reset(serving)
+            self._release()
             self.close()
-        return None
+            ended()
 
     def turn_away(self, why: str) -> None:
-        """Say no without having begun, and end the conversation."""
+        """Refuse without having begun, and end the conversation."""
         self._say_no(why)
         self.close()
 
@@ -160,47 +172,49 @@ class ResponderConversation:
         """End the conversation, if it has not ended."""
         self._conversation.close()
 
-    def _was_cancelled(self) -> bool:
-        return self._why_cancelled is not None
+    @property
+    def _is_cancelled(self) -> bool:
+        return self._is_ending or self._why_cancelled is not None
 
     def _say_no(self, why: str) -> None:
         if why:
             self.say(Performative.FAILURE if self._has_agreed else Performative.REFUSE, {"why": sentence(why)})
 
 
-def _is_being_cancelled() -> bool:
-    """Whether it is this very task that is told to end, and not the one for which it waits."""
-    task = asyncio.current_task()
-    return task is not None and task.cancelling() > 0
-
-
 _SERVING: ContextVar[ResponderConversation] = ContextVar("serving")
 
 
 def agree() -> None:
-    """Agree to what is being answered; for handlers that agree themselves.
+    """Agree to the current request; for handlers that agree themselves.
 
     Raises:
-        LookupError: Nothing is being answered.
+        LookupError: There is no current request.
     """
-    _SERVING.get().agree()
+    _being_answered().agree()
 
 
 def attended() -> contextlib.AbstractContextManager[bool]:
-    """Cancel what is being answered when the initiator's heartbeat falls silent during a block.
+    """Cancel the current request when the initiator's heartbeat stops during a block.
 
     It yields whether the initiator has a heartbeat.
 
     Raises:
-        LookupError: Nothing is being answered.
+        LookupError: There is no current request.
     """
-    return _SERVING.get().attended()
+    return _being_answered().attended()
 
 
 def asker() -> AgentName:
-    """Who asks for what is being done; for handlers that are not to do the same for everyone.
+    """Return the initiator of the current request.
 
     Raises:
-        LookupError: Nothing is being answered.
+        LookupError: There is no current request.
     """
-    return _SERVING.get().message.sender
+    return _being_answered().message.sender
+
+
+def _being_answered() -> ResponderConversation:
+    conversation = _SERVING.get(None)
+    if conversation is None:
+        raise LookupError("no request is being answered; call this in the method that answers it")
+    return conversation

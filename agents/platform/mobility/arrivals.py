@@ -11,12 +11,12 @@ from agents.platform.container.context import ContainerContext
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import QueuedMessage
 from agents.platform.container.ends import AgentEnd
-from agents.platform.conversations.talk import query
 from agents.platform.errors import NotMoved, UnknownAgent
 from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
 from bus import BusError
+from bus.aio import query
 
 ANSWER_TIME = 5.0  # s for the other container to say who lives in it
 LOOK = 1.0  # s between two looks at what has become of the container from which an agent came
@@ -100,7 +100,7 @@ class Arrivals:
 
     def _settle(self, arrival: _Arrival, waiting: list[QueuedMessage]) -> None:
         arrival.is_awaiting = False
-        arrival.agent.settle(arrival.migration, waiting)
+        arrival.agent.migration.settle(arrival.migration, waiting)
         self._begin(self._forget(arrival))
 
     async def _let_go(self, arrival: _Arrival) -> None:
@@ -131,7 +131,7 @@ class Arrivals:
 
     async def _forget(self, arrival: _Arrival) -> None:
         await asyncio.sleep(FORGET_TIME)
-        arrival.agent.forget_the_way()
+        arrival.agent.migration.gate.forget()
         self._strike_off(arrival)
 
     def _strike_off(self, arrival: _Arrival) -> None:

@@ -21,13 +21,13 @@ from agents.platform.agent import Agent
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import Caller, QueuedMessage
 from agents.platform.container.ends import AgentEnd
-from agents.platform.conversations.talk import query
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
 from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState, enveloped, packed
 from agents.platform.names import AgentName, ContainerName
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
+from bus.aio import query
 
 DRAIN_TIME = 5.0  # s for what is under way to end
 ADOPT_TIME = 35.0  # s for the other container; longer than a setup may take
@@ -74,7 +74,7 @@ class Departures:
         try:
             await self._hand_over(agent, migration, there)
         except BaseException as err:
-            agent.come_back(migration)
+            agent.migration.come_back(migration)
             if isinstance(err, AgentError | BusError | TimeoutError):
                 raise NotMoved(f"{agent.name} stays in {self._container.name}: {_why(err, there)}") from err
             raise
@@ -96,7 +96,7 @@ class Departures:
 
     async def _packed(self, agent: Agent) -> MigrationState:
         try:
-            return await agent.depart(DRAIN_TIME)
+            return await agent.migration.depart(DRAIN_TIME, agent.pack)
         except AgentError:
             raise
         except Exception as err:
@@ -109,7 +109,7 @@ class Departures:
         except BaseException:
             self._forsake(agent.name, there)
             raise
-        waiting, callers = agent.left_behind()
+        waiting, callers = agent.migration.gate.kept()
         await self._follow(agent, there, waiting[known:], callers)
 
     async def _settle(self, agent: Agent, migration: MigrationState, there: ContainerName) -> int:
@@ -125,7 +125,7 @@ class Departures:
             await asyncio.sleep(MEET_TIME)
             if agent.state is not AgentState.TRANSIT:
                 raise NotMoved("it has been ended meanwhile")
-            waiting = agent.come_since()
+            waiting = agent.migration.gate.waiting()
             settle: Order = {"do": "settle", "name": str(agent.name), "letters": enveloped(waiting)}
             await self._tell(there, settle, ORDER_TIME)
             return len(waiting)
@@ -152,10 +152,10 @@ class Departures:
         until = loop.time() + LINGER
         while loop.time() < until:
             await asyncio.sleep(LOOK)
-            await self._follow(agent, there, *agent.left_behind())
+            await self._follow(agent, there, *agent.migration.gate.kept())
         with contextlib.suppress(UnknownAgent):  # somebody has stopped it here meanwhile
             await self._container.stop(agent.name, AgentEnd.MOVED)
-        await self._follow(agent, there, *agent.left_behind())
+        await self._follow(agent, there, *agent.migration.gate.kept())
 
     async def _follow(
         self, agent: Agent, there: ContainerName, waiting: list[QueuedMessage], callers: list[Caller]

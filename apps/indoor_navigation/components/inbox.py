@@ -4,9 +4,9 @@ import asyncio
 import threading
 from contextlib import suppress
 
-from agents.platform.conversations.talk import hand_over
 from apps.indoor_navigation.algorithms.last_second import LastSecond
 from bus import Sample
+from bus.aio import hand_over
 
 
 class Inbox:

@@ -38,9 +38,9 @@ AGENTS: Mapping[str, set[str]] = {
 SERVICES = {"monitor", "subscription", "arbiter", "loader"}
 SONARS = {"max": 28, "happy": 16} | dict.fromkeys(("doc", "sneezy", "grumpy", "bashful", "sleepy"), 8)
 RADIO = {"grumpy", "bashful", "sleepy"}
-README = (ROOT / "README.md").read_text(encoding="utf-8").partition("## A team\n")[2].partition("\n## ")[0]
-UNPLUG, PLUG_IN = map(json.loads, re.findall(r"^echo '(.*)' \| nc -UN", README, re.MULTILINE))
-ASKED = re.findall(r"^acromovi (ask .*)", README, re.MULTILINE)
+PAGE = (ROOT / "docs" / "teams.md").read_text(encoding="utf-8")
+UNPLUG, PLUG_IN = map(json.loads, re.findall(r"^echo '(.*)' \| nc -UN", PAGE, re.MULTILINE))
+ASKED = re.findall(r"^acromovi (ask .*)", PAGE, re.MULTILINE)
 SQUARE = ("python", str(ROOT / "examples" / "square.py"))
 LOST = re.compile("was lost|commander lost")
 IN_TIME = 3.0  # s from Ctrl-C until nothing is left
@@ -71,7 +71,7 @@ def test_team_of_seven_comes_up_works_loses_and_finds_a_laser_and_leaves_nothing
             driven = {robot: squares.enter_context(programs.running(*SQUARE, robot)) for robot in ("max", "sleepy")}
             looked = programs.run("python", str(ROOT / "examples" / "nearest.py"))
             assert re.fullmatch(r"happy: \d+\.\d\d m\n", looked.stdout), looked.stderr
-            assert_readme_asks_what_can_be_done(team)
+            assert_page_asks_what_can_be_done(team)
             assert_sensors_are_as_many_as_fitted(team)
             assert_laser_goes_and_comes_with_its_agent(team, tokens)
             assert_killed_container_comes_back(team, "doc", tokens)
@@ -95,7 +95,7 @@ def assert_agents_are_those_of_the_hardware(team: RunningTeam) -> None:
     assert {agent["state"] for agent in shown.values()} == {"active"}
 
 
-def assert_readme_asks_what_can_be_done(team: RunningTeam) -> None:
+def assert_page_asks_what_can_be_done(team: RunningTeam) -> None:
     for words in ASKED:
         done = team.acromovi(*words.split())
         assert done.returncode == 0, done.stderr

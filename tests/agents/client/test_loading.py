@@ -22,7 +22,7 @@ def test_a_robots_container_does_not_carry_the_face() -> None:
 
 
 def test_a_program_gets_it_with_the_first_name() -> None:
-    assert "agents.client.team" in loaded_with("from agents import RobotError")
+    assert "agents.client.team" in loaded_with("from agents import Team")
 
 
 def test_editors_see_what_will_be_loaded() -> None:

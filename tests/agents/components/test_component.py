@@ -8,8 +8,8 @@ import pytest
 from agents.components.all_components import COMPONENTS, component_for
 from agents.components.generic import Generic
 from agents.platform import Ending
-from agents.platform.conversations.talk import query
 from bus import Refused, Sample, keys
+from bus.aio import query
 from bus.messages import NS_PER_S, Bumpers, header
 from tests.agents.components.bench import Bench
 

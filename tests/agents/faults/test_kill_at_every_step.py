@@ -75,7 +75,7 @@ def stop(place: Place) -> None:
 def nothing_is_left(pair: Pair, survivor: Place) -> bool:
     """Whether the survivor is at nothing, and waits for nothing."""
     agent = survivor.agent
-    return not (agent.at_work or agent.in_flight or agent.behaviours or pair.network.asking)
+    return not (agent.at_work or agent.in_flight or agent.behaviours or pair.network.queries)
 
 
 def on_holder_death(pair: Pair, dead: Place) -> None:

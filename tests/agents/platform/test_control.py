@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from agents.platform import AclMessage, Agent, AgentName, AgentState, Container, Kinds, Performative
-from agents.platform.conversations.talk import query
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, Refused, Sample
+from bus.aio import query
 
 WALKER = """
 import asyncio

@@ -22,9 +22,9 @@ from agents.platform import (
     Report,
     RequestNotDone,
 )
-from agents.platform.conversations.talk import query
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, Refused
+from bus.aio import query
 
 WANDERER = AgentName("wanderer", "team")
 KIND = "wanderer_for_tests:Wanderer"

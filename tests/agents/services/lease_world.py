@@ -7,10 +7,10 @@ from contextlib import suppress
 from typing import Any, TypeVar
 
 from agents.platform import Agent, AgentName, Container, Outcome, Report, Request
-from agents.platform.conversations.talk import hand_over
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
 from bus import Bus, BusUnavailable, Conversation, MemoryBus, MemoryNetwork, Refused
+from bus.aio import hand_over
 from gateway.errors import CommandRefused
 from gateway.lease import ROBOT, Leases
 

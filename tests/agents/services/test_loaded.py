@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from agents.platform import Agent, Container, Kinds
-from agents.platform.conversations.talk import query
 from agents.services.loaded import KIND, digest
 from bus import MemoryBus, MemoryNetwork, Refused
+from bus.aio import query
 
 PATROL = """
 from agents import request

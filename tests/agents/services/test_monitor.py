@@ -5,9 +5,9 @@ from typing import Any
 import pytest
 
 from agents.platform import FAIL_AGENT, Agent, AgentName, Ending, Kinds, request
-from agents.platform.conversations.talk import query
 from agents.services.monitor import Monitor
 from bus import MemoryBus
+from bus.aio import query
 from bus.messages import DiagnosticArray, DiagnosticStatus, decode, header
 from tests.agents.services.worlds import TEAM, Robot, World, hear
 

@@ -1,6 +1,7 @@
 """Doors in laser scans, of which a generator of floor plans knows the truth."""
 
 from dataclasses import replace
+from functools import cache
 from math import cos, hypot, inf, nan, pi, sin
 
 import numpy as np
@@ -19,8 +20,17 @@ from geometry import Pose2D, wrap_angle
 
 NUMBERS = DoorNumbers()
 SEEDS = 30_000_000  # neither tuned on nor measured
-CASES = list(cases(SEEDS, 90))
-WELL_SEEN = [case for case in CASES if any(sight.is_sure for sight in case.sights)]
+
+
+@cache
+def generated() -> tuple[Case, ...]:
+    """Scans of generated plans; made in a test, since every worker imports this file."""
+    return tuple(cases(SEEDS, 90))
+
+
+@cache
+def well_seen() -> tuple[Case, ...]:
+    return tuple(case for case in generated() if any(sight.is_sure for sight in case.sights))
 
 
 def room_with_door(width: float = 1.0, start: float = 2.0, thickness: float = 0.15) -> Plan:
@@ -53,14 +63,14 @@ def test_a_door_is_found_with_its_centre_width_and_normal(width: float, place: t
 
 
 def test_most_doors_of_generated_scans_are_found_and_few_invented() -> None:
-    total = score(lambda scan: find_doors(scan, NUMBERS), CASES)
+    total = score(lambda scan: find_doors(scan, NUMBERS), generated())
     assert total.found + total.missed > 20
     assert total.recall >= 0.9
     assert total.precision >= 0.9
 
 
 def test_a_naive_detector_fails_where_ours_does_not() -> None:
-    naive = score(find_gaps, CASES)
+    naive = score(find_gaps, generated())
     assert naive.recall < 0.7
     assert naive.precision < 0.7
 
@@ -147,7 +157,12 @@ def test_there_is_no_door_in_a_closed_room(
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.sampled_from(WELL_SEEN), st.floats(-50.0, 50.0), st.floats(-50.0, 50.0), st.floats(-pi, pi))
+@given(
+    st.deferred(lambda: st.sampled_from(well_seen())),
+    st.floats(-50.0, 50.0),
+    st.floats(-50.0, 50.0),
+    st.floats(-pi, pi),
+)
 def test_doors_move_as_the_robot_is_said_to(case: Case, x: float, y: float, turn: float) -> None:
     shift = Pose2D(x, y, turn)
     moved = shift.compose(Pose2D(*case.scan.pose))
@@ -174,7 +189,7 @@ def test_what_is_mirrored_is_seen_mirrored(width: float, x: float, y: float, hea
 
 
 def test_the_same_scan_has_the_same_doors_and_the_same_seed_the_same_scan() -> None:
-    case = WELL_SEEN[0]
+    case = well_seen()[0]
     again = make_case(case.seed)
     assert again.scan.ranges.tobytes() == case.scan.ranges.tobytes()
     assert doors_in(again) == doors_in(case)

@@ -12,15 +12,16 @@ import zenoh
 from bus.bus import JSON, Conversation
 from bus.declared import Declared, Listening
 from bus.errors import BusUnavailable, TimedOut
-from bus.exchange import RawReply, Replies, reason, refusal, reply_of
+from bus.exchange import RawReply, Replies, Talker, reason, refusal, refusing_errors, reply_of
 from bus.handler_thread import HandlerThread
+from bus.messages import decode_unchecked_json
 
 ASK_AGAIN_AFTER = 0.02  # s
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when someone has not answered
 
 
-def read_reply(reply: zenoh.Reply) -> RawReply | None:
-    """A reply as it travels, or None for Zenoh's word that someone has not answered in time."""
+def _read_reply(reply: zenoh.Reply) -> RawReply | None:
+    """Return a reply as it travels, or None for Zenoh's own report that a program has not answered in time."""
     if reply.ok is not None:
         return RawReply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes())
     if reply.err is None:  # neither: Zenoh makes no such reply, and a strange one is no answer
@@ -65,10 +66,27 @@ class ZenohConversation(Conversation):
                 raise BusUnavailable(f"this reply cannot be sent: {reason(err)}") from err
 
 
-class ZenohAsking(Listening):
-    """The asker's end: open until the replies have ended.
+class ConversationListening(Listening):
+    """A queryable whose handler gets each query as a conversation."""
 
-    A session that has just been opened may not have met who serves the key, so it asks again until `met_at`.
+    def __init__(self, declared: set[Declared], key: str, handler: Talker, is_urgent: bool) -> None:
+        super().__init__(declared, handler, is_urgent)
+        self._key = key
+        self._talker = handler
+
+    def hear(self, item: zenoh.Query) -> None:
+        """Begin a conversation, unless this was closed while the query waited."""
+        if self._prepare():
+            conversation = ZenohConversation(self._key, item)
+            with refusing_errors(self._key, conversation):
+                self._talker(decode_unchecked_json(item.payload.to_bytes() if item.payload else b""), conversation)
+
+
+class ZenohQuery(Listening):
+    """The initiator's end: open until the replies have ended.
+
+    A session that has just been opened may not be connected to the program that serves the key. So a query that gets no
+    reply is sent again until `met_at`.
     """
 
     def __init__(
@@ -91,17 +109,15 @@ class ZenohAsking(Listening):
         self._hand_on: Callable[[object], None] = self.hear if urgent else partial(handlers.post, self)
         self._cancellation = zenoh.CancellationToken()
 
-    def begin(self) -> None:
-        """Ask. Zenoh's own thread brings the replies and then, in every case, drops the callback."""
-        self._get(
-            zenoh.handlers.Callback(
-                lambda reply: self._hand_on(read_reply(reply) or self._late()),
-                lambda: self._hand_on(None),
-                indirect=False,
-            ),
-            timeout=max(self._deadline - time.monotonic(), 0.001),
-            cancellation_token=self._cancellation,
+    def options(self) -> dict[str, Any]:
+        """Return what `get` needs: Zenoh's own thread brings the replies and then, in every case, the end."""
+        handler: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
+            lambda reply: self._hand_on(_read_reply(reply) or self._timed_out()),
+            lambda: self._hand_on(None),
+            indirect=False,
         )
+        remaining = max(self._deadline - time.monotonic(), 0.001)
+        return {"handler": handler, "timeout": remaining, "cancellation_token": self._cancellation}
 
     def close(self) -> None:
         """Hear no more."""
@@ -110,8 +126,9 @@ class ZenohAsking(Listening):
         if was_open:  # cancelling waits for a callback that runs, so it must not happen inside one
             self._handlers.post(Listening(set(), lambda token: token.cancel()), self._cancellation)
 
-    def _late(self) -> TimedOut:
-        return TimedOut(f"someone who serves {self._replies.key_expr} has not answered within {self._timeout:g} s")
+    def _timed_out(self) -> TimedOut:
+        why = f"a program that serves {self._replies.key_expr} has not answered within {self._timeout:g} s"
+        return TimedOut(why)
 
     def _take(self, item: RawReply | TimedOut | None) -> None:
         match item:
@@ -120,13 +137,13 @@ class ZenohAsking(Listening):
             case TimedOut():
                 self._replies.error = item
             case None if self._replies.is_silent and time.monotonic() < min(self._met_at, self._deadline):
-                again = threading.Timer(ASK_AGAIN_AFTER, self._begin_again)
+                again = threading.Timer(ASK_AGAIN_AFTER, self._send_again)
                 again.daemon = True
                 again.start()
             case None:
                 super().close()
                 self._replies.end()
 
-    def _begin_again(self) -> None:
+    def _send_again(self) -> None:
         with contextlib.suppress(zenoh.ZError):  # the session has been closed meanwhile
-            self.begin()
+            self._get(**self.options())
