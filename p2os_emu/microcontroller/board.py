@@ -3,35 +3,60 @@
 from collections.abc import Callable
 from random import Random
 
-from p2os.arguments import DockMode
+from p2os.arguments import DockMode, PacketRequest
 from p2os.command_table import known_commands
 from p2os.configuration import AutoBaud
 from p2os.firmware import BAUD_CODES, FIRMWARES
-from p2os.packets import Packet
+from p2os.packets import Packet, PacketType
 from p2os.robot_model import RobotModel
 from p2os_emu.body import Body, BodyState
 from p2os_emu.device import Device
 from p2os_emu.microcontroller.arm import ArmServer
 from p2os_emu.microcontroller.aux_port import AuxPort
-from p2os_emu.microcontroller.battery import BatteryModel
+from p2os_emu.microcontroller.battery import BatteryModel, ChargerContacts
 from p2os_emu.microcontroller.buzzer import Buzzer
-from p2os_emu.microcontroller.charger import ChargerContacts
 from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.gripper import GripperServer
 from p2os_emu.microcontroller.gyro import GyroServer
-from p2os_emu.microcontroller.joystick import JoystickServer
 from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.motors import AT_REST, Motors
 from p2os_emu.microcontroller.odometry import OdometryIntegrator
 from p2os_emu.microcontroller.outputs import Outputs
-from p2os_emu.microcontroller.panel import Panel
-from p2os_emu.microcontroller.requests import Requests
+from p2os_emu.microcontroller.panel import JoystickServer, Panel
 from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.sonar import SonarScheduler
-from p2os_emu.microcontroller.watchdog import ClientWatchdog
+from p2os_emu.microcontroller.timers import ClientWatchdog
 
 GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
+
+
+class Requests:
+    """Packets to send with the next SIP, or with every SIP."""
+
+    __slots__ = ("_wanted",)
+
+    def __init__(self) -> None:
+        self._wanted: dict[PacketType, int] = {}
+
+    def clear(self) -> None:
+        """Send nothing more."""
+        self._wanted.clear()
+
+    def ask(self, packet: PacketType, count: int) -> None:
+        """Ask for a packet: 0 stops it, 1 asks for one, 2 and more for one with every SIP."""
+        if count <= 0:
+            self._wanted.pop(packet, None)
+        else:
+            self._wanted[packet] = min(count, PacketRequest.CONTINUOUS)
+
+    def take(self) -> list[PacketType]:
+        """The packets for this SIP, lowest type first."""
+        if not self._wanted:
+            return []
+        due = sorted(self._wanted)
+        self._wanted = {packet: count for packet, count in self._wanted.items() if count == PacketRequest.CONTINUOUS}
+        return due
 
 
 class Board:

@@ -9,7 +9,7 @@ from p2os.arguments import CompassMode, PacketRequest
 from p2os.sip import compass_byte
 from p2os_emu.accessories.tcm2 import Tcm2
 from p2os_emu.body import BodyState
-from p2os_emu.microcontroller.cadence import Cadence
+from p2os_emu.microcontroller.timers import Cadence
 
 
 class CompassServer:

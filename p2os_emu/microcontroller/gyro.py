@@ -10,7 +10,7 @@ from math import radians
 from p2os.accessory_packets import GyroReport, GyroSample
 from p2os.arguments import GyroMode
 from p2os_emu.accessories.analog_gyro import AnalogGyro
-from p2os_emu.microcontroller.cadence import Cadence
+from p2os_emu.microcontroller.timers import Cadence
 
 LEARNING = 0.02
 """Least weight of a new sample in the rest count, which is a mean of all samples at first."""

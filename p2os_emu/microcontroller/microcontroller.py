@@ -18,7 +18,6 @@ from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.buzzer import PlayedNote
-from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.commands import execute
 from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
@@ -27,6 +26,7 @@ from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import CENTRED, Panel
 from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, answers, standard_sip
+from p2os_emu.microcontroller.timers import Cadence
 
 
 class Microcontroller:

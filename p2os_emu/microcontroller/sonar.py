@@ -10,8 +10,8 @@ from p2os.arguments import LONGEST_SONAR_CYCLE, SHORTEST_SONAR_CYCLE
 from p2os.robot_model import SONAR_ARRAY_SIZE, SONAR_ARRAYS, RobotModel
 from p2os.sip import NO_ECHO
 from p2os_emu.body import Body
-from p2os_emu.microcontroller.cadence import Cadence
 from p2os_emu.microcontroller.flash import Flash
+from p2os_emu.microcontroller.timers import Cadence
 
 MAX_SEQUENCE = 16
 """Firings that one array's sequence holds."""

@@ -14,7 +14,6 @@ from p2os_emu.body import ArmMechanism, BodyState, Echoes, GripperMechanism, Sca
 from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world.arm import JointedArm, arm_links
-from p2os_emu.world.bumpers import Bumper
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
 from p2os_emu.world.engine import PhysicsClient, engine
@@ -28,6 +27,7 @@ from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import cast
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block
+from p2os_emu.world.touches import Bumper
 
 STANDING = 0.002
 """m/s or rad/s; a part of a robot that moves no faster stands."""

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from p2os_emu.microcontroller.cadence import Cadence
+from p2os_emu.microcontroller.timers import Cadence
 
 
 def test_twelve_steps_of_a_120th_second_are_a_tenth() -> None:

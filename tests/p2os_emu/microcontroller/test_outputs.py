@@ -10,7 +10,7 @@ from p2os.configuration import Configuration
 from p2os.packets import IoReport
 from p2os.sip import ChargeState, SipFlag
 from p2os_emu.microcontroller import Flash
-from p2os_emu.microcontroller.charger import LOWERING, PATIENCE
+from p2os_emu.microcontroller.battery import LOWERING, PATIENCE
 from p2os_emu.microcontroller.outputs import POWER_OUTPUTS
 from p2os_emu.microcontroller.testing import MicrocontrollerBench
 

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry import Point
-from p2os_emu.world.bumpers import Bumper
+from p2os_emu.world.touches import Bumper
 
 RING = Bumper(segments=5, reach=0.3, width=0.4)  # 1 m round half of the hull, 0.2 m a segment
 

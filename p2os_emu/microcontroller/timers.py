@@ -1,4 +1,4 @@
-"""A period that is counted in steps: what happens every so many milliseconds."""
+"""Times that are counted in steps: periods, and the silence of a client."""
 
 TOLERANCE = 1e-6
 """s by which a step may end early and still complete a period; hides the rounding of twelve times 1/120 s."""
@@ -31,3 +31,28 @@ class Cadence:
             due += 1
         self._elapsed = elapsed
         return due
+
+
+class ClientWatchdog:
+    """Counts the silence of the client: a robot whose client is silent stops, and keeps its commands.
+
+    barking: no valid packet for `timeout` seconds; the wheels stand until one comes. A timeout of zero never barks.
+    """
+
+    __slots__ = ("_silence", "barking", "timeout")
+
+    def __init__(self, timeout: float) -> None:
+        self.timeout = timeout
+        self.barking = False
+        self._silence = 0.0
+
+    def feed(self) -> None:
+        """A valid packet came."""
+        self._silence = 0.0
+        self.barking = False
+
+    def advance(self, dt: float) -> None:
+        """Let time pass."""
+        self._silence += dt
+        if self._silence >= self.timeout > 0.0:
+            self.barking = True
