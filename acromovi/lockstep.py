@@ -12,6 +12,7 @@ from typing import Self, TypeVar
 import configs
 from bus import Bus, MemoryBus, MemoryNetwork
 from bus.messages import NS_PER_S
+from gateway.bridge import LONGEST_WAIT
 from gateway.cables.cable import ElementDriver, IsWanted, PublishEvents
 from gateway.cables.cable_thread import SerialCable
 from gateway.driver import Driver
@@ -185,7 +186,7 @@ class _Element:
         events = self.driver.receive(data, now)
         self._flush()
         self._publish(events, stamp_ns)
-        self._wakes_at = self.driver.deadline
+        self._wakes_at = min(self.driver.deadline, now + LONGEST_WAIT)
 
     def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
         """Publish the driver's events from now on."""
@@ -267,7 +268,7 @@ class _Host:
                 wall_clock=self._stamp_ns,
             )
         self._robot.on_events(events, now, self._stamp_ns())
-        self._wakes_at = min(self._driver.deadline, self._robot.deadline)
+        self._wakes_at = min(self._driver.deadline, self._robot.deadline, now + LONGEST_WAIT)
 
     def command(self, call: Callable[[Driver, float], T]) -> T:
         """The way to the driver for what comes from the bus."""
