@@ -124,7 +124,7 @@ def test_agents_subscribe_and_use_leases(team: RunningTeam, capsys: pytest.Captu
                     while "something is near: 0.4" not in capsys.readouterr().out:
                         await asyncio.sleep(0.05)
                 watching.cancel()
-                with suppress(asyncio.CancelledError):
+                with suppress(asyncio.CancelledError):  # it has just been cancelled
                     await watching
 
     asyncio.run(scenario())
