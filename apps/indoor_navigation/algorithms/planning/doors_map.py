@@ -231,7 +231,7 @@ class DoorsMap:
         """
         try:
             self.remember(json.loads(path.read_text(encoding="utf-8")))
-        except FileNotFoundError:
+        except FileNotFoundError:  # no doors are known yet
             return
         except (OSError, ValueError) as err:
             raise ValueError(f"the map of doors {path} cannot be used: {err}; remove it to begin a new one") from err
