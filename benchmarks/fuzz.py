@@ -37,6 +37,7 @@ from p2os import (
     encode_packet,
 )
 from p2os.accessories import lms, lms_framing, vcc4, visca
+from p2os.accessories.vcc4 import Code
 from p2os.packets import PacketType
 
 FRAMES = 10_000_000
@@ -186,23 +187,25 @@ def laser_parser() -> Parser:
     def take(data: bytes) -> None:
         for event in decoder.receive(data, 0.0):
             if isinstance(event, lms_framing.LmsTelegram):
-                for read in (lms.read_status, lms.read_variant, lms.LmsConfiguration.unpack):
+                for code in (lms.LmsAnswerCode.STATUS, lms.LmsAnswerCode.VARIANT):
                     with suppress(DecodeError):  # likewise
-                        read(event.data)
+                        lms.Variant.read(code, event.data)
                 with suppress(DecodeError):  # likewise
-                    scan = lms.read_scan(event)
+                    lms.LmsConfiguration.unpack(event.data)
+                with suppress(DecodeError):  # likewise
+                    scan = lms.Scan.read(event)
                     scan.ranges(1), scan.flags(1)
 
-    values, millimetres = bytes(2 * 61), lms.Unit.MILLIMETRE
+    values, configuration = bytes(2 * 61), lms.LmsConfiguration()
     contents = (
-        (lms.LmsAnswerCode.SCAN, lms.scan_data(values, millimetres)),
-        (lms.LmsAnswerCode.PARTIAL_SCAN, lms.partial_data(60, values, millimetres)),
-        (lms.LmsAnswerCode.STATUS, lms.status_data(b"X1.27", lms.VARIANTS[0])),
-        (lms.LmsAnswerCode.VARIANT, b"\1" + lms.variant_data(lms.VARIANTS[1])),
+        (lms.LmsAnswerCode.SCAN, configuration.scan_data(values)),
+        (lms.LmsAnswerCode.PARTIAL_SCAN, configuration.scan_data(values, 60)),
+        (lms.LmsAnswerCode.STATUS, lms.VARIANTS[0].status_data(b"X1.27")),
+        (lms.LmsAnswerCode.VARIANT, b"\1" + lms.VARIANTS[1].pack()),
         (lms.LmsAnswerCode.CONFIGURATION, lms.LmsConfiguration().pack()),
         (lms.LmsAnswerCode.MODE, bytes(1)),
     )
-    telegrams = [lms_framing.encode_answer(code, data, lms.STATUS_OK) for code, data in contents]
+    telegrams = [lms_framing.encode(code, data, lms.STATUS_OK) for code, data in contents]
     return Parser("LMS to host", [telegram[:-2] for telegram in telegrams], 5, seal_telegrams, take)
 
 
@@ -219,8 +222,8 @@ def laser_host_parser() -> Parser:
 
     contents = (
         (lms.LmsRequestCode.MODE, bytes([lms.LmsMode.INSTALLATION]) + lms.PASSWORD),
-        (lms.LmsRequestCode.MODE, bytes([lms.LmsMode.CONTINUOUS_PARTIAL]) + lms.segment_data(range(60, 120))),
-        (lms.LmsRequestCode.VARIANT, lms.variant_data(lms.VARIANTS[0])),
+        (lms.LmsRequestCode.MODE, bytes([lms.LmsMode.CONTINUOUS_PARTIAL]) + bytes.fromhex("3D 00 78 00")),
+        (lms.LmsRequestCode.VARIANT, lms.VARIANTS[0].pack()),
         (lms.LmsRequestCode.SET_CONFIGURATION, lms.LmsConfiguration().pack()),
         (lms.LmsRequestCode.STATUS, b""),
     )
@@ -234,18 +237,18 @@ def visca_parser() -> Parser:
 
     def take(data: bytes) -> None:
         for message in decoder.receive(data):
-            visca.read_direction(message.payload)
-            visca.read_zoom(message.payload)
+            message.reply(visca.ASK_DIRECTION)
+            message.reply(visca.ASK_ZOOM)
 
     done = bytes([visca.COMPLETION])
     corpus = [
-        visca.move(100, -50, 10, 10),
-        visca.zoom(500),
-        visca.power(True),
-        visca.clear(),
-        visca.request_direction(),
-        visca.encode(done + visca.nibbles(-300) + visca.nibbles(100)),
-        visca.encode(done + visca.nibbles(512)),
+        visca.encode(visca.MOVE, 10, 10, 100, -50),
+        visca.encode(visca.ZOOM_TO, 500),
+        visca.encode(visca.POWER, visca.ON),
+        visca.encode(visca.CLEAR, header=visca.BROADCAST),
+        visca.encode(visca.ASK_DIRECTION),
+        visca.encode(done + visca.pack_values(visca.ASK_DIRECTION, -300, 100)),
+        visca.encode(done + visca.pack_values(visca.ASK_ZOOM, 512)),
         visca.encode(done),
     ]
     return Parser("VISCA", corpus, 1, as_it_is, take)
@@ -253,20 +256,19 @@ def visca_parser() -> Parser:
 
 def canon_parser() -> Parser:
     """What either end of a VC-C4's line does with the other's bytes."""
-    commands, answers = vcc4.CommandDecoder(), vcc4.AnswerDecoder()
+    commands, answers = vcc4.Vcc4Decoder(from_head=False), vcc4.Vcc4Decoder(from_head=True)
 
     def take(data: bytes) -> None:
-        parameters = [command.parameters for command in commands.receive(data)]
-        for given in parameters + [answer.data for answer in answers.receive(data)]:
-            vcc4.read_pair(given)
-            vcc4.number(given)
+        for frame in commands.receive(data) + answers.receive(data):
+            vcc4.read_counts(Code.DIRECTION, frame.data)
+            vcc4.read_counts(Code.ZOOM_REQUEST, frame.data)
 
     corpus = [
-        vcc4.move(100, -50),
-        vcc4.zoom(20),
-        vcc4.power(True),
-        vcc4.request_direction(),
-        vcc4.encode_answer(vcc4.Status.OK, vcc4.direction_data(300, -200)),
+        vcc4.encode_command(Code.MOVE, (100, -50)),
+        vcc4.encode_command(Code.ZOOM, (20,)),
+        vcc4.encode_command(Code.POWER, vcc4.ON),
+        vcc4.encode_command(Code.DIRECTION),
+        vcc4.encode_answer(vcc4.Status.OK, vcc4.pack_counts(Code.DIRECTION, 300, -200)),
         vcc4.encode_answer(vcc4.Status.OK),
         vcc4.encode_answer(vcc4.Status.BUSY),
     ]

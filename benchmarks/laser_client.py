@@ -7,7 +7,7 @@ import time
 import tty
 from typing import Self
 
-from p2os.accessories.lms import MODE_OF_BAUD, LmsAnswerCode, LmsMode, LmsRequestCode, Variant, variant_data
+from p2os.accessories.lms import MODE_OF_BAUD, LmsAnswerCode, LmsMode, LmsRequestCode, Variant
 from p2os.accessories.lms_framing import LmsTelegram, LmsTelegramDecoder, encode
 
 ANSWER_TIMEOUT_S = 2.0
@@ -43,7 +43,7 @@ class LaserPortClient:
         self._ask(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[baud],)), LmsAnswerCode.MODE)
         self._set_rate(baud)
         time.sleep(SETTLE_S)
-        self._ask(LmsRequestCode.VARIANT, variant_data(variant), LmsAnswerCode.VARIANT)
+        self._ask(LmsRequestCode.VARIANT, variant.pack(), LmsAnswerCode.VARIANT)
         self._ask(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS,)), LmsAnswerCode.MODE)
 
     def read(self) -> list[LmsTelegram]:

@@ -104,6 +104,15 @@ DAZZLED = 1
 NOT_VALID = 0
 
 
+STATUS_SIZE = 150
+"""Bytes between code and status byte: 152 count in all."""
+_STATUS_VERSION, _STATUS_VARIANT = 0, 106
+"""Where the status telegram holds version, angle and resolution, counted behind its code."""
+_VARIANT = struct.Struct("<HH")
+ACCEPTED = 1
+"""First byte of `LmsAnswerCode.VARIANT` and `LmsAnswerCode.CONFIGURED`; 0 where the laser has refused."""
+
+
 class Variant(NamedTuple):
     """Which beams there are: view and step in degrees and hundredths of a degree, as the wire has them."""
 
@@ -129,6 +138,31 @@ class Variant(NamedTuple):
     def passes(self) -> int:
         """Turns of the mirror for a whole scan: the beams between the degrees come in turns of their own."""
         return 100 // self.resolution_cdeg
+
+    def pack(self) -> bytes:
+        """As `LmsRequestCode.VARIANT` carries it, and `LmsAnswerCode.VARIANT` behind the byte that accepts it."""
+        return _VARIANT.pack(*self)
+
+    def status_data(self, version: bytes) -> bytes:
+        """Return the data of `LmsAnswerCode.STATUS`; bytes that no client reads are zero."""
+        data = bytearray(STATUS_SIZE)
+        data[_STATUS_VERSION : _STATUS_VERSION + len(version)] = version
+        _VARIANT.pack_into(data, _STATUS_VARIANT, *self)
+        return bytes(data)
+
+    @classmethod
+    def read(cls, code: int, data: bytes) -> "Variant":
+        """Read what a request or an answer says: VARIANT (of either), or STATUS.
+
+        Raises:
+            DecodeError: Too short; of a request, missing bytes count as zero.
+        """
+        if code == LmsRequestCode.VARIANT:
+            return cls(*_VARIANT.unpack_from(data.ljust(_VARIANT.size, b"\0")))
+        at = _STATUS_VARIANT if code == LmsAnswerCode.STATUS else 1
+        if len(data) < at + _VARIANT.size:
+            raise DecodeError(f"an answer of {len(data)} bytes is too short to say angle and resolution")
+        return cls(*_VARIANT.unpack_from(data, at))
 
 
 VARIANTS = tuple(Variant(*each) for each in ((180, 100), (180, 50), (100, 100), (100, 50), (100, 25)))
@@ -162,6 +196,34 @@ class LmsConfiguration(NamedTuple):
         )
         return front + self.rest
 
+    def pack_values(self, ranges: NDArray[np.float64], flags: NDArray[np.uint16]) -> bytes:
+        """Distances and flags as the laser sends them.
+
+        Args:
+            ranges: m; `inf` for nothing near enough, NaN for a beam too weak to measure with.
+            flags: For the bits above the distances.
+        """
+        top = _largest(self.flag_bits)
+        counts = np.rint(np.minimum(ranges / self.unit.metres, top - BEYOND_RANGE))
+        counts[np.isnan(counts)] = top - TOO_WEAK
+        words = counts.astype(np.uint16) | flags << (16 - self.flag_bits)
+        return words.astype("<u2").tobytes()
+
+    def scan_data(self, values: bytes, first: int | None = None) -> bytes:
+        """Return the data of `LmsAnswerCode.SCAN`.
+
+        Args:
+            values: Of `pack_values`.
+            first: Index of the first value among all beams, for `LmsAnswerCode.PARTIAL_SCAN`.
+        """
+        count = len(values) // 2
+        beams = b"" if first is None else struct.pack("<HH", first + 1, first + count)  # from 1 on the wire
+        return beams + struct.pack("<H", count | self.unit.bits) + values
+
+    def answer(self, *, accepted: bool) -> bytes:
+        """Return the data of `LmsAnswerCode.CONFIGURED`."""
+        return bytes([accepted]) + self.pack()
+
     @classmethod
     def unpack(cls, data: bytes, before: "LmsConfiguration | None" = None) -> "LmsConfiguration":
         """Read at least the first seven bytes; what a shorter telegram leaves out is as before.
@@ -191,6 +253,27 @@ class Scan(NamedTuple):
     status: int = STATUS_OK
     began: float = 0.0
 
+    @classmethod
+    def read(cls, telegram: LmsTelegram) -> "Scan":
+        """Read a whole or a partial scan.
+
+        Raises:
+            DecodeError: It is none, or its size is not what it says.
+        """
+        data, first = telegram.data, 0
+        if telegram.code == LmsAnswerCode.PARTIAL_SCAN:
+            if len(data) < 4:
+                raise DecodeError("a partial scan of the laser lacks its first and last beam")
+            first = max(0, struct.unpack_from("<H", data)[0] - 1)
+            data = data[4:]
+        elif telegram.code != LmsAnswerCode.SCAN:
+            raise DecodeError(f"a telegram of code 0x{telegram.code:02X} is no scan")
+        word = int.from_bytes(data[:2], "little")
+        count, unit = word & _COUNT_BITS, _UNIT_OF_BITS.get(word & _UNIT_BITS)
+        if len(data) != 2 + 2 * count or unit is None:
+            raise DecodeError(f"a scan that says {count} values holds {len(data) - 2} bytes")
+        return cls(first, np.frombuffer(data, "<u2", count, 2), unit, telegram.status, telegram.began)
+
     def ranges(self, flag_bits: int) -> NDArray[np.float64]:
         """Distances in m after REP 117: `inf` where nothing was near enough, NaN where there is no measurement."""
         top = _largest(flag_bits)
@@ -205,119 +288,16 @@ class Scan(NamedTuple):
         return np.right_shift(self.words, np.uint16(16 - flag_bits))
 
 
-def pack_values(ranges: NDArray[np.float64], flags: NDArray[np.uint16], configuration: LmsConfiguration) -> bytes:
-    """Distances and flags as the laser sends them.
-
-    Args:
-        ranges: m; `inf` for nothing near enough, NaN for a beam too weak to measure with.
-        flags: For the bits above the distances.
-        configuration: Says the unit and how many bits are flags.
-    """
-    top = _largest(configuration.flag_bits)
-    limit = top - BEYOND_RANGE
-    counts = np.rint(np.minimum(ranges / configuration.unit.metres, limit))
-    counts[np.isnan(counts)] = top - TOO_WEAK
-    words = counts.astype(np.uint16) | flags << (16 - configuration.flag_bits)
-    return words.astype("<u2").tobytes()
-
-
-def scan_data(values: bytes, unit: Unit) -> bytes:
-    """Return the data of `LmsAnswerCode.SCAN`."""
-    return struct.pack("<H", len(values) // 2 | unit.bits) + values
-
-
-def partial_data(first: int, values: bytes, unit: Unit) -> bytes:
-    """Return the data of `LmsAnswerCode.PARTIAL_SCAN`; beams count from 1 on the wire."""
-    last = first + len(values) // 2 - 1
-    return struct.pack("<HH", first + 1, last + 1) + scan_data(values, unit)
-
-
-def segment_data(beams: range) -> bytes:
-    """Return the data of `LmsMode.CONTINUOUS_PARTIAL`."""
-    return struct.pack("<HH", beams.start + 1, beams.stop)
-
-
 def read_segment(data: bytes) -> range | None:
-    """Return the beams requested for a partial scan; None where the bytes name none. Some hosts count from 0."""
+    """Return the beams that `LmsMode.CONTINUOUS_PARTIAL` asks for, first and last from 1; None where there are none.
+
+    Some hosts count from 0.
+    """
     if len(data) != 4:
         return None
     first, last = struct.unpack("<HH", data)
     beams = range(max(0, first - 1), last)
     return beams or None
-
-
-def read_scan(telegram: LmsTelegram) -> Scan:
-    """Read a whole or a partial scan.
-
-    Raises:
-        DecodeError: It is none, or its size is not what it says.
-    """
-    data, first = telegram.data, 0
-    if telegram.code == LmsAnswerCode.PARTIAL_SCAN:
-        if len(data) < 4:
-            raise DecodeError("a partial scan of the laser lacks its first and last beam")
-        first = max(0, struct.unpack_from("<H", data)[0] - 1)
-        data = data[4:]
-    elif telegram.code != LmsAnswerCode.SCAN:
-        raise DecodeError(f"a telegram of code 0x{telegram.code:02X} is no scan")
-    word = int.from_bytes(data[:2], "little")
-    count, unit = word & _COUNT_BITS, _UNIT_OF_BITS.get(word & _UNIT_BITS)
-    if len(data) != 2 + 2 * count or unit is None:
-        raise DecodeError(f"a scan that says {count} values holds {len(data) - 2} bytes")
-    return Scan(first, np.frombuffer(data, "<u2", count, 2), unit, telegram.status, telegram.began)
-
-
-STATUS_SIZE = 150
-"""Bytes between code and status byte: 152 count in all."""
-_STATUS_VERSION = 0
-_STATUS_VARIANT = 106
-"""Where the status telegram holds version, angle and resolution, counted behind its code."""
-
-
-def status_data(version: bytes, variant: Variant) -> bytes:
-    """Return the data of `LmsAnswerCode.STATUS`; bytes that no client reads are zero."""
-    data = bytearray(STATUS_SIZE)
-    data[_STATUS_VERSION : _STATUS_VERSION + len(version)] = version
-    struct.pack_into("<HH", data, _STATUS_VARIANT, *variant)
-    return bytes(data)
-
-
-def read_status(data: bytes) -> Variant:
-    """The beams that the laser has now.
-
-    Raises:
-        DecodeError: Too short.
-    """
-    if len(data) < _STATUS_VARIANT + 4:
-        raise DecodeError(f"a status of {len(data)} bytes is too short to say angle and resolution")
-    return Variant(*struct.unpack_from("<HH", data, _STATUS_VARIANT))
-
-
-def variant_data(variant: Variant) -> bytes:
-    """Return the data of `LmsRequestCode.VARIANT`."""
-    return struct.pack("<HH", *variant)
-
-
-def read_wanted_variant(data: bytes) -> Variant:
-    """Return the beams that `LmsRequestCode.VARIANT` asks for; missing bytes count as zero."""
-    return Variant(*struct.unpack_from("<HH", data.ljust(4, b"\0")))
-
-
-def configured_data(accepted: bool, configuration: LmsConfiguration) -> bytes:
-    """Return the data of `LmsAnswerCode.CONFIGURED`."""
-    return bytes([accepted]) + configuration.pack()
-
-
-def read_variant(data: bytes) -> tuple[bool, Variant]:
-    """Return whether `LmsAnswerCode.VARIANT` accepts, and the present beams of the laser.
-
-    Raises:
-        DecodeError: Too short.
-    """
-    if len(data) < 5:
-        raise DecodeError(f"an answer of {len(data)} bytes does not say angle and resolution")
-    accepted, angle, resolution = struct.unpack_from("<BHH", data)
-    return accepted == 1, Variant(angle, resolution)
 
 
 def _largest(flag_bits: int) -> int:

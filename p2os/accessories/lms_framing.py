@@ -68,14 +68,11 @@ def crc(data: bytes) -> int:
     return int(np.bitwise_xor.reduce(_contributions()[distances, np.frombuffer(data, np.uint8)]))
 
 
-def encode(code: int, data: bytes = b"") -> bytes:
-    """A command to the laser."""
-    return _wrap(HOST, bytes((code,)) + data)
-
-
-def encode_answer(code: int, data: bytes, status: int) -> bytes:
-    """Return a telegram of the laser, with its status byte."""
-    return _wrap(LASER, b"%c%b%c" % (code, data, status))
+def encode(code: int, data: bytes = b"", status: int | None = None) -> bytes:
+    """Return a telegram: a command to the laser, or with the laser's status byte an answer."""
+    inside = b"%c%b" % (code, data) if status is None else b"%c%b%c" % (code, data, status)
+    body = b"%c%c%b%b" % (STX, HOST if status is None else LASER, len(inside).to_bytes(2, "little"), inside)
+    return body + crc(body).to_bytes(2, "little")
 
 
 class LmsTelegramDecoder:
@@ -192,11 +189,6 @@ class LmsTelegramDecoder:
         self._taken += size
         while self._reads and self._reads[0][0] <= self._taken:
             self._reads.popleft()
-
-
-def _wrap(address: int, inside: bytes) -> bytes:
-    body = b"%c%c%b%b" % (STX, address, len(inside).to_bytes(2, "little"), inside)
-    return body + crc(body).to_bytes(2, "little")
 
 
 @cache

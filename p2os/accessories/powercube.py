@@ -51,6 +51,9 @@ class CubeCommand(IntEnum):
     MOVE = 0x0B
 
 
+_WITH_SUBJECT = frozenset({CubeCommand.SET, CubeCommand.GET, CubeCommand.MOVE})
+
+
 class ModuleParameter(IntEnum):
     """Parameters of SET and GET."""
 
@@ -105,6 +108,21 @@ class ModuleTelegram(NamedTuple):
     is_answer: bool
     data: bytes
 
+    def encode(self) -> bytes:
+        """Write it with its framing.
+
+        Raises:
+            EncodeError: There is no such module, or too much data.
+        """
+        module, is_answer, data = self
+        if not 0 <= module <= MOST_MODULES or (is_answer and module == EVERY_MODULE):
+            raise EncodeError(f"module {module} cannot be: they count from 1 to {MOST_MODULES}")
+        if len(data) > MOST_DATA:
+            raise EncodeError(f"{len(data)} bytes of data do not fit a telegram, which carries at most {MOST_DATA}")
+        identifier = _FROM_MODULE + module if is_answer else _TO_MODULE + module if module else _TO_ALL
+        content = _HEADER.pack(identifier << _LENGTH_BITS | len(data)) + data
+        return bytes([STX]) + _stuff(content + bytes([sum(content) & 0xFF])) + bytes([ETX])
+
 
 class ModuleRequest(NamedTuple):
     """A request of the host to a module.
@@ -117,6 +135,51 @@ class ModuleRequest(NamedTuple):
     about: int = 0
     value: float = 0.0
     time: float = 0.0
+
+    def encode(self, module: int) -> bytes:
+        """Write it as a whole telegram to a module.
+
+        Raises:
+            EncodeError: There is no such module, or a value does not fit.
+        """
+        command, about, value, time = self
+        data = bytes([command])
+        try:
+            match command:
+                case CubeCommand.GET:
+                    data += bytes([about])
+                case CubeCommand.SET:
+                    data += bytes([about]) + _FLOAT.pack(value)
+                case CubeCommand.MOVE if about == MotionKind.STEP_ACKNOWLEDGED:
+                    data += bytes([about]) + _STEP.pack(value, round(time * 1000))
+                case CubeCommand.MOVE:
+                    data += bytes([about]) + _FLOAT.pack(value)
+        except (struct.error, OverflowError, ValueError) as error:
+            raise EncodeError(f"{self} does not fit a telegram: {error}") from error
+        return ModuleTelegram(module, False, data).encode()
+
+    @classmethod
+    def decode(cls, data: bytes) -> "ModuleRequest":
+        """Read the data of a telegram from a host.
+
+        Raises:
+            DecodeError: It ends too early, or is empty.
+        """
+        try:
+            command, rest = data[0], data[1:]
+            match command:
+                case CubeCommand.GET:
+                    return cls(command, rest[0])
+                case CubeCommand.SET:
+                    return cls(command, rest[0], *_FLOAT.unpack_from(rest, 1))
+                case CubeCommand.MOVE if rest[0] == MotionKind.STEP_ACKNOWLEDGED:
+                    value, milliseconds = _STEP.unpack_from(rest, 1)
+                    return cls(command, rest[0], value, milliseconds / 1000)
+                case CubeCommand.MOVE:
+                    return cls(command, rest[0], *_FLOAT.unpack_from(rest, 1))
+        except (IndexError, struct.error) as error:
+            raise DecodeError(f"a request of {len(data)} bytes, {data.hex(' ')}, ends too early") from error
+        return cls(command)
 
 
 class ModuleReply(NamedTuple):
@@ -132,115 +195,49 @@ class ModuleReply(NamedTuple):
     value: float | None = None
     state: CubeState | None = None
 
+    def encode(self, module: int) -> bytes:
+        """Write it as a whole telegram of a module.
 
-def encode_telegram(telegram: ModuleTelegram) -> bytes:
-    """Write a telegram with its framing.
+        Raises:
+            EncodeError: There is no such module, or a value does not fit.
+        """
+        data = bytes([self.command])
+        if self.command in _WITH_SUBJECT:
+            data += bytes([self.about])
+        try:
+            if self.outcome is not None:
+                data += bytes([self.outcome])
+            elif self.command == CubeCommand.GET and self.about == ModuleParameter.STATE:
+                data += _WORD.pack(self.state or 0)
+            elif self.command == CubeCommand.GET:
+                data += _FLOAT.pack(self.value)
+            else:
+                data += _ACKNOWLEDGED.pack(self.value, (self.state or 0) & 0xFF)
+        except (struct.error, OverflowError) as error:
+            raise EncodeError(f"{self} does not fit a telegram: {error}") from error
+        return ModuleTelegram(module, True, data).encode()
 
-    Raises:
-        EncodeError: There is no such module, or too much data.
-    """
-    module, is_answer, data = telegram
-    if not 0 <= module <= MOST_MODULES or (is_answer and module == EVERY_MODULE):
-        raise EncodeError(f"module {module} cannot be: they count from 1 to {MOST_MODULES}")
-    if len(data) > MOST_DATA:
-        raise EncodeError(f"{len(data)} bytes of data do not fit a telegram, which carries at most {MOST_DATA}")
-    identifier = _FROM_MODULE + module if is_answer else _TO_MODULE + module if module else _TO_ALL
-    content = _HEADER.pack(identifier << _LENGTH_BITS | len(data)) + data
-    return bytes([STX]) + _stuff(content + bytes([sum(content) & 0xFF])) + bytes([ETX])
+    @classmethod
+    def decode(cls, data: bytes) -> "ModuleReply":
+        """Read the data of a module's answer.
 
-
-def encode_request(module: int, request: ModuleRequest) -> bytes:
-    """Encode a request to a module as a whole telegram.
-
-    Raises:
-        EncodeError: There is no such module, or a value does not fit.
-    """
-    command, about, value, time = request
-    data = bytes([command])
-    try:
-        match command:
-            case CubeCommand.GET:
-                data += bytes([about])
-            case CubeCommand.SET:
-                data += bytes([about]) + _FLOAT.pack(value)
-            case CubeCommand.MOVE if about == MotionKind.STEP_ACKNOWLEDGED:
-                data += bytes([about]) + _STEP.pack(value, round(time * 1000))
-            case CubeCommand.MOVE:
-                data += bytes([about]) + _FLOAT.pack(value)
-    except (struct.error, OverflowError, ValueError) as error:
-        raise EncodeError(f"{request} does not fit a telegram: {error}") from error
-    return encode_telegram(ModuleTelegram(module, False, data))
-
-
-def decode_request(data: bytes) -> ModuleRequest:
-    """Read the data of a telegram from a host.
-
-    Raises:
-        DecodeError: It ends too early, or is empty.
-    """
-    try:
-        command, rest = data[0], data[1:]
-        match command:
-            case CubeCommand.GET:
-                return ModuleRequest(command, rest[0])
-            case CubeCommand.SET:
-                return ModuleRequest(command, rest[0], *_FLOAT.unpack_from(rest, 1))
-            case CubeCommand.MOVE if rest[0] == MotionKind.STEP_ACKNOWLEDGED:
-                value, milliseconds = _STEP.unpack_from(rest, 1)
-                return ModuleRequest(command, rest[0], value, milliseconds / 1000)
-            case CubeCommand.MOVE:
-                return ModuleRequest(command, rest[0], *_FLOAT.unpack_from(rest, 1))
-    except (IndexError, struct.error) as error:
-        raise DecodeError(f"a request of {len(data)} bytes, {data.hex(' ')}, ends too early") from error
-    return ModuleRequest(command)
-
-
-def encode_reply(module: int, reply: ModuleReply) -> bytes:
-    """Encode a module's answer as a whole telegram.
-
-    Raises:
-        EncodeError: There is no such module, or a value does not fit.
-    """
-    data = bytes([reply.command])
-    if reply.command in _WITH_SUBJECT:
-        data += bytes([reply.about])
-    try:
-        if reply.outcome is not None:
-            data += bytes([reply.outcome])
-        elif reply.command == CubeCommand.GET and reply.about == ModuleParameter.STATE:
-            data += _WORD.pack(reply.state or 0)
-        elif reply.command == CubeCommand.GET:
-            data += _FLOAT.pack(reply.value)
-        else:
-            data += _ACKNOWLEDGED.pack(reply.value, (reply.state or 0) & 0xFF)
-    except (struct.error, OverflowError) as error:
-        raise EncodeError(f"{reply} does not fit a telegram: {error}") from error
-    return encode_telegram(ModuleTelegram(module, True, data))
-
-
-def decode_reply(data: bytes) -> ModuleReply:
-    """Read the data of a module's answer.
-
-    Raises:
-        DecodeError: It has no answer's length, or an outcome that nobody knows.
-    """
-    command, rest, about = data[0] if data else 0, data[1:], 0
-    if command in _WITH_SUBJECT:
-        about, rest = rest[0] if rest else 0, rest[1:]
-    try:
-        if len(rest) == 1:
-            return ModuleReply(command, about, outcome=ModuleOutcome(rest[0]))
-        if command == CubeCommand.GET and about == ModuleParameter.STATE:
-            return ModuleReply(command, about, state=CubeState(*_WORD.unpack(rest)))
-        if command == CubeCommand.GET:
-            return ModuleReply(command, about, value=_FLOAT.unpack(rest)[0])
-        position, state = _ACKNOWLEDGED.unpack(rest)
-        return ModuleReply(command, about, value=position, state=CubeState(state))
-    except (struct.error, ValueError) as error:
-        raise DecodeError(f"{data.hex(' ')} is no answer of a module") from error
-
-
-_WITH_SUBJECT = frozenset({CubeCommand.SET, CubeCommand.GET, CubeCommand.MOVE})
+        Raises:
+            DecodeError: It has no answer's length, or an outcome that nobody knows.
+        """
+        command, rest, about = data[0] if data else 0, data[1:], 0
+        if command in _WITH_SUBJECT:
+            about, rest = rest[0] if rest else 0, rest[1:]
+        try:
+            if len(rest) == 1:
+                return cls(command, about, outcome=ModuleOutcome(rest[0]))
+            if command == CubeCommand.GET and about == ModuleParameter.STATE:
+                return cls(command, about, state=CubeState(*_WORD.unpack(rest)))
+            if command == CubeCommand.GET:
+                return cls(command, about, value=_FLOAT.unpack(rest)[0])
+            position, state = _ACKNOWLEDGED.unpack(rest)
+            return cls(command, about, value=position, state=CubeState(state))
+        except (struct.error, ValueError) as error:
+            raise DecodeError(f"{data.hex(' ')} is no answer of a module") from error
 
 
 class ModuleTelegramDecoder:

@@ -28,13 +28,11 @@ OFF, ON = b"0", b"1"
 HOST_CONTROL, REMOTE_CONTROL = b"0", b"1"
 """Parameters of CONTROL_MODE."""
 START = b"0"
-"""Parameter of INITIALISE."""
+"""Parameter of INITIALISE, and of the commands that take no other: STOP, STOP_ZOOM, ZOOM_REQUEST."""
 NARROW_END = b"3"
-"""Parameter of a zoom request that asks for the count of the narrow end."""
+"""Parameter of ZOOM_REQUEST that asks for the count of the narrow end."""
 PRODUCT = b"VC-C4"
 """Answer to `Code.PRODUCT`."""
-_SET_RANGE = b"1"
-_SPEED_DIGITS, _ZOOM_DIGITS = 3, 4
 
 
 class Code(IntEnum):
@@ -61,6 +59,8 @@ class Code(IntEnum):
     DIGITAL_ZOOM = 0xB7
 
 
+_DIGITS = b"0123456789ABCDEFabcdef"
+
 SETTINGS: Mapping[int, frozenset[bytes]] = {
     Code.LED: frozenset((b"0", b"1", b"2")),
     Code.INFRARED_LIGHT: frozenset((b"0", b"6")),
@@ -69,6 +69,27 @@ SETTINGS: Mapping[int, frozenset[bytes]] = {
     Code.DIGITAL_ZOOM: frozenset((b"01", b"02", b"04", b"08")),
 }
 """Parameters of commands that only store a setting."""
+
+
+class _Counts(NamedTuple):
+    """How a command or an answer carries counts: behind a prefix, so many of so many digits, each above `zero`."""
+
+    size: int
+    digits: int
+    zero: int = 0
+    prefix: bytes = b""
+
+
+_COUNTS: Mapping[int, _Counts] = {
+    Code.PAN_SLEW: _Counts(1, 3),
+    Code.TILT_SLEW: _Counts(1, 3),
+    Code.TILT_RANGE: _Counts(2, 4, MIDDLE, b"1"),
+    Code.MOVE: _Counts(2, 4, MIDDLE),
+    Code.DIRECTION: _Counts(2, 4, MIDDLE),
+    Code.ZOOM: _Counts(1, 4),
+    Code.ZOOM_REQUEST: _Counts(1, 4),
+}
+"""The parameters of commands; of DIRECTION and ZOOM_REQUEST the data of the answer."""
 
 
 class Status(IntEnum):
@@ -80,23 +101,28 @@ class Status(IntEnum):
     NOT_HOST_CONTROLLED = 0x39
 
 
-class HeadCommand(NamedTuple):
-    """A command as it came; the parameters are its bytes."""
+class HeadFrame(NamedTuple):
+    """A command or an answer as it came.
 
-    code: int
-    parameters: bytes
+    kind: the code of a command, the status of an answer. data: parameters, or what follows the unused byte.
+    """
 
-
-class HeadAnswer(NamedTuple):
-    """An answer as it came; data follows the unused byte."""
-
-    status: int
+    kind: int
     data: bytes
 
 
-def encode_command(code: int, parameters: bytes = b"") -> bytes:
-    """Build a command's frame."""
-    return bytes([COMMAND_START, *DEVICE, 0, code, *parameters, END])
+def encode_command(code: int, parameters: bytes | tuple[int, ...] = b"") -> bytes:
+    """Build a command's frame.
+
+    Args:
+        code: See `Code`.
+        parameters: Bytes; or counts: speed (PAN_SLEW, TILT_SLEW), lowest and highest tilt (TILT_RANGE), pan and tilt
+            (MOVE), position (ZOOM).
+    Raises:
+        ValueError: A count does not fit its digits.
+    """
+    given = parameters if isinstance(parameters, bytes) else pack_counts(code, *parameters)
+    return bytes([COMMAND_START, *DEVICE, 0, code, *given, END])
 
 
 def encode_answer(status: int, data: bytes = b"") -> bytes:
@@ -104,158 +130,48 @@ def encode_answer(status: int, data: bytes = b"") -> bytes:
     return bytes([ANSWER_START, *DEVICE, status, FILLER, *data, END])
 
 
-def digits(value: int, count: int) -> bytes:
-    """A number as so many hexadecimal digits.
+def pack_counts(code: int, *counts: int) -> bytes:
+    """Return the counts of a command, or of the answer to DIRECTION or ZOOM_REQUEST, as hexadecimal digits.
 
     Raises:
-        ValueError: It does not fit.
+        ValueError: One does not fit its digits.
     """
-    if not 0 <= value < 16**count:
-        raise ValueError(f"{value} does not fit {count} hexadecimal digits")
-    return f"{value:0{count}X}".encode("ascii")
+    layout = _COUNTS[code]
+    data = layout.prefix
+    for count in counts:
+        value = layout.zero + count
+        if not 0 <= value < 16**layout.digits:
+            raise ValueError(f"{value} does not fit {layout.digits} hexadecimal digits")
+        data += b"%0*X" % (layout.digits, value)
+    return data
 
 
-def number(data: bytes) -> int | None:
-    """Return the number of hexadecimal digits; None where they are none."""
-    if not data or any(each not in b"0123456789ABCDEFabcdef" for each in data):
+def read_counts(code: int, data: bytes) -> tuple[int, ...] | None:
+    """Return the counts that `pack_counts` has written; None where the data is something else."""
+    size, digits, zero, prefix = _COUNTS[code]
+    numbers = data.removeprefix(prefix)
+    if len(data) != len(prefix) + size * digits or len(numbers) != size * digits or numbers.strip(_DIGITS):
         return None
-    return int(data, 16)
+    return tuple(int(numbers[at : at + digits], 16) - zero for at in range(0, len(numbers), digits))
 
 
-def power(on: bool) -> bytes:
-    """Switch the camera on or off."""
-    return encode_command(Code.POWER, ON if on else OFF)
+class Vcc4Decoder:
+    """Finds the commands or the answers in a stream."""
 
-
-def host_control() -> bytes:
-    """Switch the camera to control by this line."""
-    return encode_command(Code.CONTROL_MODE, HOST_CONTROL)
-
-
-def initialise() -> bytes:
-    """Let pan and tilt move to their zero marks."""
-    return encode_command(Code.INITIALISE, START)
-
-
-def pan_slew(speed: int) -> bytes:
-    """Set how fast the next pan goes, counts of speed."""
-    return encode_command(Code.PAN_SLEW, digits(speed, _SPEED_DIGITS))
-
-
-def tilt_slew(speed: int) -> bytes:
-    """Set how fast the next tilt goes, counts of speed."""
-    return encode_command(Code.TILT_SLEW, digits(speed, _SPEED_DIGITS))
-
-
-def tilt_range(lowest: int, highest: int) -> bytes:
-    """Set the ends of tilt, counts."""
-    return encode_command(Code.TILT_RANGE, _SET_RANGE + digits(MIDDLE + lowest, 4) + digits(MIDDLE + highest, 4))
-
-
-def move(pan: int, tilt: int) -> bytes:
-    """Go to pan and tilt, counts."""
-    return encode_command(Code.MOVE, digits(MIDDLE + pan, 4) + digits(MIDDLE + tilt, 4))
-
-
-def stop() -> bytes:
-    """Stop pan and tilt."""
-    return encode_command(Code.STOP, b"0")
-
-
-def zoom(position: int) -> bytes:
-    """Zoom to a position, counts."""
-    return encode_command(Code.ZOOM, digits(position, _ZOOM_DIGITS))
-
-
-def stop_zoom() -> bytes:
-    """Stop the zoom."""
-    return encode_command(Code.STOP_ZOOM, b"0")
-
-
-def zoom_data(position: int) -> bytes:
-    """Return a zoom position, counts, as an answer carries it."""
-    return digits(position, _ZOOM_DIGITS)
-
-
-def read_speed(parameters: bytes) -> int | None:
-    """Return the speed, counts, of PAN_SLEW and TILT_SLEW; None where it is none."""
-    return number(parameters) if len(parameters) == _SPEED_DIGITS else None
-
-
-def read_zoom(parameters: bytes) -> int | None:
-    """Return the position, counts, of ZOOM; None where it is none."""
-    return number(parameters) if len(parameters) == _ZOOM_DIGITS else None
-
-
-def read_tilt_range(parameters: bytes) -> tuple[int, int] | None:
-    """Return the lowest and highest count of TILT_RANGE; None where they are none."""
-    return read_pair(parameters[1:]) if parameters[:1] == _SET_RANGE else None
-
-
-def request_direction() -> bytes:
-    """Ask for pan and tilt; the answer has `DIRECTION_LENGTH` bytes."""
-    return encode_command(Code.DIRECTION)
-
-
-def request_zoom() -> bytes:
-    """Ask for the zoom position; the answer has `ZOOM_LENGTH` bytes."""
-    return encode_command(Code.ZOOM_REQUEST, b"0")
-
-
-def direction_data(pan: int, tilt: int) -> bytes:
-    """Pan and tilt, counts, as an answer carries them."""
-    return digits(MIDDLE + pan, 4) + digits(MIDDLE + tilt, 4)
-
-
-def read_pair(data: bytes) -> tuple[int, int] | None:
-    """Return two counts of four digits each around `MIDDLE`; None where they are none."""
-    first, second = number(data[:4]), number(data[4:])
-    if len(data) != 8 or first is None or second is None:
-        return None
-    return first - MIDDLE, second - MIDDLE
-
-
-class CommandDecoder:
-    """Finds the commands in a stream."""
-
-    def __init__(self) -> None:
-        self._frames = _Frames(COMMAND_START)
-
-    def receive(self, data: bytes) -> list[HeadCommand]:
-        """Take bytes, in any pieces; noise between frames is passed over."""
-        bodies = [body[3:] for body in self._frames.receive(data) if body[:3] == DEVICE + b"\0" and len(body) > 3]
-        return [HeadCommand(body[0], body[1:]) for body in bodies]
-
-
-class AnswerDecoder:
-    """Finds the answers in a stream."""
-
-    def __init__(self) -> None:
-        self._frames = _Frames(ANSWER_START)
-
-    @property
-    def pending(self) -> int:
-        """Bytes of an answer that is not complete yet."""
-        return self._frames.pending
-
-    def receive(self, data: bytes) -> list[HeadAnswer]:
-        """Take bytes, in any pieces; noise between frames is passed over."""
-        bodies = [body[2:] for body in self._frames.receive(data) if body[:2] == DEVICE and len(body) > 3]
-        return [HeadAnswer(body[0], body[2:]) for body in bodies]
-
-
-class _Frames:
-    """Finds the bytes between a start byte and `END`."""
-
-    def __init__(self, start: int) -> None:
-        self._start = start
+    def __init__(self, *, from_head: bool) -> None:
+        """`from_head` says which end listens: the host hears answers, the head commands."""
+        self._start = ANSWER_START if from_head else COMMAND_START
+        self._head = DEVICE if from_head else DEVICE + b"\0"
+        self._kind_size = 2 if from_head else 1  # an unused byte follows the status
         self._body: bytearray | None = None
 
     @property
     def pending(self) -> int:
+        """Bytes of a frame that is not complete yet."""
         return 0 if self._body is None else 1 + len(self._body)
 
-    def receive(self, data: bytes) -> list[bytes]:
+    def receive(self, data: bytes) -> list[HeadFrame]:
+        """Take bytes, in any pieces; noise between frames is passed over."""
         found = []
         for byte in data:
             if byte == self._start:
@@ -263,8 +179,10 @@ class _Frames:
             elif self._body is None:
                 continue
             elif byte == END:
-                found.append(bytes(self._body))
-                self._body = None
+                body, self._body = bytes(self._body), None
+                inside = body.removeprefix(self._head)
+                if body.startswith(self._head) and len(inside) >= self._kind_size:
+                    found.append(HeadFrame(inside[0], inside[self._kind_size :]))
             elif len(self._body) < LONGEST:
                 self._body.append(byte)
             else:

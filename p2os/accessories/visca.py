@@ -7,6 +7,7 @@ but that of the stream decoder.
 Source: fact sheet of accessories, section 3; codes that it does not give are assumed, and said to be where they stand.
 """
 
+from collections.abc import Mapping
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -30,6 +31,8 @@ ADDRESS_LENGTH = 4
 
 CLEAR = bytes.fromhex("01 00 01")
 ADDRESS_SET = bytes.fromhex("30")
+SET_ADDRESS = ADDRESS_SET + bytes([CAMERA])
+"""Numbers the cameras, beginning with 1; comes back with the number after the last one's."""
 CANCEL = 0x20
 """A command's only byte, with the socket added; assumed."""
 POWER = bytes.fromhex("01 04 00")
@@ -70,129 +73,91 @@ class ViscaMessage(NamedTuple):
     header: int
     payload: bytes
 
+    @property
+    def kind(self) -> int:
+        """Kind of a reply or of a CANCEL."""
+        return self.payload[0] & 0xF0
 
-TO_CAMERA = 0x80 | CAMERA
-"""Header of a message to the first camera."""
+    @property
+    def socket(self) -> int:
+        """Socket that a reply or a CANCEL is about."""
+        return self.payload[0] & 0x0F
+
+    def address_reply(self) -> bytes | None:
+        """Return a camera's answer to SET_ADDRESS, with the next address; None where this is another message."""
+        if self.payload[:1] != ADDRESS_SET or len(self.payload) != 2:
+            return None
+        return ADDRESS_SET + bytes([self.payload[1] + 1 & 0x0F])
+
+    def reply(self, inquiry: bytes) -> tuple[int, ...] | None:
+        """Return the values of the reply to an inquiry; None where this is another message."""
+        return read_values(inquiry, self.payload[1:]) if self.payload[0] == COMPLETION else None
 
 
-def encode(payload: bytes, header: int = TO_CAMERA) -> bytes:
-    """Build a message; to the first camera unless the header says otherwise."""
-    return bytes([header, *payload, END])
+TO_CAMERA, FROM_CAMERA = 0x80 | CAMERA, 0x80 | CAMERA << 4
+"""Headers of the messages to and from the first camera."""
+_BYTE, _NUMBER = 1, 4  # bytes of a value; a number of 16 bit with sign is written a nibble a byte
+_VALUES: Mapping[bytes, tuple[int, ...]] = {
+    POWER: (_BYTE,),
+    BACKLIGHT: (_BYTE,),
+    ZOOM_DRIVE: (_BYTE,),
+    ZOOM_TO: (_NUMBER,),
+    DRIVE: (_BYTE, _BYTE, _BYTE, _BYTE),
+    MOVE: (_BYTE, _BYTE, _NUMBER, _NUMBER),
+    ASK_POWER: (_BYTE,),
+    ASK_ZOOM: (_NUMBER,),
+    ASK_DIRECTION: (_NUMBER, _NUMBER),
+}
+"""What follows a command, or the completion of an inquiry: a switch or direction, or counts.
+
+DRIVE is pan speed, tilt speed, pan direction, tilt direction; MOVE is pan speed, tilt speed, pan, tilt.
+"""
 
 
-def kind_and_socket(first: int) -> tuple[int, int]:
-    """Split the first byte of a reply, or of a CANCEL, into its kind and the socket."""
-    return first & 0xF0, first & 0x0F
+def encode(kind: bytes, *values: int, header: int = TO_CAMERA) -> bytes:
+    """Build a message.
+
+    Args:
+        kind: How it begins; a whole payload where no values follow.
+        values: As the table of this module lists them for the kind.
+        header: To the first camera by default.
+    Raises:
+        ValueError: A value does not fit.
+    """
+    return bytes([header, *kind, *(pack_values(kind, *values) if values else b""), END])
 
 
-def reply_header(address: int) -> int:
-    """Return the header of a camera's messages."""
-    return 0x80 | address << 4
-
-
-def nibbles(value: int) -> bytes:
-    """A signed number of 16 bit, a nibble a byte.
+def pack_values(kind: bytes, *values: int) -> bytes:
+    """Return the values that follow a command, or the completion of an inquiry.
 
     Raises:
-        ValueError: It does not fit.
+        ValueError: One does not fit.
     """
-    if not -0x8000 <= value <= 0xFFFF:
-        raise ValueError(f"{value} does not fit four nibbles")
-    return bytes(value >> shift & 0xF for shift in (12, 8, 4, 0))
+    data = b""
+    for size, value in zip(_VALUES[kind], values, strict=True):
+        if size == _NUMBER and not -0x8000 <= value <= 0xFFFF:
+            raise ValueError(f"{value} does not fit four nibbles")
+        data += bytes(value >> shift & 0xF for shift in (12, 8, 4, 0)) if size == _NUMBER else bytes([value])
+    return data
 
 
-def number(data: bytes) -> int | None:
-    """Return the signed number of four nibbles; None where they are none."""
-    if len(data) != 4 or any(each > 0xF for each in data):
+def read_values(kind: bytes, data: bytes) -> tuple[int, ...] | None:
+    """Return the values that follow a command, or the completion of an inquiry; None where they are none."""
+    sizes = _VALUES[kind]
+    if len(data) != sum(sizes):
         return None
-    value = 0
-    for each in data:
-        value = value << 4 | each
-    return value - 0x10000 if value >= 0x8000 else value
-
-
-def clear() -> bytes:
-    """Empty the cameras' command buffers."""
-    return encode(CLEAR, BROADCAST)
-
-
-def set_address() -> bytes:
-    """Number the cameras, beginning with 1; comes back with the number after the last one's."""
-    return encode(ADDRESS_SET + bytes([CAMERA]), BROADCAST)
-
-
-def address_reply(payload: bytes) -> bytes | None:
-    """Return a camera's answer to `set_address`: the next address; None where the payload is none."""
-    if payload[:1] != ADDRESS_SET or len(payload) != 2:
-        return None
-    return ADDRESS_SET + bytes([payload[1] + 1 & 0x0F])
-
-
-def power(on: bool) -> bytes:
-    """Switch the camera on or off."""
-    return encode(POWER + bytes([ON if on else OFF]))
-
-
-def move(pan: int, tilt: int, pan_speed: int, tilt_speed: int) -> bytes:
-    """Go to pan and tilt, counts, at speeds in counts of speed."""
-    return encode(MOVE + bytes([pan_speed, tilt_speed]) + nibbles(pan) + nibbles(tilt))
-
-
-def stop(pan_speed: int, tilt_speed: int) -> bytes:
-    """Stop pan and tilt."""
-    return encode(DRIVE + bytes([pan_speed, tilt_speed, STAY, STAY]))
-
-
-def read_drive(parameters: bytes) -> tuple[int, int, int, int] | None:
-    """Return pan speed, tilt speed, pan direction and tilt direction of a DRIVE; None where they are none."""
-    if len(parameters) != 4:
-        return None
-    pan_speed, tilt_speed, pan, tilt = parameters
-    return pan_speed, tilt_speed, pan, tilt
-
-
-def read_move(parameters: bytes) -> tuple[int, int, int, int] | None:
-    """Return pan speed, tilt speed, pan and tilt, counts, of a MOVE; None where they are none."""
-    pan, tilt = number(parameters[2:6]), number(parameters[6:])
-    return None if pan is None or tilt is None else (parameters[0], parameters[1], pan, tilt)
-
-
-def zoom(position: int) -> bytes:
-    """Zoom to a position, counts."""
-    return encode(ZOOM_TO + nibbles(position))
-
-
-def stop_zoom() -> bytes:
-    """Stop the zoom."""
-    return encode(ZOOM_DRIVE + bytes([ZOOM_STOP]))
-
-
-def request_power() -> bytes:
-    """Ask whether the camera is on."""
-    return encode(ASK_POWER)
-
-
-def request_direction() -> bytes:
-    """Ask for pan and tilt."""
-    return encode(ASK_DIRECTION)
-
-
-def request_zoom() -> bytes:
-    """Ask for the zoom position."""
-    return encode(ASK_ZOOM)
-
-
-def read_direction(payload: bytes) -> tuple[int, int] | None:
-    """Return pan and tilt, counts, of the reply to `request_direction`; None for other replies."""
-    pan, tilt = number(payload[1:5]), number(payload[5:9])
-    if payload[:1] != bytes([COMPLETION]) or len(payload) != 9 or pan is None or tilt is None:
-        return None
-    return pan, tilt
-
-
-def read_zoom(payload: bytes) -> int | None:
-    """Return the position of the reply to `request_zoom`; None for other replies."""
-    return number(payload[1:]) if payload[:1] == bytes([COMPLETION]) else None
+    values, at = [], 0
+    for size in sizes:
+        part = data[at : at + size]
+        at += size
+        if size == _BYTE:
+            values.append(part[0])
+            continue
+        if max(part) > 0xF:
+            return None
+        value = part[0] << 12 | part[1] << 8 | part[2] << 4 | part[3]
+        values.append(value - 0x10000 if value >= 0x8000 else value)
+    return tuple(values)
 
 
 class ViscaDecoder:

@@ -13,10 +13,9 @@ from enum import Enum, auto
 
 from p2os.accessories import visca
 from p2os.accessories.head_model import HeadModel
-from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage, encode, nibbles, number
+from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage, encode, pack_values, read_values
 from p2os_emu.accessories.head import Head
 
-HEADER = visca.reply_header(visca.CAMERA)
 DIRECTIONS: Mapping[int, int] = {visca.LEFT: 1, visca.RIGHT: -1, visca.STAY: 0}
 """Of a pan drive, as REP 103 has it."""
 ELEVATIONS: Mapping[int, int] = {visca.UP: 1, visca.DOWN: -1, visca.STAY: 0}
@@ -65,9 +64,9 @@ class EviD30:
         }
         self._inquiries: Mapping[bytes, Callable[[], bytes]] = {
             visca.ASK_DIRECTION: self._direction,
-            visca.ASK_ZOOM: lambda: nibbles(round(self.head.lens.position)),
+            visca.ASK_ZOOM: lambda: pack_values(visca.ASK_ZOOM, round(self.head.lens.position)),
             visca.ASK_VERSION: lambda: visca.D30_VERSION,
-            visca.ASK_POWER: lambda: bytes([visca.ON if self.is_on else visca.OFF]),
+            visca.ASK_POWER: lambda: pack_values(visca.ASK_POWER, visca.ON if self.is_on else visca.OFF),
         }
 
     @property
@@ -104,24 +103,21 @@ class EviD30:
     def _take(self, message: ViscaMessage) -> None:
         header, payload = message
         if header == visca.BROADCAST:
-            self._take_broadcast(payload)
+            self._take_broadcast(message)
         elif header == visca.TO_CAMERA:
-            kind, socket = visca.kind_and_socket(payload[0])
-            if kind == visca.CANCEL and len(payload) == 1:
-                self._cancel(socket)
+            if message.kind == visca.CANCEL and len(payload) == 1:
+                self._cancel(message.socket)
             elif payload in self._inquiries:
                 self._inquire(payload)
             else:
                 self._command(payload)
 
-    def _take_broadcast(self, payload: bytes) -> None:
-        if payload == visca.CLEAR:
+    def _take_broadcast(self, message: ViscaMessage) -> None:
+        if message.payload == visca.CLEAR:
             self._sockets.clear()
-            self._out += encode(payload, visca.BROADCAST)
-        else:
-            reply = visca.address_reply(payload)
-            if reply is not None:
-                self._out += encode(reply, visca.BROADCAST)
+            self._out += encode(visca.CLEAR, header=visca.BROADCAST)
+        elif (reply := message.address_reply()) is not None:
+            self._out += encode(reply, header=visca.BROADCAST)
 
     def _inquire(self, payload: bytes) -> None:
         if self.is_on or payload == visca.ASK_POWER:
@@ -175,7 +171,7 @@ class EviD30:
         self._reply(visca.ERROR | socket, bytes([error]))
 
     def _reply(self, first: int, data: bytes = b"") -> None:
-        self._out += encode(bytes([first]) + data, HEADER)
+        self._out += encode(bytes([first]) + data, header=visca.FROM_CAMERA)
 
     # Each takes what follows the command's three bytes, and raises ValueError where it makes no sense.
 
@@ -186,23 +182,23 @@ class EviD30:
         self.head.pan.speed, self.head.tilt.speed = pan.speed(pan_speed), tilt.speed(tilt_speed)
 
     def _move(self, given: bytes) -> None:
-        move = visca.read_move(given)
+        move = read_values(visca.MOVE, given)
         if move is None:
             raise ValueError("pan and tilt are four nibbles each")
-        *speeds, pan, tilt = move
+        pan_speed, tilt_speed, pan, tilt = move
         axes = self._model.pan, self._model.tilt
         if not all(axis.lowest <= count <= axis.highest for axis, count in zip(axes, (pan, tilt), strict=True)):
             raise ValueError(f"pan {pan} or tilt {tilt} is out of range")
-        self._set_speeds(*speeds)
+        self._set_speeds(pan_speed, tilt_speed)
         self.head.pan.go(axes[0].angle(pan))
         self.head.tilt.go(axes[1].angle(tilt))
 
     def _drive(self, given: bytes) -> None:
-        drive = visca.read_drive(given)
+        drive = read_values(visca.DRIVE, given)
         if drive is None or drive[2] not in DIRECTIONS or drive[3] not in ELEVATIONS:
             raise ValueError("a drive has two speeds and two directions")
-        *speeds, pan, tilt = drive
-        self._set_speeds(*speeds)
+        pan_speed, tilt_speed, pan, tilt = drive
+        self._set_speeds(pan_speed, tilt_speed)
         self.head.pan.drive(DIRECTIONS[pan])
         self.head.tilt.drive(ELEVATIONS[tilt])
 
@@ -210,10 +206,10 @@ class EviD30:
         self.head.home()
 
     def _zoom(self, given: bytes) -> None:
-        position = number(given)
-        if position is None or not 0 <= position <= self._model.lens.counts:
+        position = read_values(visca.ZOOM_TO, given)
+        if position is None or not 0 <= position[0] <= self._model.lens.counts:
             raise ValueError("there is no such zoom position")
-        self.head.lens.go(position)
+        self.head.lens.go(position[0])
 
     def _drive_zoom(self, given: bytes) -> None:
         if len(given) != 1 or given[0] not in _ZOOMS:
@@ -228,7 +224,7 @@ class EviD30:
 
     def _direction(self) -> bytes:
         pan = self._model.pan.count(self.head.pan.position)
-        return nibbles(pan) + nibbles(self._model.tilt.count(self.head.tilt.position))
+        return pack_values(visca.ASK_DIRECTION, pan, self._model.tilt.count(self.head.tilt.position))
 
 
 def _is_on(given: bytes) -> bool:

@@ -27,16 +27,9 @@ from p2os.accessories.lms import (
     LmsRequestCode,
     ModeResult,
     Variant,
-    configured_data,
-    pack_values,
-    partial_data,
     read_segment,
-    read_wanted_variant,
-    scan_data,
-    status_data,
-    variant_data,
 )
-from p2os.accessories.lms_framing import ACK, NAK, LmsTelegram, LmsTelegramDecoder, encode_answer
+from p2os.accessories.lms_framing import ACK, NAK, LmsTelegram, LmsTelegramDecoder, encode
 from p2os.framing import BITS_PER_BYTE
 from p2os_emu.body import Body, Echoes, ScanBeams
 
@@ -232,7 +225,7 @@ class Lms200:
         self._scan_at = self._time
 
     def _answer_status(self, inside: bytes) -> None:
-        self._answer(LmsAnswerCode.STATUS, status_data(self._model.version.encode(), self.variant))
+        self._answer(LmsAnswerCode.STATUS, self.variant.status_data(self._model.version.encode()))
 
     def _answer_type(self, inside: bytes) -> None:
         self._answer(LmsAnswerCode.TYPE, self._model.type.encode())
@@ -243,11 +236,11 @@ class Lms200:
             self.variant = wanted
             if self._segment is not None:
                 self._segment = _BeamSegment(0, wanted.beams, is_partial=False)
-        self._answer(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + variant_data(self.variant))
+        self._answer(LmsAnswerCode.VARIANT, bytes((wanted in VARIANTS,)) + self.variant.pack())
 
     def _wanted_variant(self, inside: bytes) -> Variant:
         """One widespread client sends a resolution of zero and means the one that there is, or one degree."""
-        wanted = read_wanted_variant(inside)
+        wanted = Variant.read(LmsRequestCode.VARIANT, inside)
         if wanted.resolution_cdeg:
             return wanted
         kept = Variant(wanted.angle_deg, self.variant.resolution_cdeg)
@@ -263,9 +256,9 @@ class Lms200:
         try:
             self.configuration = LmsConfiguration.unpack(inside, self.configuration)
         except DecodeError:
-            self._answer(LmsAnswerCode.CONFIGURED, configured_data(False, self.configuration))
+            self._answer(LmsAnswerCode.CONFIGURED, self.configuration.answer(accepted=False))
             return
-        self._answer(LmsAnswerCode.CONFIGURED, configured_data(True, self.configuration))
+        self._answer(LmsAnswerCode.CONFIGURED, self.configuration.answer(accepted=True))
 
     def _reject(self, inside: bytes) -> None:
         self._answer(LmsAnswerCode.NOT_UNDERSTOOD, b"")
@@ -279,20 +272,16 @@ class Lms200:
     def _answer(self, code: int, data: bytes) -> None:
         """Answer as soon as the line is free; an unasked telegram is not acknowledged before."""
         prefix = b"" if code == LmsAnswerCode.POWER_ON else _ACK
-        self._answers.append(prefix + encode_answer(code, data, self._status))
+        self._answers.append(prefix + encode(code, data, self._status))
 
     def _send(self, telegram: bytes) -> bytes:
         self._free_at = max(self._free_at, self._time) + len(telegram) * BITS_PER_BYTE / self.baud
         return telegram
 
     def _send_scan(self, segment: _BeamSegment) -> bytes:
-        values, unit = self._values(segment), self.configuration.unit
-        if segment.is_partial:
-            telegram = encode_answer(
-                LmsAnswerCode.PARTIAL_SCAN, partial_data(segment.first, values, unit), self._status
-            )
-        else:
-            telegram = encode_answer(LmsAnswerCode.SCAN, scan_data(values, unit), self._status)
+        values, is_partial = self._values(segment), segment.is_partial
+        data = self.configuration.scan_data(values, segment.first if is_partial else None)
+        telegram = encode(LmsAnswerCode.PARTIAL_SCAN if is_partial else LmsAnswerCode.SCAN, data, self._status)
         on_the_line = len(telegram) * BITS_PER_BYTE / self.baud
         period = max(self.variant.passes * MIRROR_PERIOD, on_the_line) + self._model.overhead_s
         # The mirror goes on turning: a scan that begins late does not put off the next one.
@@ -310,7 +299,7 @@ class Lms200:
         ranges[ranges > reach * (1.0 - self.dirt)] = inf
         if self.dirt >= 1.0:
             ranges[:] = nan
-        return pack_values(ranges, self._flags(echoes, shines), self.configuration)
+        return self.configuration.pack_values(ranges, self._flags(echoes, shines))
 
     def _flags(self, echoes: Echoes, shines: NDArray[np.bool_]) -> NDArray[np.uint16]:
         """How strongly reflectors shine, in as many bits as the measuring mode has."""

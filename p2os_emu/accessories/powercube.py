@@ -23,8 +23,6 @@ from p2os.accessories.powercube import (
     ModuleRequest,
     ModuleTelegramDecoder,
     MotionKind,
-    decode_request,
-    encode_reply,
 )
 from p2os.errors import DecodeError
 from p2os_emu.body import ArmMechanism
@@ -235,14 +233,14 @@ class PowerCubeArm:
                 continue
             self._silence = 0.0
             try:
-                request = decode_request(content)
+                request = ModuleRequest.decode(content)
             except DecodeError:
                 continue  # like any telegram that a module does not understand
             if module == EVERY_MODULE:
                 for cube in self.cubes:
                     cube.answer(request, self._arm)
             elif module <= len(self.cubes):
-                self._answers.append(encode_reply(module, self.cubes[module - 1].answer(request, self._arm)))
+                self._answers.append(self.cubes[module - 1].answer(request, self._arm).encode(module))
 
     @property
     def silence(self) -> float:

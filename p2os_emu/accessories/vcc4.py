@@ -22,16 +22,12 @@ from p2os.accessories.vcc4 import (
     SETTINGS,
     START,
     Code,
-    CommandDecoder,
-    HeadCommand,
+    HeadFrame,
     Status,
-    direction_data,
+    Vcc4Decoder,
     encode_answer,
-    read_pair,
-    read_speed,
-    read_tilt_range,
-    read_zoom,
-    zoom_data,
+    pack_counts,
+    read_counts,
 )
 from p2os_emu.accessories.head import Head, HeadServo
 
@@ -51,7 +47,7 @@ class Vcc4:
         self.is_on = model.starts_on
         self.is_host_controlled = False
         self._model = model
-        self._decoder = CommandDecoder()
+        self._decoder = Vcc4Decoder(from_head=False)
         self._out = bytearray()
         self._powering = 0.0  # s left until the head can move
         self._initialising = 0.0  # s left until it has found its zero
@@ -59,8 +55,10 @@ class Vcc4:
         self._handlers: Mapping[int, Callable[[bytes], _Answer]] = {
             Code.CONTROL_MODE: self._set_control,
             Code.INITIALISE: self._initialise,
-            Code.PAN_SLEW: lambda given: self._set_slew(given, self.head.pan, model.pan),
-            Code.TILT_SLEW: lambda given: self._set_slew(given, self.head.tilt, model.tilt),
+            Code.PAN_SLEW: lambda given: self._set_slew(read_counts(Code.PAN_SLEW, given), self.head.pan, model.pan),
+            Code.TILT_SLEW: lambda given: self._set_slew(
+                read_counts(Code.TILT_SLEW, given), self.head.tilt, model.tilt
+            ),
             Code.MOVE: self._move,
             Code.STOP: self._stop,
             Code.TILT_RANGE: self._set_tilt_range,
@@ -100,7 +98,7 @@ class Vcc4:
     def _answer(self, answer: _Answer) -> None:
         self._out += encode_answer(*answer)
 
-    def _take(self, command: HeadCommand) -> None:
+    def _take(self, command: HeadFrame) -> None:
         code, given = command
         if code == Code.POWER:
             self._switch(given)
@@ -137,18 +135,17 @@ class Vcc4:
         self.head.home()
         return _DONE
 
-    def _set_slew(self, given: bytes, servo: HeadServo, axis: HeadAxis) -> _Answer:
-        speed = read_speed(given)
-        if speed is None or not axis.slowest <= speed <= axis.fastest:
+    def _set_slew(self, speed: tuple[int, ...] | None, servo: HeadServo, axis: HeadAxis) -> _Answer:
+        if speed is None or not axis.slowest <= speed[0] <= axis.fastest:
             return _BAD
         if not self.is_initialising:
-            servo.speed = axis.speed(speed)
+            servo.speed = axis.speed(speed[0])
         return _DONE
 
     def _move(self, given: bytes) -> _Answer:
         if self.is_initialising:
             return Status.BUSY, b""
-        counts = read_pair(given)
+        counts = read_counts(Code.MOVE, given)
         if counts is None or not self._reaches(*counts):
             return _BAD
         self.head.pan.go(self._model.pan.angle(counts[0]))
@@ -166,7 +163,7 @@ class Vcc4:
         return _DONE
 
     def _set_tilt_range(self, given: bytes) -> _Answer:
-        counts = read_tilt_range(given)
+        counts = read_counts(Code.TILT_RANGE, given)
         if counts is None:
             return _BAD
         lowest, highest = counts
@@ -178,13 +175,13 @@ class Vcc4:
     def _answer_direction(self, given: bytes) -> _Answer:
         pan = self._model.pan.count(self.head.pan.position)
         tilt = self._model.tilt.count(self.head.tilt.position)
-        return Status.OK, direction_data(pan, tilt)
+        return Status.OK, pack_counts(Code.DIRECTION, pan, tilt)
 
     def _zoom(self, given: bytes) -> _Answer:
-        position = read_zoom(given)
-        if position is None or position > self._model.lens.counts:
+        position = read_counts(Code.ZOOM, given)
+        if position is None or position[0] > self._model.lens.counts:
             return _BAD
-        self.head.lens.go(position)
+        self.head.lens.go(position[0])
         return _DONE
 
     def _stop_zoom(self, given: bytes) -> _Answer:
@@ -193,4 +190,5 @@ class Vcc4:
 
     def _answer_zoom(self, given: bytes) -> _Answer:
         lens = self._model.lens
-        return Status.OK, zoom_data(lens.counts if given == NARROW_END else round(self.head.lens.position))
+        position = lens.counts if given == NARROW_END else round(self.head.lens.position)
+        return Status.OK, pack_counts(Code.ZOOM_REQUEST, position)

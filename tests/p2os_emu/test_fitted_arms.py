@@ -14,7 +14,6 @@ from p2os.accessories.powercube import (
     ModuleParameter,
     ModuleRequest,
     MotionKind,
-    encode_request,
 )
 from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.emulator import STEP, Emulator
@@ -54,7 +53,7 @@ class Rig:
         self.tell(Command.PULSE)
 
     def ask(self, module: int, request: ModuleRequest) -> None:
-        self.cable.client_write(encode_request(module, request))
+        self.cable.client_write(request.encode(module))
 
     def poll(self) -> None:
         self.ask(1, ModuleRequest(CubeCommand.GET, ModuleParameter.STATE))

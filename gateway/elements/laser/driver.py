@@ -18,6 +18,7 @@ from gateway.events import ElementFound, ElementLost, ElementSilent, Event, Lase
 from gateway.settings import LaserSettings, LaserUnit
 from p2os import Damaged, DecodeError
 from p2os.accessories.lms import (
+    ACCEPTED,
     MIRROR_PERIOD,
     MODE_OF_BAUD,
     PASSWORD,
@@ -28,12 +29,9 @@ from p2os.accessories.lms import (
     LmsConfiguration,
     LmsMode,
     LmsRequestCode,
+    Scan,
     Unit,
     Variant,
-    read_scan,
-    read_status,
-    read_variant,
-    variant_data,
 )
 from p2os.accessories.lms_framing import LONGEST_TELEGRAM, LmsTelegram, LmsTelegramDecoder, encode
 from p2os.framing import BITS_PER_BYTE
@@ -322,15 +320,14 @@ class LaserDriver:
     def _set_variant(self) -> _Script:
         wanted = self._variant
         self._refused = ""
-        self.variant = read_status(
-            (yield _LmsRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)).data
-        )
+        answer = yield _LmsRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)
+        self.variant = Variant.read(LmsAnswerCode.STATUS, answer.data)
         if self.variant != wanted:
             answer = yield _LmsRequest(
-                encode(LmsRequestCode.VARIANT, variant_data(wanted)), LmsAnswerCode.VARIANT, ANSWER_WINDOW
+                encode(LmsRequestCode.VARIANT, wanted.pack()), LmsAnswerCode.VARIANT, ANSWER_WINDOW
             )
-            accepted, self.variant = read_variant(answer.data)
-            if not accepted:
+            self.variant = Variant.read(LmsAnswerCode.VARIANT, answer.data)
+            if answer.data[0] != ACCEPTED:
                 degrees = f"{wanted.angle_deg} degrees by {wanted.resolution_cdeg / 100:g}"
                 self._refused = f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
 
@@ -354,7 +351,7 @@ class LaserDriver:
         if telegram.code not in (LmsAnswerCode.SCAN, LmsAnswerCode.PARTIAL_SCAN):
             return
         try:
-            scan = read_scan(telegram)
+            scan = Scan.read(telegram)
         except DecodeError:
             self.damaged["content"] += 1
             return

@@ -22,7 +22,6 @@ from p2os.accessories.powercube import (
     ModuleParameter,
     ModuleRequest,
     MotionKind,
-    encode_request,
 )
 
 NAME = "arm"
@@ -118,7 +117,7 @@ class PowerCubeDriver:
     @property
     def stopping_bytes(self) -> bytes:
         """The requests that stop every module."""
-        return b"".join(encode_request(number, STOP_MODULE) for number in self._modules)
+        return b"".join(STOP_MODULE.encode(number) for number in self._modules)
 
     @property
     def closing_bytes(self) -> bytes:

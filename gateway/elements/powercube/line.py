@@ -14,8 +14,6 @@ from p2os.accessories.powercube import (
     ModuleReply,
     ModuleRequest,
     ModuleTelegramDecoder,
-    decode_reply,
-    encode_request,
 )
 
 ANSWER_WINDOW = 0.3
@@ -64,11 +62,11 @@ class CubeLine:
 
     def ask(self, module: int, request: ModuleRequest) -> None:
         """Send a request that may be lost, since it is repeated with the next round."""
-        self._outgoing += encode_request(module, request)
+        self._outgoing += request.encode(module)
 
     def order(self, module: int, request: ModuleRequest, now: float) -> None:
         """Send what must arrive: it is repeated until it is answered."""
-        telegram = encode_request(module, request)
+        telegram = request.encode(module)
         self._server[_subject(module, request)] = _Order(telegram, now + ANSWER_WINDOW, TRIES - 1)
         self._outgoing += telegram
 
@@ -88,7 +86,7 @@ class CubeLine:
             if not is_answer:
                 continue  # an echo of our own
             try:
-                reply = decode_reply(content)
+                reply = ModuleReply.decode(content)
             except DecodeError:
                 self.damaged["content"] += 1
                 continue

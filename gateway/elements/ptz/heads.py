@@ -6,8 +6,8 @@ from typing import NamedTuple, Protocol
 from gateway.elements.aux_line import AuxExchange
 from p2os.accessories import vcc4, visca
 from p2os.accessories.head_model import HeadKind, HeadModel
-from p2os.accessories.vcc4 import AnswerDecoder, HeadAnswer, Status
-from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage
+from p2os.accessories.vcc4 import Code, HeadFrame, Status, Vcc4Decoder
+from p2os.accessories.visca import Error, ViscaDecoder, ViscaMessage, encode
 
 
 class Direction(NamedTuple):
@@ -79,19 +79,21 @@ class Vcc4Protocol:
 
     def __init__(self, model: HeadModel) -> None:
         self.model = model
-        self.ask_direction = AuxExchange(vcc4.request_direction(), vcc4.PLAIN_LENGTH, vcc4.DIRECTION_LENGTH)
-        self.ask_zoom = AuxExchange(vcc4.request_zoom(), vcc4.PLAIN_LENGTH, vcc4.ZOOM_LENGTH)
+        self.ask_direction = AuxExchange(vcc4.encode_command(Code.DIRECTION), vcc4.PLAIN_LENGTH, vcc4.DIRECTION_LENGTH)
+        self.ask_zoom = AuxExchange(
+            vcc4.encode_command(Code.ZOOM_REQUEST, vcc4.START), vcc4.PLAIN_LENGTH, vcc4.ZOOM_LENGTH
+        )
         self.probe = self.ask_direction
         self.start: Sequence[AuxExchange] = (
-            _plain(vcc4.power(True), patience=5.0),  # answered when it is on; the patience is ARIA's
-            _plain(vcc4.host_control()),
-            _plain(vcc4.initialise(), patience=2.5),
-            _plain(vcc4.pan_slew(model.pan.fastest)),
-            _plain(vcc4.tilt_slew(model.tilt.fastest)),
-            _plain(vcc4.tilt_range(model.tilt.lowest, model.tilt.highest)),
+            _plain(Code.POWER, vcc4.ON, patience=5.0),  # answered when it is on; the patience is ARIA's
+            _plain(Code.CONTROL_MODE, vcc4.HOST_CONTROL),
+            _plain(Code.INITIALISE, vcc4.START, patience=2.5),
+            _plain(Code.PAN_SLEW, (model.pan.fastest,)),
+            _plain(Code.TILT_SLEW, (model.tilt.fastest,)),
+            _plain(Code.TILT_RANGE, (model.tilt.lowest, model.tilt.highest)),
         )
-        self.stop: Sequence[AuxExchange] = (_plain(vcc4.stop()), _plain(vcc4.stop_zoom()))
-        self._decoder = AnswerDecoder()
+        self.stop: Sequence[AuxExchange] = (_plain(Code.STOP, vcc4.START), _plain(Code.STOP_ZOOM, vcc4.START))
+        self._decoder = Vcc4Decoder(from_head=True)
 
     @property
     def pending(self) -> int:
@@ -104,24 +106,24 @@ class Vcc4Protocol:
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
         """Return the exchange that turns the head, rad."""
-        return _plain(vcc4.move(self.model.pan.count(pan), self.model.tilt.count(tilt)))
+        return _plain(Code.MOVE, (self.model.pan.count(pan), self.model.tilt.count(tilt)))
 
     def zoom(self, ratio: float) -> AuxExchange:
         """Return the exchange that sets the magnification."""
-        return _plain(vcc4.zoom(self.model.lens.count_at(ratio)))
+        return _plain(Code.ZOOM, (self.model.lens.count_at(ratio),))
 
-    def _meaning(self, answer: HeadAnswer) -> HeadReply:
-        if answer.status != Status.OK:
-            return Declined(answer.status == Status.BUSY, answer.status == Status.NOT_HOST_CONTROLLED)
-        counts = vcc4.read_pair(answer.data)
+    def _meaning(self, answer: HeadFrame) -> HeadReply:
+        if answer.kind != Status.OK:
+            return Declined(answer.kind == Status.BUSY, answer.kind == Status.NOT_HOST_CONTROLLED)
+        counts = vcc4.read_counts(Code.DIRECTION, answer.data)
         if counts is not None:
             return Direction(self.model.pan.angle(counts[0]), self.model.tilt.angle(counts[1]))
-        position = vcc4.number(answer.data)
-        return _Obeyed() if position is None else Zoom(self.model.lens.ratio_at(position))
+        zoom = vcc4.read_counts(Code.ZOOM_REQUEST, answer.data)
+        return _Obeyed() if zoom is None else Zoom(self.model.lens.ratio_at(zoom[0]))
 
 
-def _plain(request: bytes, patience: float = 0.5) -> AuxExchange:
-    return AuxExchange(request, vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
+def _plain(code: Code, parameters: bytes | tuple[int, ...], patience: float = 0.5) -> AuxExchange:
+    return AuxExchange(vcc4.encode_command(code, parameters), vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
 
 
 class ViscaProtocol:
@@ -132,12 +134,16 @@ class ViscaProtocol:
     def __init__(self, model: HeadModel) -> None:
         self.model = model
         # The end in front closes what a head may have taken for the beginning of a message.
-        self.probe = AuxExchange(bytes([visca.END]) + visca.set_address(), visca.ADDRESS_LENGTH, visca.ADDRESS_LENGTH)
-        self.start: Sequence[AuxExchange] = (_command(visca.power(True)),)
-        self.ask_direction = AuxExchange(visca.request_direction(), visca.ERROR_LENGTH, visca.DIRECTION_LENGTH)
-        self.ask_zoom = AuxExchange(visca.request_zoom(), visca.ERROR_LENGTH, visca.ZOOM_LENGTH)
+        set_address = bytes([visca.END]) + encode(visca.SET_ADDRESS, header=visca.BROADCAST)
+        self.probe = AuxExchange(set_address, visca.ADDRESS_LENGTH, visca.ADDRESS_LENGTH)
+        self.start: Sequence[AuxExchange] = (_command(visca.POWER, visca.ON),)
+        self.ask_direction = AuxExchange(encode(visca.ASK_DIRECTION), visca.ERROR_LENGTH, visca.DIRECTION_LENGTH)
+        self.ask_zoom = AuxExchange(encode(visca.ASK_ZOOM), visca.ERROR_LENGTH, visca.ZOOM_LENGTH)
         self._speeds = model.pan.fastest, model.tilt.fastest
-        self.stop: Sequence[AuxExchange] = (_command(visca.stop(*self._speeds)), _command(visca.stop_zoom()))
+        self.stop: Sequence[AuxExchange] = (
+            _command(visca.DRIVE, *self._speeds, visca.STAY, visca.STAY),
+            _command(visca.ZOOM_DRIVE, visca.ZOOM_STOP),
+        )
         self._decoder = ViscaDecoder()
 
     @property
@@ -152,27 +158,27 @@ class ViscaProtocol:
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
         """Return the exchange that turns the head, rad."""
-        return _command(visca.move(self.model.pan.count(pan), self.model.tilt.count(tilt), *self._speeds))
+        return _command(visca.MOVE, *self._speeds, self.model.pan.count(pan), self.model.tilt.count(tilt))
 
     def zoom(self, ratio: float) -> AuxExchange:
         """Return the exchange that sets the magnification."""
-        return _command(visca.zoom(self.model.lens.count_at(ratio)))
+        return _command(visca.ZOOM_TO, self.model.lens.count_at(ratio))
 
     def _meaning(self, message: ViscaMessage) -> HeadReply | None:
         """Return the meaning of a message; None for completions and for errors of syntax."""
         header, payload = message
         if header == visca.BROADCAST:
             return _Obeyed() if payload[:1] == visca.ADDRESS_SET else None
-        kind, _ = visca.kind_and_socket(payload[0])
-        if kind == visca.ACK:
+        if message.kind == visca.ACK:
             return _Obeyed()
-        if kind == visca.ERROR and len(payload) > 1:
+        if message.kind == visca.ERROR and len(payload) > 1:
             return Declined(payload[1] == Error.BUFFER_FULL, payload[1] == Error.NOT_EXECUTABLE)
-        counts, position = visca.read_direction(payload), visca.read_zoom(payload)
+        counts = message.reply(visca.ASK_DIRECTION)
         if counts is not None:
             return Direction(self.model.pan.angle(counts[0]), self.model.tilt.angle(counts[1]))
-        return None if position is None else Zoom(self.model.lens.ratio_at(position))
+        zoom = message.reply(visca.ASK_ZOOM)
+        return None if zoom is None else Zoom(self.model.lens.ratio_at(zoom[0]))
 
 
-def _command(request: bytes) -> AuxExchange:
-    return AuxExchange(request, visca.ACK_LENGTH, visca.ACK_LENGTH)
+def _command(kind: bytes, *values: int) -> AuxExchange:
+    return AuxExchange(encode(kind, *values), visca.ACK_LENGTH, visca.ACK_LENGTH)

@@ -8,7 +8,7 @@ from configs import ConfigError
 from gateway.elements.laser.driver import RATES, LaserDriver
 from gateway.events import ElementFound, ElementLost, ElementSilent, LaserScanned
 from gateway.settings import LaserSettings, LaserUnit
-from p2os.accessories.lms import MODE_OF_BAUD, LmsMode, LmsRequestCode, Variant, variant_data
+from p2os.accessories.lms import MODE_OF_BAUD, LmsMode, LmsRequestCode, Variant
 from p2os.accessories.lms_framing import encode
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ SCANNING = encode(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS,)))
 def leave(bench: "LaserBench", baud: int, variant: Variant, *, scans: bool) -> None:
     """Leave the laser as some client did."""
     for frame in (
-        encode(LmsRequestCode.VARIANT, variant_data(variant)),
+        encode(LmsRequestCode.VARIANT, variant.pack()),
         encode(LmsRequestCode.MODE, bytes((MODE_OF_BAUD[baud],))),
         *([SCANNING] if scans else []),
     ):
@@ -51,7 +51,7 @@ def test_half_a_command_in_the_lasers_ear_does_not_keep_it_deaf(bench: "LaserBen
 def test_a_laser_that_was_scanning_is_not_set_up_anew_where_nothing_differs(bench: "LaserBench") -> None:
     leave(bench, 38400, Variant(180, 100), scans=True)
     bench.connect()
-    assert encode(LmsRequestCode.VARIANT, variant_data(Variant())) not in bench.sent
+    assert encode(LmsRequestCode.VARIANT, Variant().pack()) not in bench.sent
     assert encode(LmsRequestCode.MODE, b"\0SICK_LMS") not in bench.sent
 
 

@@ -17,7 +17,7 @@ from gateway.elements.laser.driver import LaserDriver
 from gateway.events import ElementFound, LaserScanned
 from gateway.settings import LaserSettings, Settings
 from p2os import LaserMount, RobotModel
-from p2os.accessories.lms import LmsConfiguration, Scan, Unit, Variant, pack_values
+from p2os.accessories.lms import LmsConfiguration, Scan, Unit, Variant
 
 STAMP = 1_000_000_000_000
 UPRIGHT = LaserMount("lms2xx", 0.2, 0.1, radians(10))
@@ -48,7 +48,7 @@ def adapter(mount: LaserMount = UPRIGHT, settings: LaserSettings | None = None) 
 def scanned(ranges: list[float], first: int = 0, flags: list[int] | None = None) -> LaserScanned:
     configuration = LmsConfiguration()
     given = np.array(flags or [0] * len(ranges), np.uint16)
-    words = np.frombuffer(pack_values(np.array(ranges), given, configuration), "<u2")
+    words = np.frombuffer(configuration.pack_values(np.array(ranges), given), "<u2")
     return LaserScanned(Scan(first, words, Unit.MILLIMETRE), Variant(180, 100), configuration, 0.11, 0.1)
 
 

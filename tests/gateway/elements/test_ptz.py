@@ -15,6 +15,7 @@ from gateway.settings import Fitted, PtzChoice, Settings
 from p2os import AuxData, Command
 from p2os.accessories import vcc4
 from p2os.accessories.head_model import HeadModel
+from p2os.accessories.vcc4 import Code
 from p2os_emu.accessories.evid30 import EviD30
 from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.device import Device
@@ -181,7 +182,7 @@ def test_head_that_already_obeys_is_not_started_again(make_stand: "MakeStand") -
     second = bench_with(make_stand, device)
     second.run(3.0)
     assert second.stand.has_it()
-    assert vcc4.initialise() not in second.sent
+    assert vcc4.encode_command(Code.INITIALISE, vcc4.START) not in second.sent
     assert device.head.pan.position == pytest.approx(0.5, abs=0.01)
     second.ptz.look(None, 0.2, None, second.stand.now)
     second.run(2.0)
@@ -191,7 +192,7 @@ def test_head_that_already_obeys_is_not_started_again(make_stand: "MakeStand") -
 def test_head_that_hears_but_never_answers_is_steered_and_reckoned(make_stand: "MakeStand") -> None:
     device = canon()
     bench = bench_with(make_stand, device, PtzChoice.VCC4)
-    device.receive(vcc4.power(True) + vcc4.host_control())
+    device.receive(vcc4.encode_command(Code.POWER, vcc4.ON) + vcc4.encode_command(Code.CONTROL_MODE, vcc4.HOST_CONTROL))
     bench.is_mute = True
 
     def run(seconds: float) -> None:
@@ -226,7 +227,7 @@ def test_head_whose_power_went_is_started_again(make_stand: "MakeStand") -> None
     device = canon()
     bench = bench_with(make_stand, device)
     bench.run(6.0)
-    device.receive(vcc4.power(False))
+    device.receive(vcc4.encode_command(Code.POWER, vcc4.OFF))
     bench.run(12.0)
     assert device.is_on
     assert device.is_host_controlled

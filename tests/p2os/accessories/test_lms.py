@@ -13,18 +13,11 @@ from p2os.accessories.lms import (
     VARIANTS,
     LmsAnswerCode,
     LmsConfiguration,
+    LmsRequestCode,
+    Scan,
     Unit,
     Variant,
-    pack_values,
-    partial_data,
-    read_scan,
     read_segment,
-    read_status,
-    read_variant,
-    scan_data,
-    segment_data,
-    status_data,
-    variant_data,
 )
 from p2os.accessories.lms_framing import LmsTelegram
 
@@ -46,7 +39,7 @@ def test_beams_are_as_many_as_the_sheet_says(variant: Variant, beams: int) -> No
 
 
 def test_a_scan_of_one_degree_has_the_length_of_the_sheet() -> None:
-    data = scan_data(bytes(2 * 181), Unit.MILLIMETRE)
+    data = LmsConfiguration().scan_data(bytes(2 * 181))
     assert len(data) + 2 == 0x016E  # with code and status byte
     assert data[:2] == (181 | 0x4000).to_bytes(2, "little")
 
@@ -57,8 +50,8 @@ def test_distances_come_back_within_half_a_unit(
 ) -> None:
     given_ranges = np.array(ranges)
     flags = np.full(len(ranges), is_reflector, np.uint16)
-    data = scan_data(pack_values(given_ranges, flags, configuration), configuration.unit)
-    scan = read_scan(LmsTelegram(LmsAnswerCode.SCAN, data, 0x10))
+    data = configuration.scan_data(configuration.pack_values(given_ranges, flags))
+    scan = Scan.read(LmsTelegram(LmsAnswerCode.SCAN, data, 0x10))
     assert scan.unit is configuration.unit
     assert scan.ranges(configuration.flag_bits) == pytest.approx(given_ranges, abs=configuration.unit.metres * 0.501)
     assert list(scan.flags(configuration.flag_bits)) == list(flags)
@@ -68,10 +61,8 @@ def test_distances_come_back_within_half_a_unit(
 def test_nothing_there_is_infinite_and_no_measurement_is_not_a_number(bits: int) -> None:
     configuration = LmsConfiguration(measuring_mode=REFLECTOR_MODE[bits])
     flags = np.zeros(3, np.uint16)
-    values = pack_values(np.array([inf, nan, configuration.max_range]), flags, configuration)
-    nothing, weak, farthest = read_scan(LmsTelegram(LmsAnswerCode.SCAN, scan_data(values, Unit.MILLIMETRE))).ranges(
-        bits
-    )
+    values = configuration.pack_values(np.array([inf, nan, configuration.max_range]), flags)
+    nothing, weak, farthest = Scan.read(LmsTelegram(LmsAnswerCode.SCAN, configuration.scan_data(values))).ranges(bits)
     assert isinf(nothing)
     assert isnan(weak)
     assert farthest == pytest.approx(configuration.max_range)
@@ -82,18 +73,19 @@ def test_three_reflector_bits_leave_eight_metres_in_millimetres() -> None:
 
 
 def test_a_partial_scan_says_where_it_begins() -> None:
-    values = pack_values(np.array([1.0, 2.0]), np.zeros(2, np.uint16), LmsConfiguration())
-    scan = read_scan(LmsTelegram(LmsAnswerCode.PARTIAL_SCAN, partial_data(90, values, Unit.MILLIMETRE)))
+    configuration = LmsConfiguration()
+    values = configuration.pack_values(np.array([1.0, 2.0]), np.zeros(2, np.uint16))
+    scan = Scan.read(LmsTelegram(LmsAnswerCode.PARTIAL_SCAN, configuration.scan_data(values, 90)))
     assert scan.first == 90
     assert list(scan.ranges(1)) == [1.0, 2.0]
-    assert read_segment(segment_data(range(90, 92))) == range(90, 92)
+    assert read_segment(bytes.fromhex("5B 00 5C 00")) == range(90, 92)
 
 
 @pytest.mark.parametrize("data", [b"", b"\1", b"\2\0\0\0", b"\1\0\0\0\0", bytes((1, 0xC0, 0, 0))])
 @pytest.mark.parametrize("code", [LmsAnswerCode.SCAN, LmsAnswerCode.PARTIAL_SCAN, LmsAnswerCode.MODE])
 def test_a_scan_whose_size_is_not_what_it_says_is_refused(code: int, data: bytes) -> None:
     with pytest.raises(DecodeError):
-        read_scan(LmsTelegram(code, data))
+        Scan.read(LmsTelegram(code, data))
 
 
 def test_configuration_is_that_of_the_sheet() -> None:
@@ -115,17 +107,19 @@ def test_a_configuration_that_makes_no_sense_is_refused(data: bytes) -> None:
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_status_holds_angle_and_resolution_where_clients_look(variant: Variant) -> None:
-    data = status_data(b"V02.10", variant)
+    data = variant.status_data(b"V02.10")
     whole = bytes((LmsAnswerCode.STATUS,)) + data  # clients count from the code on
     assert len(whole) + 1 == 152
     assert int.from_bytes(whole[107:109], "little") == variant.angle_deg
     assert int.from_bytes(whole[109:111], "little") == variant.resolution_cdeg
-    assert read_status(data) == variant
+    assert Variant.read(LmsAnswerCode.STATUS, data) == variant
 
 
 def test_answers_too_short_to_mean_anything_are_refused() -> None:
     with pytest.raises(DecodeError):
-        read_status(bytes(109))
+        Variant.read(LmsAnswerCode.STATUS, bytes(109))
     with pytest.raises(DecodeError):
-        read_variant(b"\1")
-    assert read_variant(b"\1" + variant_data(Variant(100, 25))) == (True, Variant(100, 25))
+        Variant.read(LmsAnswerCode.VARIANT, b"\1")
+    variant = Variant(100, 25)
+    assert Variant.read(LmsAnswerCode.VARIANT, b"\1" + variant.pack()) == variant
+    assert Variant.read(LmsRequestCode.VARIANT, variant.pack()) == variant

@@ -14,7 +14,6 @@ from p2os.accessories.lms_framing import (
     LmsTelegramDecoder,
     crc,
     encode,
-    encode_answer,
 )
 
 TO_LASER = [  # source: accessory sheet, section 1, frames; wire bytes, code, data
@@ -40,9 +39,7 @@ FROM_LASER = [  # likewise; the status byte is 10
 ]
 
 Event = LmsTelegram | Acknowledged | Damaged
-telegrams = st.builds(
-    encode_answer, st.integers(0, 255), st.binary(max_size=LONGEST_FROM_LASER - 2), st.integers(0, 255)
-)
+telegrams = st.builds(encode, st.integers(0, 255), st.binary(max_size=LONGEST_FROM_LASER - 2), st.integers(0, 255))
 
 
 def heard(*pieces: bytes, from_laser: bool = True, silence: bool = True) -> list[Event]:
@@ -66,7 +63,7 @@ def test_golden_commands_are_written_and_read(frame: str, code: int, data: str) 
 @pytest.mark.parametrize(("frame", "code", "data"), FROM_LASER)
 def test_golden_answers_are_written_and_read(frame: str, code: int, data: str) -> None:
     wire, inside = bytes.fromhex(frame), bytes.fromhex(data)
-    assert encode_answer(code, inside, 0x10) == wire
+    assert encode(code, inside, 0x10) == wire
     assert heard(wire) == [LmsTelegram(code, inside, 0x10, 1.0)]
 
 
@@ -83,7 +80,7 @@ def test_crc_is_that_of_the_register_of_the_sheet(data: bytes) -> None:
 def test_any_single_wrong_byte_is_noticed(wire: bytes, place: int, change: int) -> None:
     damaged = bytearray(wire)
     damaged[place % len(wire)] ^= change
-    assert bytes(damaged) not in [encode_answer(t.code, t.data, t.status) for t in sound(heard(bytes(damaged)))]
+    assert bytes(damaged) not in [encode(t.code, t.data, t.status) for t in sound(heard(bytes(damaged)))]
 
 
 @given(st.binary(max_size=60), telegrams, st.binary(max_size=60), st.data())
@@ -96,12 +93,12 @@ def test_how_the_stream_is_cut_does_not_matter(before: bytes, wire: bytes, after
 
 @given(st.binary(max_size=100).filter(lambda noise: 0x02 not in noise), telegrams)
 def test_a_telegram_is_found_behind_noise(noise: bytes, wire: bytes) -> None:
-    assert [encode_answer(t.code, t.data, t.status) for t in sound(heard(noise, wire))][:1] == [wire]
+    assert [encode(t.code, t.data, t.status) for t in sound(heard(noise, wire))][:1] == [wire]
 
 
 def test_a_telegram_inside_a_damaged_one_is_found_and_the_damage_told_once() -> None:
-    inner = encode_answer(0xB0, b"\0\0", 0x10)
-    broken = bytearray(encode_answer(0xB0, b"\1" * 4 + inner + b"\1" * 4, 0x10))
+    inner = encode(0xB0, b"\0\0", 0x10)
+    broken = bytearray(encode(0xB0, b"\1" * 4 + inner + b"\1" * 4, 0x10))
     broken[6] ^= 0xFF
     events = heard(bytes(broken))
     assert len(sound(events)) == 1
@@ -109,7 +106,7 @@ def test_a_telegram_inside_a_damaged_one_is_found_and_the_damage_told_once() -> 
 
 
 def test_acknowledgements_between_telegrams_are_told_apart_from_noise() -> None:
-    answer = encode_answer(0xA0, b"\0", 0x10)
+    answer = encode(0xA0, b"\0", 0x10)
     events = heard(b"\x06" + answer + b"\x15zz")
     assert events == [
         Acknowledged(ok=True),
@@ -121,14 +118,14 @@ def test_acknowledgements_between_telegrams_are_told_apart_from_noise() -> None:
 
 def test_a_telegram_that_stops_half_way_does_not_swallow_the_next() -> None:
     decoder = LmsTelegramDecoder(from_laser=True)
-    answer = encode_answer(0xA0, b"\0", 0x10)
+    answer = encode(0xA0, b"\0", 0x10)
     assert decoder.receive(answer[:5], 1.0) == []
     assert decoder.receive(answer, 1.0 + PARTIAL_TIMEOUT)[-1] == LmsTelegram(0xA0, b"\0", 0x10, 1.0 + PARTIAL_TIMEOUT)
 
 
 def test_a_telegram_knows_when_its_first_byte_came() -> None:
     decoder = LmsTelegramDecoder(from_laser=True)
-    first, second = encode_answer(0xB0, b"\0\0", 0x10), encode_answer(0xA0, b"\0", 0x10)
+    first, second = encode(0xB0, b"\0\0", 0x10), encode(0xA0, b"\0", 0x10)
     assert [t.began for t in sound(decoder.receive(first + second[:3], 1.0))] == [1.0]
     assert decoder.receive(second[3:6], 1.02) == []
     assert [t.began for t in sound(decoder.receive(second[6:] + first, 1.04))] == [1.0, 1.04]

@@ -17,11 +17,6 @@ from p2os.accessories.powercube import (
     ModuleTelegram,
     ModuleTelegramDecoder,
     MotionKind,
-    decode_reply,
-    decode_request,
-    encode_reply,
-    encode_request,
-    encode_telegram,
 )
 
 REQUESTS = [  # header = identifier << 5 | length: 0E0 + module to one, 100 to all; then data, sum modulo 256
@@ -65,29 +60,29 @@ telegrams = st.builds(ModuleTelegram, st.integers(1, 31), st.booleans(), st.bina
 @pytest.mark.parametrize(("golden", "module", "request_"), REQUESTS)
 def test_requests_are_written_and_read_as_computed_by_hand(golden: str, module: int, request_: ModuleRequest) -> None:
     wire = bytes.fromhex(golden)
-    assert encode_request(module, request_) == wire
+    assert request_.encode(module) == wire
     (telegram,) = ModuleTelegramDecoder().receive(wire)
     assert telegram[:2] == (module, False)
-    assert decode_request(telegram.data) == request_
+    assert ModuleRequest.decode(telegram.data) == request_
 
 
 @pytest.mark.parametrize(("golden", "module", "reply"), REPLIES)
 def test_replies_are_written_and_read_as_computed_by_hand(golden: str, module: int, reply: ModuleReply) -> None:
     wire = bytes.fromhex(golden)
-    assert encode_reply(module, reply) == wire
+    assert reply.encode(module) == wire
     (telegram,) = ModuleTelegramDecoder().receive(wire)
     assert telegram[:2] == (module, True)
-    assert decode_reply(telegram.data) == reply
+    assert ModuleReply.decode(telegram.data) == reply
 
 
 @pytest.mark.parametrize(("plain", "stuffed"), [(0x02, "10 82"), (0x03, "10 83"), (0x10, "10 90")])
 def test_framing_bytes_are_stuffed_as_the_sheet_says(plain: int, stuffed: str) -> None:
-    assert bytes.fromhex(stuffed) in encode_telegram(ModuleTelegram(1, False, bytes([plain])))
+    assert bytes.fromhex(stuffed) in ModuleTelegram(1, False, bytes([plain])).encode()
 
 
 @given(st.lists(telegrams, max_size=5), st.data())
 def test_any_telegrams_come_through_however_the_stream_is_cut(sent: list[ModuleTelegram], data: st.DataObject) -> None:
-    wire = b"".join(map(encode_telegram, sent))
+    wire = b"".join(map(ModuleTelegram.encode, sent))
     cuts = sorted(data.draw(st.lists(st.integers(0, len(wire)), max_size=6)))
     decoder = ModuleTelegramDecoder()
     heard: list[ModuleTelegram] = []
@@ -99,19 +94,19 @@ def test_any_telegrams_come_through_however_the_stream_is_cut(sent: list[ModuleT
 
 @given(telegrams, st.data())
 def test_no_telegram_with_one_wrong_byte_is_believed(sent: ModuleTelegram, data: st.DataObject) -> None:
-    wire = bytearray(encode_telegram(sent))
+    wire = bytearray(sent.encode())
     wire[data.draw(st.integers(0, len(wire) - 1))] ^= data.draw(st.integers(1, 255))
     assert ModuleTelegramDecoder().receive(bytes(wire)) == []
 
 
 @given(st.binary(max_size=100), telegrams)
 def test_telegram_is_found_behind_any_noise(noise: bytes, sent: ModuleTelegram) -> None:
-    assert ModuleTelegramDecoder().receive(noise + encode_telegram(sent))[-1] == sent
+    assert ModuleTelegramDecoder().receive(noise + sent.encode())[-1] == sent
 
 
 @given(st.binary(max_size=8))
 def test_any_data_is_read_or_refused(data: bytes) -> None:
-    for read in (decode_request, decode_reply):
+    for read in (ModuleRequest.decode, ModuleReply.decode):
         try:
             read(data)
         except DecodeError:
@@ -121,8 +116,8 @@ def test_any_data_is_read_or_refused(data: bytes) -> None:
 @given(st.floats(width=32).filter(isfinite), st.sampled_from([kind for kind in MotionKind if kind != 0x16]))
 def test_targets_come_through_as_32_bits_carry_them(target: float, kind: MotionKind) -> None:
     request = ModuleRequest(CubeCommand.MOVE, kind, target)
-    (telegram,) = ModuleTelegramDecoder().receive(encode_request(1, request))
-    assert decode_request(telegram.data) == request
+    (telegram,) = ModuleTelegramDecoder().receive(request.encode(1))
+    assert ModuleRequest.decode(telegram.data) == request
 
 
 @pytest.mark.parametrize(
@@ -136,4 +131,4 @@ def test_targets_come_through_as_32_bits_carry_them(target: float, kind: MotionK
 )
 def test_what_does_not_fit_is_refused(module: int, request_: ModuleRequest) -> None:
     with pytest.raises(EncodeError):
-        encode_request(module, request_)
+        request_.encode(module)

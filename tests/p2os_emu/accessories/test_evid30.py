@@ -33,12 +33,12 @@ def refusal(code: int, socket: int = 0) -> bytes:
 
 
 def test_cameras_are_cleared_and_numbered_by_broadcast(head: EviD30) -> None:
-    assert ask(head, visca.clear()) == bytes.fromhex("88 01 00 01 FF")
-    assert ask(head, visca.set_address()) == bytes.fromhex("88 30 02 FF")
+    assert ask(head, visca.encode(visca.CLEAR, header=visca.BROADCAST)) == bytes.fromhex("88 01 00 01 FF")
+    assert ask(head, visca.encode(visca.SET_ADDRESS, header=visca.BROADCAST)) == bytes.fromhex("88 30 02 FF")
 
 
 def test_move_is_acknowledged_at_once_and_completed_on_arrival(head: EviD30) -> None:
-    assert ask(head, visca.move(-440, 150, 0x18, 0x14)) == ACK_1
+    assert ask(head, visca.encode(visca.MOVE, 0x18, 0x14, -440, 150)) == ACK_1
     assert wait(head, 0.55) == b""
     assert degrees(head.head.pan.position) == pytest.approx(45.0, abs=1.5)  # 80 degrees/s for 0.56 s, to the left
     assert wait(head, 0.2) == DONE_1
@@ -47,28 +47,28 @@ def test_move_is_acknowledged_at_once_and_completed_on_arrival(head: EviD30) -> 
 
 
 def test_inquiries_are_answered_also_while_it_moves(head: EviD30) -> None:
-    ask(head, visca.move(0x370, -0x12C, 0x18, 0x14), 2.0)
-    assert ask(head, visca.request_direction()) == bytes.fromhex("90 50 00 03 07 00 0F 0E 0D 04 FF")
-    ask(head, visca.zoom(0x3FF))
-    assert ask(head, visca.request_zoom())[:2] == bytes.fromhex("90 50")
-    assert ask(head, visca.request_power()) == bytes.fromhex("90 50 02 FF")
+    ask(head, visca.encode(visca.MOVE, 0x18, 0x14, 0x370, -0x12C), 2.0)
+    assert ask(head, visca.encode(visca.ASK_DIRECTION)) == bytes.fromhex("90 50 00 03 07 00 0F 0E 0D 04 FF")
+    ask(head, visca.encode(visca.ZOOM_TO, 0x3FF))
+    assert ask(head, visca.encode(visca.ASK_ZOOM))[:2] == bytes.fromhex("90 50")
+    assert ask(head, visca.encode(visca.ASK_POWER)) == bytes.fromhex("90 50 02 FF")
     assert ask(head, visca.encode(visca.ASK_VERSION))[:6] == bytes.fromhex("90 50 00 20 04 02")
 
 
 def test_pan_and_zoom_take_two_sockets_and_a_third_command_finds_none(head: EviD30) -> None:
-    assert ask(head, visca.move(880, 0, 1, 1)) == ACK_1
-    assert ask(head, visca.zoom(0x3FF)) == ACK_2
+    assert ask(head, visca.encode(visca.MOVE, 1, 1, 880, 0)) == ACK_1
+    assert ask(head, visca.encode(visca.ZOOM_TO, 0x3FF)) == ACK_2
     assert ask(head, visca.encode(visca.BACKLIGHT + b"\x02")) == refusal(0x03)
     assert not head.has_backlight
 
 
 def test_new_target_takes_the_place_of_the_one_before(head: EviD30) -> None:
-    ask(head, visca.move(880, 0, 1, 1))
-    assert ask(head, visca.move(0, 0, 0x18, 0x14), 0.2) == DONE_1 + ACK_2 + DONE_2
+    ask(head, visca.encode(visca.MOVE, 1, 1, 880, 0))
+    assert ask(head, visca.encode(visca.MOVE, 0x18, 0x14, 0, 0), 0.2) == DONE_1 + ACK_2 + DONE_2
 
 
 def test_cancel_stops_what_its_socket_does(head: EviD30) -> None:
-    ask(head, visca.move(880, 0, 1, 1), 0.2)
+    ask(head, visca.encode(visca.MOVE, 1, 1, 880, 0), 0.2)
     assert ask(head, visca.encode(bytes([visca.CANCEL | 1]))) == refusal(0x04, 1)
     assert not head.head.is_turning
     assert ask(head, visca.encode(bytes([visca.CANCEL | 1]))) == refusal(0x05, 1)
@@ -78,18 +78,18 @@ def test_drive_goes_on_until_it_is_stopped(head: EviD30) -> None:
     left_and_up = visca.encode(visca.DRIVE + bytes([0x18, 0x14, visca.LEFT, visca.UP]))
     assert ask(head, left_and_up, 0.25) == ACK_1
     assert head.head.pan.position > 0 < head.head.tilt.position
-    assert ask(head, visca.stop(0x18, 0x14)) == DONE_1 + ACK_2 + DONE_2
+    assert ask(head, visca.encode(visca.DRIVE, 0x18, 0x14, visca.STAY, visca.STAY)) == DONE_1 + ACK_2 + DONE_2
     assert not head.head.is_turning
 
 
 @pytest.mark.parametrize(
     "request_",
     [
-        visca.move(881, 0, 1, 1),
-        visca.move(0, 301, 1, 1),
-        visca.move(0, 0, 0x19, 1),
-        visca.move(0, 0, 1, 0),
-        visca.zoom(0x400),
+        visca.encode(visca.MOVE, 1, 1, 881, 0),
+        visca.encode(visca.MOVE, 1, 1, 0, 301),
+        visca.encode(visca.MOVE, 0x19, 1, 0, 0),
+        visca.encode(visca.MOVE, 1, 0, 0, 0),
+        visca.encode(visca.ZOOM_TO, 0x400),
         visca.encode(visca.MOVE),
         visca.encode(visca.DRIVE + b"\x01\x01\x05\x03"),
         visca.encode(visca.POWER + b"\x07"),
@@ -102,13 +102,13 @@ def test_what_makes_no_sense_is_a_syntax_error_and_moves_nothing(head: EviD30, r
 
 
 def test_without_power_only_the_power_command_is_obeyed(head: EviD30) -> None:
-    assert ask(head, visca.power(False)) == ACK_1 + DONE_1
-    assert ask(head, visca.move(0, 0, 1, 1)) == refusal(0x41)
-    assert ask(head, visca.request_direction()) == refusal(0x41)
-    assert ask(head, visca.request_power()) == bytes.fromhex("90 50 03 FF")
-    assert ask(head, visca.power(True)) == ACK_1
+    assert ask(head, visca.encode(visca.POWER, visca.OFF)) == ACK_1 + DONE_1
+    assert ask(head, visca.encode(visca.MOVE, 1, 1, 0, 0)) == refusal(0x41)
+    assert ask(head, visca.encode(visca.ASK_DIRECTION)) == refusal(0x41)
+    assert ask(head, visca.encode(visca.ASK_POWER)) == bytes.fromhex("90 50 03 FF")
+    assert ask(head, visca.encode(visca.POWER, visca.ON)) == ACK_1
     assert wait(head, 2.1) == DONE_1
 
 
 def test_other_cameras_commands_pass_by(head: EviD30) -> None:
-    assert ask(head, visca.encode(visca.ASK_POWER, 0x82), 0.1) == b""
+    assert ask(head, visca.encode(visca.ASK_POWER, header=0x82), 0.1) == b""

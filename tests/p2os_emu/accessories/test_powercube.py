@@ -17,8 +17,6 @@ from p2os.accessories.powercube import (
     ModuleRequest,
     ModuleTelegramDecoder,
     MotionKind,
-    decode_reply,
-    encode_request,
 )
 from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.microcontroller.testing import STEP, PlainArm
@@ -40,10 +38,10 @@ class Bench:
         """Let time pass, with a host that goes on asking or without."""
         for step in range(round(seconds / STEP)):
             if host and step % 12 == 0:
-                self.device.receive(encode_request(1, ModuleRequest(CubeCommand.GET, ModuleParameter.VELOCITY)))
+                self.device.receive(ModuleRequest(CubeCommand.GET, ModuleParameter.VELOCITY).encode(1))
             before = list(self.arm.positions)
             for telegram in self._decoder.receive(self.device.step(STEP)):
-                reply = decode_reply(telegram.data)
+                reply = ModuleReply.decode(telegram.data)
                 if (reply.command, reply.about) != (CubeCommand.GET, ModuleParameter.VELOCITY):
                     self.heard.append((telegram.module, reply))
             moved = (abs(now - then) / STEP for now, then in zip(self.arm.positions, before, strict=True))
@@ -51,14 +49,14 @@ class Bench:
 
     def ask(self, module: int, request: ModuleRequest) -> ModuleReply:
         """What a module answers."""
-        self.device.receive(encode_request(module, request))
+        self.device.receive(request.encode(module))
         self.run(STEP)
         number, reply = self.heard[-1]
         assert number == module
         return reply
 
     def tell_all(self, command: CubeCommand) -> None:
-        self.device.receive(encode_request(EVERY_MODULE, ModuleRequest(command)))
+        self.device.receive(ModuleRequest(command).encode(EVERY_MODULE))
 
     def state(self, module: int) -> CubeState:
         state = self.ask(module, ModuleRequest(CubeCommand.GET, ModuleParameter.STATE)).state
@@ -215,9 +213,9 @@ def test_joint_that_cannot_follow_halts_with_an_error(bench: Bench) -> None:
 
 
 def test_modules_that_are_not_there_and_damaged_telegrams_get_no_answer(bench: Bench) -> None:
-    wire = bytearray(encode_request(1, ModuleRequest(CubeCommand.HOME)))
+    wire = bytearray(ModuleRequest(CubeCommand.HOME).encode(1))
     wire[3] ^= 0x40
-    for data in (bytes(wire), encode_request(9, ModuleRequest(CubeCommand.HOME)), b"\x02\x10\x03noise"):
+    for data in (bytes(wire), ModuleRequest(CubeCommand.HOME).encode(9), b"\x02\x10\x03noise"):
         bench.device.receive(data)
         assert bench.device.step(STEP) == b""
 

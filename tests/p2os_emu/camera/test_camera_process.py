@@ -19,6 +19,7 @@ from PIL import Image
 import configs
 from p2os import Command, encode_command, encode_frame
 from p2os.accessories import vcc4
+from p2os.accessories.vcc4 import Code
 from p2os_emu.camera.camera_process import CameraModel, CameraProcess
 from p2os_emu.camera.image_format import read_format
 from p2os_emu.camera.news import SceneMoment
@@ -94,7 +95,11 @@ def test_picture_follows_the_head_and_the_end_of_the_emulator_ends_the_camera(
             for sync in range(3):
                 port.write(encode_frame(bytes([sync])))
             port.write(encode_command(Command.OPEN))
-            for request in (vcc4.power(True), vcc4.host_control(), vcc4.move(-89, 0)):  # 10 degrees to the left
+            for request in (
+                vcc4.encode_command(Code.POWER, vcc4.ON),
+                vcc4.encode_command(Code.CONTROL_MODE, vcc4.HOST_CONTROL),
+                vcc4.encode_command(Code.MOVE, (-89, 0)),
+            ):  # 10 degrees to the left
                 port.write(encode_command(Command.TTY2, request))
             until(lambda: (red_column(url) or 0.0) > straight + 15)
         pid = camera_pid(robots.process.pid)

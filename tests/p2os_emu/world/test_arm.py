@@ -14,7 +14,6 @@ from p2os.accessories.powercube import (
     ModuleParameter,
     ModuleRequest,
     MotionKind,
-    encode_request,
 )
 from p2os.robot_model import RobotModel
 from p2os_emu.accessories.powercube import PowerCubeArm
@@ -118,10 +117,10 @@ def _lift(armed: Armed, load_kg: float) -> tuple[PowerCubeArm, float]:
     device = PowerCubeArm(armed.model, armed.arm)
 
     def tell(module: int, request: ModuleRequest, seconds: float) -> None:
-        device.receive(encode_request(module, request))
+        device.receive(request.encode(module))
         for step in range(round(seconds / STEP)):
             if step % 60 == 0:
-                device.receive(encode_request(1, ModuleRequest(CubeCommand.GET, ModuleParameter.STATE)))
+                device.receive(ModuleRequest(CubeCommand.GET, ModuleParameter.STATE).encode(1))
             device.step(STEP)
             armed.world.step()
 
