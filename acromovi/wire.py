@@ -14,7 +14,7 @@ from configs.defaults import ROBOT
 from gateway.errors import GatewayError
 from gateway.serial_port import Port, open_port
 from p2os import PARTIAL_TIMEOUT, RobotModel
-from p2os.wire_log import FrameSource, WireLog, WireLogEntry, as_json, as_text
+from p2os.wire_log import FrameSource, WireLog, WireLogEntry
 from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.pty import PtyLink
@@ -192,7 +192,7 @@ def _find_model(subtype: str) -> RobotModel | None:
 def _printer(as_objects: bool, output: TextIO) -> Callable[[Iterable[WireLogEntry]], None]:
     def show(entries: Iterable[WireLogEntry]) -> None:
         for entry in entries:
-            print(json.dumps(as_json(entry), ensure_ascii=False) if as_objects else as_text(entry), file=output)
+            print(json.dumps(entry.as_json(), ensure_ascii=False) if as_objects else entry.as_text(), file=output)
         output.flush()
 
     return show

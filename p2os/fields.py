@@ -172,6 +172,48 @@ class Field:
         """The fields of one record."""
         return fields_of(self.record) if self.record else ()
 
+    @property
+    def limits(self) -> tuple[int, int]:
+        """The lowest and highest count that its code carries."""
+        bits = 8 * struct.calcsize("<" + self.code)
+        return (0, 2**bits - 1) if self.code.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+    def to_count(self, value: float, scales: Scales) -> int:
+        """Return the wire count nearest to a value in SI.
+
+        Raises:
+            EncodeError: The value does not fit.
+        """
+        if not self.fits(value, scales):
+            raise self.misfit(value, scales)
+        return self._nearest(value, scales)
+
+    def to_value(self, count: int, scales: Scales) -> float:
+        """Return the SI value of a wire count."""
+        if self.quantity is Quantity.FLAG:
+            return count != 0
+        return ((self.bound.fit(count) if self.bound else count) - self.zero) * scales[self.quantity]
+
+    def fits(self, value: float, scales: Scales) -> bool:
+        """Return whether it can carry a value."""
+        low, high = self.limits
+        try:
+            return math.isfinite(value) and low <= self._nearest(value, scales) <= high
+        except TypeError:  # not a number
+            return False
+
+    def misfit(self, value: float, scales: Scales) -> EncodeError:
+        """Return the error for a value that does not fit."""
+        low, high = self.limits
+        scale, unit = scales[self.quantity], self.quantity.unit
+        least, most = (low - self.zero) * scale, (high - self.zero) * scale
+        carried = f"{least:.8g} to {most:.8g} {unit}".rstrip()
+        return EncodeError(f"{self.name} {value} {unit}".rstrip() + f" does not fit its field, which carries {carried}")
+
+    def _nearest(self, value: float, scales: Scales) -> int:
+        count = round(value / scales[self.quantity]) + self.zero
+        return self.bound.fit(count) if self.bound else count
+
 
 @cache
 def fields_of(packet: Callable[..., tuple[Any, ...]]) -> tuple[Field, ...]:
@@ -181,50 +223,3 @@ def fields_of(packet: Callable[..., tuple[Any, ...]]) -> tuple[Field, ...]:
         for name, hint in get_type_hints(packet, include_extras=True).items()
         for field in getattr(hint, "__metadata__", ())
     )
-
-
-def to_count(field: Field, value: float, scales: Scales) -> int:
-    """Return the wire count nearest to a value in SI.
-
-    Raises:
-        EncodeError: The value does not fit the field.
-    """
-    if not fits(field, value, scales):
-        raise misfit(field, value, scales)
-    return _nearest(field, value, scales)
-
-
-def fits(field: Field, value: float, scales: Scales) -> bool:
-    """Return whether a field can carry a value."""
-    low, high = limits(field.code)
-    try:
-        return math.isfinite(value) and low <= _nearest(field, value, scales) <= high
-    except TypeError:  # not a number
-        return False
-
-
-def misfit(field: Field, value: float, scales: Scales) -> EncodeError:
-    """The error for a value that does not fit its field."""
-    low, high = limits(field.code)
-    scale, unit = scales[field.quantity], field.quantity.unit
-    least, most = (low - field.zero) * scale, (high - field.zero) * scale
-    carried = f"{least:.8g} to {most:.8g} {unit}".rstrip()
-    return EncodeError(f"{field.name} {value} {unit}".rstrip() + f" does not fit its field, which carries {carried}")
-
-
-def to_value(field: Field, count: int, scales: Scales) -> float:
-    """Return the SI value of a wire count."""
-    if field.quantity is Quantity.FLAG:
-        return count != 0
-    return ((field.bound.fit(count) if field.bound else count) - field.zero) * scales[field.quantity]
-
-
-def _nearest(field: Field, value: float, scales: Scales) -> int:
-    count = round(value / scales[field.quantity]) + field.zero
-    return field.bound.fit(count) if field.bound else count
-
-
-def limits(code: str) -> tuple[int, int]:
-    """Return the lowest and highest count of a struct code."""
-    bits = 8 * struct.calcsize("<" + code)
-    return (0, 2**bits - 1) if code.isupper() else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)

@@ -23,6 +23,12 @@ class Identity(NamedTuple):
     robot_type: str
     subtype: str
 
+    @classmethod
+    def read(cls, payload: bytes) -> "Identity | None":
+        """Return the three strings of a SYNC2 answer; None if they are not there, as in the echo of our own SYNC2."""
+        texts = payload[1:].decode("latin-1").removesuffix("\0").split("\0")
+        return cls(*texts[:3]) if len(texts) >= 3 and all(texts[1:3]) else None
+
 
 class ConnectionCommand(StrEnum):
     """Meaning of commands 0, 1 and 2 on a synchronised connection, in this order."""
@@ -135,7 +141,7 @@ class HostHandshake:
             self._expected = _NEXT_SYNC[payload]
             self.streaming = False
         elif payload[:1] == self._expected == _SYNC2:
-            self.identity = read_identity(payload)
+            self.identity = Identity.read(payload)
         elif payload[:1] not in (_SYNC0, _SYNC1, _SYNC2):
             self.restart()
             self.streaming = payload[:1] in _SIPS
@@ -146,9 +152,3 @@ class HostHandshake:
         self.identity = None
         self.streaming = False
         self._expected = _SYNC0
-
-
-def read_identity(payload: bytes) -> Identity | None:
-    """The three strings of a SYNC2 answer; None if they are not there, as in the echo of our own SYNC2."""
-    texts = payload[1:].decode("latin-1").removesuffix("\0").split("\0")
-    return Identity(*texts[:3]) if len(texts) >= 3 and all(texts[1:3]) else None

@@ -35,8 +35,6 @@ from p2os.simulator_packets import (
     SimulatedLaser,
     SimulatorDevice,
     SimulatorState,
-    simulator_state,
-    simulator_state_fields,
 )
 from p2os.sip import COUNT, HEAD, SIP_TYPES, SONAR, TAIL, SipCodec, StandardSip
 
@@ -204,7 +202,7 @@ TABLES: Mapping[int, tuple[Field, ...]] = {
     **{packet_type: layout.fields for packet_type, layout in LAYOUTS.items()},
     PacketType.SIP_STOPPED: (*HEAD, COUNT, *SONAR, *TAIL),
     PacketType.SIP_MOVING: (*HEAD, COUNT, *SONAR, *TAIL),
-    PacketType.SIMULATOR_STATE: simulator_state_fields(~0),
+    PacketType.SIMULATOR_STATE: SimulatorState.fields(~0),
     **dict.fromkeys(AUX_PORTS, fields_of(AuxData)),
     PacketType.RESET_WITH_DATA: fields_of(Reset),
     PacketType.RESET: fields_of(Reset),
@@ -215,19 +213,14 @@ _BY_CLASS = {layout.packet: (packet_type, layout) for packet_type, layout in LAY
 _AUX_TYPE = {port: packet_type for packet_type, port in AUX_PORTS.items()}
 
 
-def encode_configuration(configuration: Configuration, model: RobotModel, last_field: str) -> bytes:
-    """Write a CONFIGpac that ends after a field; see `CONFIGURATION_VARIANTS`.
-
-    Raises:
-        EncodeError: A value does not fit its field.
-    """
-    size = Configuration._fields.index(last_field) + 1
-    return bytes([PacketType.CONFIGURATION]) + pack(fields_of(Configuration)[:size], configuration[:size], model.scales)
-
-
-def encode_packet(packet: Packet, model: RobotModel) -> bytes:
+def encode_packet(packet: Packet, model: RobotModel, last_field: str | None = None) -> bytes:
     """Write a packet as the model's firmware does.
 
+    Args:
+        packet: What to write.
+        model: Gives scales and firmware family.
+        last_field: The last field of a CONFIGpac, if it is not the one of the firmware family; see
+            `CONFIGURATION_VARIANTS`.
     Returns:
         The payload of its frame.
     Raises:
@@ -239,13 +232,15 @@ def encode_packet(packet: Packet, model: RobotModel) -> bytes:
         case StandardSip():
             return SipCodec(model).encode(packet)
         case Configuration():
-            return encode_configuration(packet, model, FIRMWARES[model.firmware].last_configuration_field)
+            last = last_field or FIRMWARES[model.firmware].last_configuration_field
+            fields = fields_of(Configuration)[: Configuration._fields.index(last) + 1]
+            return bytes([PacketType.CONFIGURATION]) + pack(fields, packet[: len(fields)], model.scales)
         case AuxData(port, data):
             return bytes([_AUX_TYPE[port]]) + data
         case Reset(data):
             return bytes([PacketType.RESET_WITH_DATA if data else PacketType.RESET]) + data
         case SimulatorState():
-            fields = simulator_state_fields(packet.flags)
+            fields = SimulatorState.fields(packet.flags)
             values = [getattr(packet, field.name) for field in fields]
             return bytes([PacketType.SIMULATOR_STATE]) + pack(fields, values, model.scales)
         case UnknownPacket(packet_type, body) | MtxPacket(packet_type, body):
@@ -288,9 +283,9 @@ def decode_packet(payload: bytes, model: RobotModel, codec: SipCodec | None = No
 
 
 def _decode_simulator_state(body: bytes, model: RobotModel) -> SimulatorState:
-    head = simulator_state(SIMULATOR_STATE, unpack(SIMULATOR_STATE, body, model.scales).values)
-    fields = simulator_state_fields(head.flags)
-    return simulator_state(fields, _unpacked(fields, body, model, "SIMSTAT packet", grows=False))
+    head = SimulatorState.of(SIMULATOR_STATE, unpack(SIMULATOR_STATE, body, model.scales).values)
+    fields = SimulatorState.fields(head.flags)
+    return SimulatorState.of(fields, _unpacked(fields, body, model, "SIMSTAT packet", grows=False))
 
 
 def _unpacked(fields: tuple[Field, ...], body: bytes, model: RobotModel, name: str, grows: bool) -> list[Any]:

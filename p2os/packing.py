@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from p2os.errors import EncodeError
-from p2os.fields import Field, Quantity, Scales, to_count, to_value
+from p2os.fields import Field, Quantity, Scales
 
 STRING = "z"
 COUNTED = "*"
@@ -60,7 +60,7 @@ def _pack_field(field: Field, value: Any, scales: Scales) -> bytes:
         return struct.pack(code, _text(value))
     if len(code) > 1:
         return _pack_items(_item(field), _of_length(field, value, int(code[:-1])), scales)
-    return struct.pack("<" + code, to_count(field, value, scales))
+    return struct.pack("<" + code, field.to_count(value, scales))
 
 
 def _pack_list(field: Field, value: Any, scales: Scales) -> bytes:
@@ -79,7 +79,7 @@ def _pack_rows(field: Field, rows: tuple[tuple[float, ...], ...], scales: Scales
 
 
 def _pack_items(item: Field, values: Sequence[float], scales: Scales) -> bytes:
-    return struct.pack(f"<{len(values)}{item.code}", *(to_count(item, value, scales) for value in values))
+    return struct.pack(f"<{len(values)}{item.code}", *(item.to_count(value, scales) for value in values))
 
 
 def _item(field: Field) -> Field:
@@ -135,7 +135,7 @@ class _Reader:
         at = self.offset
         self.offset += struct.calcsize(code)
         count = struct.unpack_from(code, self._body, at)[0] if self.offset <= len(self._body) else field.zero
-        return to_value(field, count, self._scales)
+        return field.to_value(count, self._scales)
 
     def _string(self) -> str:
         end = self._body.find(b"\0", self.offset)
@@ -175,7 +175,7 @@ class _Reader:
         if field.bound is None and not field.zero:
             scale = self._scales[field.quantity]
             return counts if field.quantity is Quantity.COUNT else tuple(count * scale for count in counts)
-        return tuple(to_value(field, count, self._scales) for count in counts)
+        return tuple(field.to_value(count, self._scales) for count in counts)
 
     def _length(self) -> int:
         """A count byte."""

@@ -7,7 +7,7 @@ from math import degrees, pi, radians
 from typing import Annotated, Any, NamedTuple
 
 from p2os.errors import DecodeError
-from p2os.fields import FIXED_SCALES, Field, Quantity, fields_of, limits
+from p2os.fields import FIXED_SCALES, Field, Quantity, fields_of
 
 SIMULATOR_NAMES = frozenset({"MobileSim", "AMRISim"})
 """Names that simulators give all their robots in the answer to SYNC2."""
@@ -67,6 +67,9 @@ def read_simulator_pose(data: bytes) -> tuple[float, float, float]:
     return x / 1000, y / 1000, radians(heading)
 
 
+_LARGEST = Field("h").limits[1] * FIXED_SCALES[Quantity.LENGTH]
+
+
 class SimulatedLaser(NamedTuple):
     """Part of a sweep of a laser in the robot's own line.
 
@@ -81,14 +84,11 @@ class SimulatedLaser(NamedTuple):
     first: Annotated[int, Field("H", meaning="index of the first reading here")]
     ranges: Annotated[tuple[float, ...], Field("*H", Quantity.LENGTH)]
 
-
-_LARGEST = limits("h")[1] * FIXED_SCALES[Quantity.LENGTH]
-
-
-def laser_pose(x: float, y: float, heading: float) -> tuple[float, float, float]:
-    """Return a pose (m, rad) within what `SimulatedLaser` carries: up to 32.767 m, and whole degrees."""
-    x, y = (max(-_LARGEST, min(_LARGEST, each)) for each in (x, y))
-    return x, y, radians(round(degrees(pi - (pi - heading) % (2 * pi))))
+    @staticmethod
+    def within_limits(x: float, y: float, heading: float) -> tuple[float, float, float]:
+        """Return a pose (m, rad) within what this packet carries: up to 32.767 m, and whole degrees."""
+        x, y = (max(-_LARGEST, min(_LARGEST, each)) for each in (x, y))
+        return x, y, radians(round(degrees(pi - (pi - heading) % (2 * pi))))
 
 
 class SimulatedLaserReading(NamedTuple):
@@ -133,22 +133,22 @@ class SimulatorState(NamedTuple):
     spare1: Annotated[int, Field("B")] = 0
     spare2: Annotated[int, Field("B")] = 0
 
+    @classmethod
+    def of(cls, fields: Sequence[Field], values: Sequence[Any]) -> "SimulatorState":
+        """Return one of these fields and values; the other fields are zero."""
+        return cls(**dict(zip((field.name for field in fields), values, strict=True)))
+
+    @staticmethod
+    def fields(flags: int) -> tuple[Field, ...]:
+        """Return the fields that a packet with such flags has, in order."""
+        place = PLACE_ON_EARTH if flags & GEO_REFERENCED else ()
+        return (*SIMULATOR_STATE, *place, *(ERROR_OF_ODOMETRY if flags & ODOMETRY_ERROR else ()))
+
 
 _STATE = fields_of(SimulatorState)
 _SPARE = _STATE[-2:]
 SIMULATOR_STATE = (*_SPARE, *_STATE[:8])
 PLACE_ON_EARTH, ERROR_OF_ODOMETRY = _STATE[8:11], _STATE[11:-2]
-
-
-def simulator_state_fields(flags: int) -> tuple[Field, ...]:
-    """The fields of a SIMSTAT with such flags, in order."""
-    place = PLACE_ON_EARTH if flags & GEO_REFERENCED else ()
-    return (*SIMULATOR_STATE, *place, *(ERROR_OF_ODOMETRY if flags & ODOMETRY_ERROR else ()))
-
-
-def simulator_state(fields: Sequence[Field], values: Sequence[Any]) -> SimulatorState:
-    """Return a SIMSTAT of these fields and values."""
-    return SimulatorState(**dict(zip((field.name for field in fields), values, strict=True)))
 
 
 class SimulatorDevice(NamedTuple):

@@ -43,7 +43,7 @@ class Since:
         for entry in text.split(","):
             name, version, *_ = (*entry.split(), "")
             if name in _FAMILIES:
-                versions[_FAMILIES[name]] = read_version(version) if version[:1].isdigit() else ()
+                versions[_FAMILIES[name]] = _version(version) if version[:1].isdigit() else ()
         return cls(text, versions)
 
     def __str__(self) -> str:
@@ -56,11 +56,11 @@ class Since:
         for relative in _DESCENT[family]:
             if relative in self.versions:
                 own = relative in (family, _DESCENT[family][0])
-                return not own or read_version(version) >= self.versions[relative]
+                return not own or _version(version) >= self.versions[relative]
         return False
 
 
-def read_version(text: str) -> tuple[int, ...]:
+def _version(text: str) -> tuple[int, ...]:
     """A version as numbers that compare: after 1.9 comes 1.A.
 
     Raises:

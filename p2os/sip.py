@@ -11,7 +11,7 @@ from struct import Struct, error
 from typing import Annotated, Any, NamedTuple
 
 from p2os.errors import DecodeError, EncodeError
-from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fields_of, fits, misfit
+from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fields_of
 from p2os.firmware import FIRMWARES
 from p2os.robot_model import RobotModel, check_model
 
@@ -330,7 +330,8 @@ class SipCodec:
         around: list[tuple[Field, Any]] = list(zip(layout.fields[1:], sip[1:], strict=False))
         around[_SONAR - 1] = COUNT, len(sip.sonar)
         readings = [(field, value) for reading in sip.sonar for field, value in zip(SONAR, reading, strict=True)]
-        wrong = next((each for each in around + readings if not fits(*each, self._scales)), None)
+        wrong = next((each for each in around + readings if not each[0].fits(each[1], self._scales)), None)
         if wrong is None:
             raise AssertionError("every value fits its field, yet the packet could not be written")
-        return misfit(*wrong, self._scales)
+        field, value = wrong
+        return field.misfit(value, self._scales)

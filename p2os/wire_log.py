@@ -13,7 +13,7 @@ from p2os.commands import decode_command
 from p2os.errors import DecodeError
 from p2os.fields import Quantity
 from p2os.framing import Damaged, Frame, FrameDecoder
-from p2os.handshake import CONNECTION_COMMANDS, read_identity
+from p2os.handshake import CONNECTION_COMMANDS, Identity
 from p2os.packets import TABLES, PacketType, decode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SIP_TYPES, SipCodec
@@ -45,6 +45,25 @@ class WireLogEntry(NamedTuple):
     units: Mapping[str, str]
     problem: str
     raw: bytes
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain values; bytes are hex, infinity and NaN are the strings "inf", "-inf" and "nan"."""
+        shown: dict[str, Any] = {"t": round(self.time, 6), "from": self.source.value, "name": self.name}
+        if self.fields:
+            shown["fields"] = plain(self.fields)
+        if self.problem:
+            shown["problem"] = self.problem
+        return shown | {"hex": self.raw.hex()}
+
+    def as_text(self) -> str:
+        """Return it as one line for people; bytes in hex."""
+        arrow = "->" if self.source is FrameSource.HOST else "<-"
+        head = f"{self.time:10.4f} {arrow} {self.name}"
+        if self.name == "damaged":
+            words = f" {self.raw.decode('ascii')!r}" if _is_text(self.raw) else ""
+            return f"{head} ({self.problem}, {len(self.raw)} bytes): {self.raw.hex(' ')}{words}"
+        fields = "".join(f" {name}={_shown(value)}{self.units.get(name, '')}" for name, value in self.fields.items())
+        return f"{head}{fields}" + (f" ({self.problem}): {self.raw.hex(' ')}" if self.problem else "")
 
 
 class WireLog:
@@ -115,7 +134,7 @@ class WireLog:
 
     def _answer(self, payload: bytes) -> Mapping[str, str]:
         """Return the fields of a SYNC answer; a SYNC2 answer sets the model."""
-        identity = read_identity(payload) if payload[0] == PacketType.SYNC2 else None
+        identity = Identity.read(payload) if payload[0] == PacketType.SYNC2 else None
         if identity is None:
             return {}
         model = self._find_model(identity.subtype) if self._find_model else None
@@ -161,27 +180,6 @@ class ConnectionTracker:
         elif payload[0] in SIP_TYPES and not self._is_open:
             self._sips += 1
             self._is_open = self._sips >= STREAMING
-
-
-def as_json(entry: WireLogEntry) -> dict[str, Any]:
-    """An entry as plain values; bytes are hex, infinity and NaN are the strings "inf", "-inf" and "nan"."""
-    shown: dict[str, Any] = {"t": round(entry.time, 6), "from": entry.source.value, "name": entry.name}
-    if entry.fields:
-        shown["fields"] = plain(entry.fields)
-    if entry.problem:
-        shown["problem"] = entry.problem
-    return shown | {"hex": entry.raw.hex()}
-
-
-def as_text(entry: WireLogEntry) -> str:
-    """An entry as one line for people; bytes in hex."""
-    arrow = "->" if entry.source is FrameSource.HOST else "<-"
-    head = f"{entry.time:10.4f} {arrow} {entry.name}"
-    if entry.name == "damaged":
-        words = f" {entry.raw.decode('ascii')!r}" if _is_text(entry.raw) else ""
-        return f"{head} ({entry.problem}, {len(entry.raw)} bytes): {entry.raw.hex(' ')}{words}"
-    fields = "".join(f" {name}={_shown(value)}{entry.units.get(name, '')}" for name, value in entry.fields.items())
-    return f"{head}{fields}" + (f" ({entry.problem}): {entry.raw.hex(' ')}" if entry.problem else "")
 
 
 def plain(value: Any) -> Any:

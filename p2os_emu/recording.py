@@ -24,7 +24,7 @@ from p2os import (
     decode_command,
     encode_frame,
 )
-from p2os.handshake import CONNECTION_COMMANDS, ConnectionCommand, read_identity
+from p2os.handshake import CONNECTION_COMMANDS, ConnectionCommand
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import ConnectionTracker, FrameSource
 
@@ -59,7 +59,7 @@ class Recording:
     def identity(self) -> Identity | None:
         """The robot's answer to SYNC2; None if the recording has none."""
         for _, payload in _frames(self.of(FrameSource.ROBOT)):
-            if payload[0] == Command.SYNC2 and (identity := read_identity(payload)) is not None:
+            if payload[0] == Command.SYNC2 and (identity := Identity.read(payload)) is not None:
                 return identity
         return None
 

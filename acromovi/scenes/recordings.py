@@ -11,7 +11,7 @@ from acromovi.scenes.stage import Scene, SceneFailed, SceneStage
 from bus import ZenohBus, keys
 from gateway.serial_port import Port, open_port
 from p2os import Command, ExtendedLaser, Frame, FrameDecoder, RobotModel, UnknownPacket, decode_packet, encode_command
-from p2os.wire_log import WireLogEntry, as_text
+from p2os.wire_log import WireLogEntry
 
 RECORDING = "drive.jsonl"
 SHOWN = 12
@@ -30,7 +30,7 @@ LASER_REQUEST = (
 def _wire(stage: SceneStage) -> None:
     entries = _recorded(stage)
     for entry in entries[:SHOWN]:
-        stage.say(as_text(entry))
+        stage.say(entry.as_text())
     stage.say(f"... and {len(entries) - SHOWN} more frames; acromovi wire FILE shows them all")
 
 

@@ -35,13 +35,13 @@ class GripperFlags(IntFlag):
     LIFT_MOVING = 1 << 6
     LIFT_ERROR = 1 << 7
 
+    @classmethod
+    def of(cls, paddles: int, lift: int) -> "GripperFlags":
+        """Return the state for the bits of paddles and lift, both counted as those of the paddles."""
+        return cls(paddles | lift << _LIFT_SHIFT)
+
 
 _LIFT_SHIFT = 4
-
-
-def gripper_state(paddles: int, lift: int) -> int:
-    """Return the state byte for the bits of paddles and lift, both counted as those of the paddles."""
-    return paddles | lift << _LIFT_SHIFT
 
 
 class GripperInput(IntFlag):

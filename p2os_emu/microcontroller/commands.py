@@ -11,7 +11,7 @@ from p2os.arguments import PacketRequest, ShutdownStage, SonarSwitch, StallBumpe
 from p2os.command_table import Command
 from p2os.commands import decode_command
 from p2os.configuration import Configuration
-from p2os.fields import FIXED_SCALES, Quantity, fields_of, limits
+from p2os.fields import FIXED_SCALES, Quantity, fields_of
 from p2os.firmware import Family
 from p2os.packets import PacketType
 from p2os.robot_model import SONAR_ARRAYS
@@ -26,9 +26,7 @@ from p2os_emu.microcontroller.telemetry import EXTRAS
 
 _FAKES_BATTERY = frozenset({Family.ARCOS, Family.UARCS})
 _VOLTAGE_UNIT = FIXED_SCALES[Quantity.VOLTAGE]
-_LOWEST_DRIFT, _HIGHEST_DRIFT = next(
-    limits(field.code) for field in fields_of(Configuration) if field.name == "drift_factor"
-)
+_LOWEST_DRIFT, _HIGHEST_DRIFT = next(field.limits for field in fields_of(Configuration) if field.name == "drift_factor")
 WARM = 80.0
 """°C that DIGTEMPTEST pretends (assumed)."""
 

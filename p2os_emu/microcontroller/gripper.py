@@ -14,7 +14,6 @@ from p2os.accessories.gripper import (
     GripperInput,
     GripperKind,
     GripperOrder,
-    gripper_state,
 )
 from p2os.accessory_packets import GripperReport
 from p2os_emu.body import GripperMechanism, GripperMechanismState
@@ -109,7 +108,7 @@ class GripperServer:
     @property
     def state(self) -> int:
         """The state byte of the SIP; 0 without a gripper."""
-        return gripper_state(self._paddles.nibble, self._lift.nibble) if self.kind else 0
+        return GripperFlags.of(self._paddles.nibble, self._lift.nibble) if self.kind else 0
 
     @property
     def inputs(self) -> int:

@@ -28,7 +28,6 @@ from p2os.simulator_packets import (
     SimulatorControlData,
     SimulatorOperation,
     SimulatorState,
-    laser_pose,
     read_simulator_pose,
 )
 from p2os_emu.body import Body, ScanBeams
@@ -195,7 +194,7 @@ class Simulator:
         echoes = self._body.scan(beams)
         ranges = [min(LASER_REACH, float(distance)) for distance in echoes.ranges]
         if self._laser == SimulatedLaserMode.PLAIN:
-            x, y, heading = laser_pose(pose.x, pose.y, pose.heading)
+            x, y, heading = SimulatedLaser.within_limits(pose.x, pose.y, pose.heading)
             for first in range(0, count, READINGS_PLAIN):
                 yield SimulatedLaser(x, y, heading, count, first, tuple(ranges[first : first + READINGS_PLAIN]))
             return

@@ -20,7 +20,7 @@ from p2os import (
 )
 from p2os.configuration import CONFIGURATION_VARIANTS
 from p2os.fields import FIXED_SCALES, Field, Quantity, fields_of
-from p2os.packets import TABLES, encode_configuration
+from p2os.packets import TABLES
 
 # Source: transcript, left 123456, right -5.
 ENCODER_FRAME = bytes.fromhex("FA FB 0B  90  40 E2 01 00  FB FF FF FF  73 C4")
@@ -97,7 +97,7 @@ def test_a_configuration_of_each_firmware_is_written_byte_for_byte(p3dx: RobotMo
     packet = decode_packet(b"\x20" + AROS_CONFIGURATION, p3dx)
     assert isinstance(packet, Configuration)
     expected = b"\x20" + AROS_CONFIGURATION[: len(BASE_CONFIGURATION) + size]
-    assert encode_configuration(packet, p3dx, CONFIGURATION_VARIANTS[variant]) == expected
+    assert encode_packet(packet, p3dx, CONFIGURATION_VARIANTS[variant]) == expected
 
 
 def test_a_configuration_may_end_after_any_field(p3dx: RobotModel) -> None:
@@ -105,7 +105,7 @@ def test_a_configuration_may_end_after_any_field(p3dx: RobotModel) -> None:
         packet = Configuration._make(
             "x" if each.code == "z" else FIXED_SCALES[each.quantity] for each in fields_of(Configuration)
         )
-        back = decode_packet(encode_configuration(packet, p3dx, field.name), p3dx)
+        back = decode_packet(encode_packet(packet, p3dx, field.name), p3dx)
         assert isinstance(back, Configuration)
         assert list(back[:end]) == [pytest.approx(v) if isinstance(v, float) else v for v in packet[:end]]
         assert not any(back[end:])
@@ -120,7 +120,7 @@ def test_a_firmware_sends_as_much_configuration_as_it_knows(
     model_of: Callable[[str], RobotModel], robot: str, last: str
 ) -> None:
     model = model_of(robot)
-    assert encode_packet(Configuration(), model) == encode_configuration(Configuration(), model, last)
+    assert encode_packet(Configuration(), model) == encode_packet(Configuration(), model, last)
 
 
 def test_an_arcos_configuration_fits_a_frame_that_every_client_takes(p3dx: RobotModel) -> None:

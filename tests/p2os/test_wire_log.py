@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import configs
 from p2os import Command, RobotModel, encode_command, encode_frame
-from p2os.wire_log import FrameSource, WireLog, WireLogEntry, as_json, as_text
+from p2os.wire_log import FrameSource, WireLog, WireLogEntry
 
 P3DX = configs.load(RobotModel, "robots", "p3dx-sh")
 POWERBOT = configs.load(RobotModel, "robots", "powerbot-sh")
@@ -90,8 +90,8 @@ def test_sip_is_shown_in_metres(log: WireLog) -> None:
 
 
 def test_command_is_shown_in_si(log: WireLog) -> None:
-    assert as_text(host(log, VEL)) == "    1.0000 -> VEL value=-0.2m/s"
-    assert as_json(host(log, VEL)) == {
+    assert host(log, VEL).as_text() == "    1.0000 -> VEL value=-0.2m/s"
+    assert host(log, VEL).as_json() == {
         "t": 1.0,
         "from": "host",
         "name": "VEL",
@@ -106,12 +106,12 @@ def test_two_bytes_are_shown_one_by_one(log: WireLog) -> None:
 
 
 def test_damaged_frame_is_shown_with_the_reason(log: WireLog) -> None:
-    assert as_text(host(log, VEL[:-1] + b"\0")).endswith("-> damaged (checksum, 9 bytes): fa fb 06 0b 1b c8 00 d3 00")
+    assert host(log, VEL[:-1] + b"\0").as_text().endswith("-> damaged (checksum, 9 bytes): fa fb 06 0b 1b c8 00 d3 00")
 
 
 def test_plain_words_between_the_frames_can_be_read(log: WireLog) -> None:
     dial, _ = log.receive(FrameSource.HOST, b"WMS2\r" + SYNC0, 1.0)
-    assert as_text(dial) == "    1.0000 -> damaged (noise, 5 bytes): 57 4d 53 32 0d 'WMS2\\r'"
+    assert dial.as_text() == "    1.0000 -> damaged (noise, 5 bytes): 57 4d 53 32 0d 'WMS2\\r'"
 
 
 def test_half_a_frame_is_given_up_when_time_passes(log: WireLog) -> None:
@@ -121,7 +121,7 @@ def test_half_a_frame_is_given_up_when_time_passes(log: WireLog) -> None:
 
 
 def test_what_no_table_knows_is_shown_in_hex(log: WireLog) -> None:
-    assert as_text(host(log, encode_frame(b"\xdf\x3b\x07\x00"))) == (
+    assert host(log, encode_frame(b"\xdf\x3b\x07\x00")).as_text() == (
         "    1.0000 -> command 223 (unknown command): df 3b 07 00"
     )
     entry = robot(log, encode_frame(b"\x7f\x01\x02"))
@@ -144,7 +144,7 @@ def test_whatever_a_frame_holds_it_is_shown_both_ways(number: int, argument: byt
     log = WireLog(P3DX)
     frame = encode_frame(bytes([number]) + argument)
     shown = log.receive(FrameSource.HOST, frame, 0.0) + log.receive(FrameSource.ROBOT, frame, 0.0)
-    assert all(as_text(entry) and json.dumps(as_json(entry), allow_nan=False) for entry in shown)
+    assert all(entry.as_text() and json.dumps(entry.as_json(), allow_nan=False) for entry in shown)
 
 
 def test_every_command_has_its_name() -> None:
