@@ -1,6 +1,9 @@
 """The bus: Zenoh between processes and an in-memory twin inside one, with ROS 2 messages on it."""
 
-from bus import keys, messages
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from bus import keys
 from bus.bus import CDR, JSON, Answer, Bus, Conversation, Publisher, Sample, Subscription
 from bus.errors import (
     BusError,
@@ -16,6 +19,9 @@ from bus.errors import (
 from bus.memory import MemoryBus
 from bus.memory_network import MemoryNetwork
 from bus.session import ZenohBus
+
+if TYPE_CHECKING:
+    from bus import messages
 
 __all__ = [
     "CDR",
@@ -41,3 +47,10 @@ __all__ = [
     "keys",
     "messages",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the message types when they are first used: numpy and the serialisers are half of what the bus takes."""
+    if name == "messages":
+        return import_module("bus.messages")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

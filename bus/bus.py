@@ -13,7 +13,7 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
-from bus.errors import BusError, TimedOut
+from bus.errors import BusError, MessageError, TimedOut
 from bus.errors import Refused as Refused  # a handler raises it, so it belongs to this interface
 
 CDR = "application/cdr"
@@ -44,6 +44,18 @@ class Sample:
         """The message type that the encoding names, or `""`: `nav_msgs/msg/Odometry`."""
         kind, _, schema = self.encoding.partition(";")
         return schema if kind == CDR else ""
+
+
+def type_of(message: object) -> str:
+    """Return the ROS name of a message's type: `nav_msgs/msg/Odometry`.
+
+    Raises:
+        MessageError: The object is no message.
+    """
+    name = getattr(message, "__msgtype__", None)
+    if not isinstance(name, str):
+        raise MessageError(f"a {type(message).__name__} is not a message; take a class of bus.messages")
+    return name
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,15 +4,15 @@ import contextlib
 import logging
 import re
 from collections.abc import Callable, Iterator
-from numbers import Real
+from functools import cache
 from typing import Any, NamedTuple, ParamSpec
 
 import zenoh
 
-from bus.bus import CDR, JSON, Answer, Conversation
-from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused
-from bus.messages import decode_json, encode, encode_json, type_of
-from bus.validation import LARGEST_REQUEST, sentence
+from bus.bus import CDR, JSON, Answer, Conversation, type_of
+from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused, TimedOut
+from bus.json_payload import decode_json, encode_json
+from bus.validation import LARGEST_REQUEST, check_seconds, sentence
 
 log = logging.getLogger("bus")
 
@@ -62,44 +62,49 @@ def reason(error: zenoh.ZError) -> str:
     return (quoted[1] if quoted else text).partition(" at /")[0].strip()
 
 
-def encoding_of(type_name: str) -> str:
-    """Return the encoding for a type: `application/cdr;nav_msgs/msg/Odometry`, or `application/json`."""
-    return JSON if type_name == JSON else f"{CDR};{type_name}"
+class MessageEncoder:
+    """Encodes messages of one type: a class of `bus.messages`, or JSON objects.
 
-
-def encode_any(message: object) -> tuple[bytes, str]:
-    """Return payload and encoding of a message or a dict.
-
-    Raises:
-        MessageError: It is neither, or a value does not fit.
+    encoding: as samples name it: `application/cdr;nav_msgs/msg/Odometry`, or `application/json`.
     """
-    if isinstance(message, dict):
-        return encode_json(message), JSON
-    return encode(message), encoding_of(type_of(message))
+
+    def __init__(self, type_name: str) -> None:
+        """Compile what the type needs.
+
+        Raises:
+            MessageError: The type is unknown.
+        """
+        self.encoding = JSON if type_name == JSON else f"{CDR};{type_name}"
+        self._type_name = type_name
+        if type_name != JSON:
+            from bus import messages  # here and not at the top: programs that exchange only JSON need no message types
+
+            messages.prepare(type_name)
+            self._encode = messages.encode
+
+    @classmethod
+    def of(cls, message: object) -> "MessageEncoder":
+        """Return the encoder for a message or a dict.
+
+        Raises:
+            MessageError: It is neither.
+        """
+        return _encoder(JSON if isinstance(message, dict) else type_of(message))
+
+    def encode(self, message: object) -> bytes:
+        """Return a message's payload.
+
+        Raises:
+            MessageError: It is of another type, or a value does not fit.
+        """
+        if self._type_name == JSON and isinstance(message, dict):
+            return encode_json(message)
+        if (given := type_of(message)) != self._type_name:
+            raise MessageError(f"this stream carries {self._type_name}, not {given}")
+        return self._encode(message)
 
 
-def encode_as(message: object, type_name: str) -> bytes:
-    """Return a message's payload on a stream of one type.
-
-    Raises:
-        MessageError: It is of another type, or a value does not fit.
-    """
-    if type_name == JSON and isinstance(message, dict):
-        return encode_json(message)
-    if (given := type_of(message)) != type_name:
-        raise MessageError(f"this stream carries {type_name}, not {given}")
-    return encode(message)
-
-
-def reply_of(value: Any) -> bytes:
-    """Return the payload of a reply in a conversation.
-
-    Raises:
-        MessageError: It is no JSON object.
-    """
-    if not isinstance(value, dict):
-        raise MessageError(f"a reply is a JSON object, not {type(value).__name__}")
-    return encode_json(value)
+_encoder = cache(MessageEncoder)
 
 
 def refusal(why: str) -> bytes:
@@ -141,9 +146,20 @@ class Replies:
     """
 
     def __init__(
-        self, key_expr: str, on_reply: Callable[[Answer], None], on_end: Callable[[BusError | None], None]
+        self,
+        key_expr: str,
+        on_reply: Callable[[Answer], None],
+        on_end: Callable[[BusError | None], None],
+        timeout: float,
     ) -> None:
+        """Collect no replies yet.
+
+        Raises:
+            ValueError: `timeout` is not a time in s.
+        """
+        check_seconds("timeout", timeout)
         self.key_expr = key_expr
+        self.timeout = timeout
         self.error: BusError | None = None
         self._on_reply = guarded(key_expr, on_reply)
         self._on_end = guarded(key_expr, on_end)
@@ -168,6 +184,10 @@ class Replies:
         self._answers[reply.key] = answer.value
         self._on_reply(answer)
 
+    def time_out(self) -> None:
+        """Note that a program has not answered in time."""
+        self.error = TimedOut(f"a program that serves {self.key_expr} has not answered within {self.timeout:g} s")
+
     def end(self) -> None:
         """Report the end, with the error if there is one."""
         if self.error is None and self._refusals:
@@ -185,16 +205,6 @@ def check_handler(handler: object) -> None:
     """
     if not callable(handler):
         raise TypeError(f"the handler must be a function, not {handler!r}")
-
-
-def check_timeout(timeout: object) -> None:
-    """Check the time within which replies are awaited.
-
-    Raises:
-        ValueError: It is not a time in s.
-    """
-    if not isinstance(timeout, Real) or not float(timeout) >= 0.0:
-        raise ValueError(f"timeout must be a time of 0 s or more, not {timeout!r}")
 
 
 def guarded(key_expr: str, handler: Callable[P, None]) -> Callable[P, None]:

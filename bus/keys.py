@@ -39,23 +39,18 @@ class Topic:
     rate: str
     meaning: str
 
-    def key(self, robot: str) -> str:
+    def key(self, robot: str, varied: str = "*") -> str:
         """Return the topic's key for one robot.
 
+        Args:
+            robot: Its name.
+            varied: Takes the place of `*`: the id of a motion, the name of an element.
         Raises:
             KeyNotValid: The name is not valid for a robot.
         """
-        return f"{robot_name(robot)}/{self.suffix}"
+        return f"{robot_name(robot)}/{self.suffix.replace('*', varied)}"
 
 
-ALIVE = Topic("alive", Kind.TOKEN, "", "", "There while the robot's gateway lives; how programs list robots")
-ELEMENT_ALIVE = Topic(
-    "elements/*/alive",
-    Kind.TOKEN,
-    "",
-    "",
-    "There while the robot has the element that is named; its agent lives as long",
-)
 ODOM = Topic(
     "odom",
     Kind.STREAM,
@@ -167,55 +162,17 @@ POWER = Topic(
     'Switch a power output: {"output": "laser", "on": true}; the answer lists them',
 )
 RESULT = Topic("command/result/*", Kind.STREAM, JSON, "once", "How a long motion ended; * is the id in its answer")
-
-TOPICS = (
-    ODOM,
-    SONAR,
-    SONAR_POINTS,
-    IR,
-    SCAN,
-    BUMPERS,
-    BATTERY,
-    STATE,
-    IO,
-    IMU,
-    JOYSTICK,
-    GRIPPER,
-    ARM,
-    PTZ,
-    COMPASS,
-    LEASE,
-    LEASE_STATE,
-    JOINT_STATES,
-    CAMERA,
-    TF,
-    TF_STATIC,
-    DIAGNOSTICS,
-    DESCRIPTION,
-    CMD_VEL,
-    CMD_VEL_STAMPED,
-    DRIVE,
-    ENABLE,
-    STOP,
-    ESTOP,
-    MOVE,
-    TURN,
-    HEADING,
-    SONAR_POWER,
-    OUTPUT,
-    GRIP,
-    REACH,
-    LOOK,
-    SOUND,
-    CHARGE,
-    LCD,
-    SERVO,
-    JOYDRIVE,
-    POWER,
-    RESULT,
-    ALIVE,
-    ELEMENT_ALIVE,
+ALIVE = Topic("alive", Kind.TOKEN, "", "", "There while the robot's gateway lives; how programs list robots")
+ELEMENT_ALIVE = Topic(
+    "elements/*/alive",
+    Kind.TOKEN,
+    "",
+    "",
+    "There while the robot has the element that is named; its agent lives as long",
 )
+
+TOPICS = tuple(topic for topic in globals().values() if isinstance(topic, Topic))
+"""All of them, in the order of their definitions."""
 MOTIONS = (MOVE, TURN, HEADING, GRIP, REACH, LOOK)
 """Commands that set something going. Each also takes `heartbeat`, a key to which the motion is bound, and `detach`."""
 
@@ -240,16 +197,6 @@ def robot_name(name: str) -> str:
         reason = f"holds {' '.join(map(repr, bad))}" if bad else "is empty" if not name else "begins with '@'"
         raise KeyNotValid(f"{name!r} cannot name a robot because it {reason}; use letters, digits, '_' and '-'")
     return name
-
-
-def result_key(robot: str, motion_id: str) -> str:
-    """Return the key on which the end of one long motion is published."""
-    return f"{robot_name(robot)}/command/result/{motion_id}"
-
-
-def element_alive_key(robot: str, element: str) -> str:
-    """Return the key of the token that exists while a robot has an element."""
-    return f"{robot_name(robot)}/elements/{element}/alive"
 
 
 def frame(robot: str, name: str) -> str:

@@ -10,27 +10,24 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from bus.bus import JSON, QUERY_TIMEOUT, Answer, Bus, Closeable, Publisher, Sample, Subscription
+from bus.bus import QUERY_TIMEOUT, Answer, Bus, Closeable, Publisher, Sample, Subscription
 from bus.errors import BusError, BusUnavailable
 from bus.exchange import (
     Answerer,
+    MessageEncoder,
     RawReply,
     Replies,
     Talker,
     answered,
     check_handler,
-    check_timeout,
-    encode_any,
-    encode_as,
-    encoding_of,
     guarded,
     key_expression,
     plain_key,
     refusing_errors,
 )
+from bus.json_payload import decode_json, encode_json
 from bus.memory_conversation import MemoryConversation, MemoryQuery
 from bus.memory_network import MemoryListener, MemoryNetwork
-from bus.messages import decode_unchecked_json, encode_json, prepare
 
 
 class MemoryBus(Bus):
@@ -44,14 +41,12 @@ class MemoryBus(Bus):
     def publisher(self, key: str, type_name: str) -> Publisher:
         """Declare a stream."""
         self._check_open()
-        if type_name != JSON:
-            prepare(type_name)
-        return _MemoryPublisher(self, plain_key(key), type_name)
+        return _MemoryPublisher(self, plain_key(key), MessageEncoder(type_name))
 
     def put(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Deliver one message."""
-        payload, encoding = encode_any(message)
-        self.deliver(Sample(plain_key(key), payload, encoding, attachment))
+        encoder = MessageEncoder.of(message)
+        self.deliver(Sample(plain_key(key), encoder.encode(message), encoder.encoding, attachment))
 
     def send(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Deliver one message; there is no congestion here."""
@@ -81,7 +76,7 @@ class MemoryBus(Bus):
 
         def call(payload: bytes, conversation: MemoryConversation) -> None:
             with refusing_errors(key, conversation):
-                handler(decode_unchecked_json(payload), conversation)
+                handler(decode_json(payload, check_values=False), conversation)
 
         return self._enter(self.network.queryables, plain_key(key), partial(self._join, key, call))
 
@@ -96,11 +91,11 @@ class MemoryBus(Bus):
         urgent: bool = False,
     ) -> Subscription:
         """Query every program that serves a matching key, and pass on every reply in its turn, or at once if urgent."""
-        check_timeout(timeout)
+        replies = Replies(key_expr, on_reply, on_end, timeout)
         self._check_open()
         key = key_expression(key_expr)
         payload = encode_json(arguments or {})
-        query = MemoryQuery(self._open, self.network, Replies(key_expr, on_reply, on_end), timeout, urgent)
+        query = MemoryQuery(self._open, self.network, replies, urgent)
         query.begin(key, payload)
         return query
 
@@ -185,11 +180,10 @@ class _Entered(Subscription):
 class _MemoryPublisher(Publisher):
     """A key and a type on a memory bus."""
 
-    def __init__(self, bus: MemoryBus, key: str, type_name: str) -> None:
+    def __init__(self, bus: MemoryBus, key: str, encoder: MessageEncoder) -> None:
         self._bus = bus
         self._key = key
-        self._type_name = type_name
-        self._encoding = encoding_of(type_name)
+        self._encoder = encoder
         self._is_open = True
 
     @property
@@ -197,8 +191,7 @@ class _MemoryPublisher(Publisher):
         return self._is_open and self._bus.has_listeners(self._key)
 
     def put(self, message: object, attachment: bytes = b"") -> None:
-        payload = encode_as(message, self._type_name)
-        self._bus.deliver(Sample(self._key, payload, self._encoding, attachment))
+        self._bus.deliver(Sample(self._key, self._encoder.encode(message), self._encoder.encoding, attachment))
 
     def close(self) -> None:
         """Close it; it has no subscribers any more."""

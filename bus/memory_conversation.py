@@ -6,8 +6,9 @@ from typing import Any
 import zenoh
 
 from bus.bus import Closeable, Conversation, Subscription
-from bus.errors import BusUnavailable, TimedOut
-from bus.exchange import RawReply, Replies, refusal, reply_of
+from bus.errors import BusUnavailable
+from bus.exchange import RawReply, Replies, refusal
+from bus.json_payload import encode_json
 from bus.memory_network import MemoryNetwork
 
 
@@ -31,7 +32,7 @@ class MemoryConversation(Conversation):
 
     def reply(self, value: dict[str, Any]) -> None:
         """Send one JSON object."""
-        self.send(RawReply(False, self._key, reply_of(value)))
+        self.send(RawReply(False, self._key, encode_json(value)))
 
     def refuse(self, why: str) -> None:
         """Send an error reply, and end it."""
@@ -56,14 +57,11 @@ class MemoryConversation(Conversation):
 class MemoryQuery(Subscription):
     """The initiator's end, until all programs that serve the key have ended the conversation, or its time is over."""
 
-    def __init__(
-        self, among: dict[Closeable, None], network: MemoryNetwork, replies: Replies, timeout: float, urgent: bool
-    ) -> None:
-        self.deadline = network.now + timeout
+    def __init__(self, among: dict[Closeable, None], network: MemoryNetwork, replies: Replies, urgent: bool) -> None:
+        self.deadline = network.now + replies.timeout
         self._among = among
         self._network = network
         self._replies = replies
-        self._timeout = timeout
         self._do: Callable[[Callable[[], None]], None] = network.do_at_once if urgent else network.queue
         self._open_conversations = 0
         with network.lock:
@@ -85,9 +83,7 @@ class MemoryQuery(Subscription):
     def time_out(self) -> None:
         """End it, since its time is over."""
         if self in self._among:
-            self._replies.error = TimedOut(
-                f"a program that serves {self._replies.key_expr} has not answered within {self._timeout:g} s"
-            )
+            self._replies.time_out()
             self._finish()
 
     def close(self) -> None:

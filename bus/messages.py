@@ -5,12 +5,10 @@ their `.msg` files. Any other type of ROS 2 Jazzy can be read and written too, w
 """
 
 import base64
-import json
 import math
 import struct
 import threading
 import time
-from collections.abc import Callable, Mapping
 from functools import cache
 from math import inf
 from typing import Any
@@ -31,8 +29,10 @@ from bus.acromovi_msgs import (
     RangeArray,
     RobotState,
 )
+from bus.bus import type_of
 from bus.errors import MessageError
 from bus.field_types import definition
+from bus.json_payload import decode_json, encode_json
 from bus.ros_msgs import (
     STANDARD_MESSAGES,
     BatteryState,
@@ -62,7 +62,6 @@ from bus.ros_msgs import (
     TwistWithCovariance,
     Vector3,
 )
-from bus.validation import LARGEST_OBJECT, check_json, check_nesting, check_size
 
 __all__ = [
     "NS_PER_S",
@@ -103,7 +102,6 @@ __all__ = [
     "compiled_at",
     "decode",
     "decode_json",
-    "decode_unchecked_json",
     "encode",
     "encode_json",
     "header",
@@ -123,22 +121,6 @@ NS_PER_S = 1_000_000_000
 # What the generated serialisers raise on values and bytes that do not fit.
 ENCODE_ERRORS = (SerdeError, struct.error, AttributeError, TypeError, ValueError, OverflowError)
 DECODE_ERRORS = (SerdeError, struct.error, IndexError, TypeError, ValueError, OverflowError)
-
-# Made once: `json.dumps` makes one for each object.
-_JSON_WRITER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
-_JSON_READER = json.JSONDecoder()
-
-
-def type_of(message: object) -> str:
-    """Return the ROS name of a message's type: `nav_msgs/msg/Odometry`.
-
-    Raises:
-        MessageError: The object is no message.
-    """
-    name = getattr(message, "__msgtype__", None)
-    if not isinstance(name, str):
-        raise MessageError(f"a {type(message).__name__} is not a message; take a class of bus.messages")
-    return name
 
 
 def prepare(type_name: str) -> None:
@@ -204,65 +186,6 @@ def decode(type_name: str, payload: bytes) -> Any:
         return _typestore().deserialize_cdr(payload, type_name)
     except DECODE_ERRORS as err:
         raise MessageError(f"{len(payload)} bytes are not a {type_name}: {err}") from err
-
-
-def encode_json(value: Mapping[str, Any]) -> bytes:
-    """Write a JSON object.
-
-    Raises:
-        MessageError: A value has no JSON form (infinity and NaN have none), or `decode_json` would refuse it.
-    """
-    try:
-        text = _JSON_WRITER.encode(value)
-    except (TypeError, ValueError, RecursionError) as err:
-        raise MessageError(f"this object cannot be written as JSON: {err}") from err
-    check_nesting(text)
-    payload = text.encode()
-    check_json(payload, value)
-    check_size(payload, LARGEST_OBJECT)
-    return payload
-
-
-def decode_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]:
-    """Read a JSON object from any program; no bytes are the empty object.
-
-    Args:
-        payload: As received.
-        largest: Bytes that it may have.
-    Raises:
-        MessageError: The payload is no JSON object, or breaks a limit of `bus.validation`.
-    """
-    return _read_object(payload, largest, check_json)
-
-
-def decode_unchecked_json(payload: bytes, largest: int = LARGEST_OBJECT) -> dict[str, Any]:
-    """Read a JSON object whose texts and numbers the caller checks with `bus.validation.check_value`.
-
-    Size and nesting are checked here. For protocols that refuse invalid texts in their own form.
-
-    Raises:
-        MessageError: The payload is no JSON object, too large or too deep.
-    """
-    return _read_object(payload, largest, lambda payload, value: None)
-
-
-def _read_object(payload: bytes, largest: int, check: Callable[[bytes, Any], None]) -> dict[str, Any]:
-    if not payload:
-        return {}
-    check_size(payload, largest)
-    try:
-        text = payload.decode()
-    except UnicodeDecodeError as err:
-        raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
-    check_nesting(text)
-    try:
-        value = _JSON_READER.decode(text)
-    except ValueError as err:
-        raise MessageError(f"{len(payload)} bytes are not JSON: {err}") from err
-    if not isinstance(value, dict):
-        raise MessageError(f"expected a JSON object, not {type(value).__name__}")
-    check(payload, value)
-    return value
 
 
 def header(stamp_ns: int, frame_id: str) -> Header:

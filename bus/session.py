@@ -21,23 +21,20 @@ from bus.declared import Declared, LatestListening, Listening, Undeclarable
 from bus.errors import BusError, BusUnavailable
 from bus.exchange import (
     Answerer,
+    MessageEncoder,
     Replies,
     Talker,
     answered,
     check_handler,
-    check_timeout,
-    encode_any,
-    encode_as,
-    encoding_of,
     guarded,
     key_expression,
     plain_key,
     reason,
 )
 from bus.handler_thread import HandlerThread
+from bus.json_payload import encode_json
 from bus.links import LinkWatch
 from bus.loopback import LocalBus, Registration
-from bus.messages import encode_json, prepare
 from bus.scouting import Scouting
 from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
 from bus.zenoh_conversation import ConversationListening, ZenohQuery
@@ -196,14 +193,13 @@ class ZenohBus(Bus):
     def publisher(self, key: str, type_name: str) -> Publisher:
         """Declare a stream."""
         plain_key(key)
-        if type_name != JSON:
-            prepare(type_name)
+        encoder = MessageEncoder(type_name)
         self._require("put", key)
         with self._usable():
             handle = self._session.declare_publisher(
-                key, encoding=encoding_of(type_name), congestion_control=zenoh.CongestionControl.DROP
+                key, encoding=encoder.encoding, congestion_control=zenoh.CongestionControl.DROP
             )
-        return _ZenohPublisher(self._declared, handle, type_name)
+        return _ZenohPublisher(self._declared, handle, encoder)
 
     def put(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Publish one message once; dropped under congestion."""
@@ -264,7 +260,7 @@ class ZenohBus(Bus):
         urgent: bool = False,
     ) -> Subscription:
         """Query every program that serves a matching key, and pass on every reply as it comes."""
-        check_timeout(timeout)
+        replies = Replies(key_expr, on_reply, on_end, timeout)
         get = partial(
             self._session.get,
             key_expression(key_expr),
@@ -276,8 +272,7 @@ class ZenohBus(Bus):
         )
         self._require("query", key_expr)
         with self._usable():
-            replies = Replies(key_expr, on_reply, on_end)
-            query = ZenohQuery(self._declared, get, self._handlers, replies, timeout, self._met_at, urgent)
+            query = ZenohQuery(self._declared, get, self._handlers, replies, self._met_at, urgent)
             get(**query.options())
         return query
 
@@ -319,12 +314,13 @@ class ZenohBus(Bus):
                 held.close()
 
     def _put(self, key: str, message: object, attachment: bytes, congestion: zenoh.CongestionControl) -> None:
-        payload, encoding = encode_any(message)
+        encoder = MessageEncoder.of(message)
+        payload = encoder.encode(message)
         plain_key(key)
         self._require("put", key)
         with self._usable():
             self._session.put(
-                key, payload, encoding=encoding, congestion_control=congestion, attachment=attachment or None
+                key, payload, encoding=encoder.encoding, congestion_control=congestion, attachment=attachment or None
             )
 
     def _listen(
@@ -419,10 +415,10 @@ def _hear(on_sample: Callable[[Sample], None], sample: zenoh.Sample) -> None:
 class _ZenohPublisher(Declared, Publisher):
     """A key and a type on a Zenoh session."""
 
-    def __init__(self, declared: set[Declared], handle: zenoh.Publisher, type_name: str) -> None:
+    def __init__(self, declared: set[Declared], handle: zenoh.Publisher, encoder: MessageEncoder) -> None:
         super().__init__(declared, handle)
         self._publisher = handle
-        self._type_name = type_name
+        self._encoder = encoder
 
     @property
     def has_listeners(self) -> bool:
@@ -435,7 +431,7 @@ class _ZenohPublisher(Declared, Publisher):
             return False
 
     def put(self, message: object, attachment: bytes = b"") -> None:
-        payload = encode_as(message, self._type_name)
+        payload = self._encoder.encode(message)
         try:
             self._publisher.put(payload, attachment=attachment or None)
         except zenoh.ZError as err:

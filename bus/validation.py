@@ -1,11 +1,12 @@
 """Limits of what is accepted from the bus: size, nesting, numbers, and the characters of text.
 
-Input may come from any program. JSON is checked where it is decoded and encoded (`bus.messages`), so that a program
+Input may come from any program. JSON is checked where it is decoded and encoded (`bus.json_payload`), so that a program
 never sends what another one refuses; names are checked where they are used. All failures are `MessageError`.
 """
 
 import math
 import re
+from numbers import Real
 from typing import Any
 
 from bus.errors import MessageError
@@ -27,60 +28,6 @@ INTEGER_LIMIT = 2**64
 
 # Category Cc but for those, and lone surrogates, which UTF-8 cannot carry.
 _NOT_TEXT = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")
-# JSON whose digits are all 0, without plus signs, shows what follows if its value can break a rule: an escape or DEL, a
-# long integer, a large exponent. Searching for bytes takes a tenth of the time that a regular expression takes.
-_SHAPE = bytes.maketrans(b"123456789E\x7f", b"000000000e\\")
-_SUSPICIOUS_SHAPES = (b"\\", b"0" * 19, b"e000")
-_NOT_JSON = (b"NaN", b"Infinity")
-# A string, whether it ends or not, or a bracket. The possessive quantifier keeps the search linear.
-_STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"?|[\[\]{}]', re.DOTALL)
-
-
-def check_size(payload: bytes, largest: int) -> None:
-    """Refuse a payload before it is decoded.
-
-    Raises:
-        MessageError: It has more bytes than that.
-    """
-    if len(payload) > largest:
-        raise MessageError(f"a payload of {len(payload)} bytes is too large; at most {largest} are accepted here")
-
-
-def check_nesting(text: str) -> None:
-    """Refuse JSON text that would be nested too deeply, before it is decoded.
-
-    Raises:
-        MessageError: It is deeper than `MAX_DEPTH`.
-    """
-    if text.count("[") + text.count("{") <= MAX_DEPTH:
-        return
-    depth = 0
-    for found in _STRING_OR_BRACKET.finditer(text):
-        if found[0] in "[{":
-            depth += 1
-            if depth > MAX_DEPTH:
-                raise MessageError(f"JSON here is at most {MAX_DEPTH} levels deep")
-        elif found[0] in "]}":
-            depth -= 1
-
-
-def check_json(payload: bytes, value: Any) -> None:
-    """Refuse a JSON value that holds what must not be passed on.
-
-    Args:
-        payload: The JSON from which the value was decoded. It shows whether the value has to be searched at all.
-        value: What was decoded.
-    Raises:
-        MessageError: As `check_value`.
-    """
-    shape = payload.translate(_SHAPE, b"+")
-    is_plain = (
-        payload.isascii()
-        and not any(part in shape for part in _SUSPICIOUS_SHAPES)
-        and not any(part in payload for part in _NOT_JSON)
-    )
-    if not is_plain:
-        check_value(value)
 
 
 def check_value(value: Any, depth: int = MAX_DEPTH, largest: int = LARGEST_OBJECT) -> None:
@@ -148,6 +95,16 @@ def check_line(text: str, what: str, longest: int = LONGEST_NAME) -> None:
     if not text.isprintable():
         bad = next(character for character in text if not character.isprintable())
         raise MessageError(f"{what} holds U+{ord(bad):04X}, which cannot be printed; leave it out")
+
+
+def check_seconds(what: str, value: object) -> None:
+    """Check an argument that is a time.
+
+    Raises:
+        ValueError: It is not a time of 0 s or more; the message names the argument.
+    """
+    if not isinstance(value, Real) or not float(value) >= 0.0:
+        raise ValueError(f"{what} must be a time of 0 s or more, not {value!r}")
 
 
 def printable(text: str) -> str:

@@ -11,17 +11,24 @@ import zenoh
 
 from bus.bus import JSON, Conversation
 from bus.declared import Declared, Listening
-from bus.errors import BusUnavailable, TimedOut
-from bus.exchange import RawReply, Replies, Talker, reason, refusal, refusing_errors, reply_of
+from bus.errors import BusUnavailable
+from bus.exchange import RawReply, Replies, Talker, reason, refusal, refusing_errors
 from bus.handler_thread import HandlerThread
-from bus.messages import decode_unchecked_json
+from bus.json_payload import decode_json, encode_json
 
 ASK_AGAIN_AFTER = 0.02  # s
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when a program has not answered
 
 
+class _TimedOut:
+    """Zenoh's own report that a program has not answered in time."""
+
+
+_TIMED_OUT = _TimedOut()
+
+
 def _read_reply(reply: zenoh.Reply) -> RawReply | None:
-    """Return an encoded reply, or None for Zenoh's own report that a program has not answered in time."""
+    """Return an encoded reply, or None for `_TimedOut`."""
     if reply.ok is not None:
         return RawReply(False, str(reply.ok.key_expr), reply.ok.payload.to_bytes())
     if reply.err is None:  # neither: Zenoh makes no such reply
@@ -42,7 +49,7 @@ class _ZenohConversation(Conversation):
 
     def reply(self, value: dict[str, Any]) -> None:
         """Send one JSON object."""
-        self._send(lambda query, payload: query.reply(self._key, payload, encoding=JSON), reply_of(value))
+        self._send(lambda query, payload: query.reply(self._key, payload, encoding=JSON), encode_json(value))
 
     def refuse(self, why: str) -> None:
         """Send an error reply, and end it."""
@@ -79,7 +86,8 @@ class ConversationListening(Listening):
         if self._prepare():
             conversation = _ZenohConversation(self._key, item)
             with refusing_errors(self._key, conversation):
-                self._talker(decode_unchecked_json(item.payload.to_bytes() if item.payload else b""), conversation)
+                payload = item.payload.to_bytes() if item.payload else b""
+                self._talker(decode_json(payload, check_values=False), conversation)
 
 
 class ZenohQuery(Listening):
@@ -95,7 +103,6 @@ class ZenohQuery(Listening):
         get: Callable[..., object],
         handlers: HandlerThread,
         replies: Replies,
-        timeout: float,
         met_at: float,
         urgent: bool,
     ) -> None:
@@ -103,8 +110,7 @@ class ZenohQuery(Listening):
         self._get = get
         self._handlers = handlers
         self._replies = replies
-        self._deadline = time.monotonic() + timeout
-        self._timeout = timeout
+        self._deadline = time.monotonic() + replies.timeout
         self._met_at = met_at
         self._hand_on: Callable[[object], None] = self.hear if urgent else partial(handlers.post, self)
         self._cancellation = zenoh.CancellationToken()
@@ -112,7 +118,7 @@ class ZenohQuery(Listening):
     def options(self) -> dict[str, Any]:
         """Return arguments for `get`: Zenoh's own thread passes the replies and then, in every case, the end."""
         handler: zenoh.handlers.Callback[zenoh.Reply] = zenoh.handlers.Callback(
-            lambda reply: self._hand_on(_read_reply(reply) or self._timed_out()),
+            lambda reply: self._hand_on(_read_reply(reply) or _TIMED_OUT),
             lambda: self._hand_on(None),
             indirect=False,
         )
@@ -126,16 +132,12 @@ class ZenohQuery(Listening):
         if was_open:  # cancelling waits for a callback that runs, so it must not happen inside one
             self._handlers.post(Listening(set(), lambda token: token.cancel()), self._cancellation)
 
-    def _timed_out(self) -> TimedOut:
-        why = f"a program that serves {self._replies.key_expr} has not answered within {self._timeout:g} s"
-        return TimedOut(why)
-
-    def _take(self, item: RawReply | TimedOut | None) -> None:
+    def _take(self, item: RawReply | _TimedOut | None) -> None:
         match item:
             case RawReply():
                 self._replies.hear(item)
-            case TimedOut():
-                self._replies.error = item
+            case _TimedOut():
+                self._replies.time_out()
             case None if self._replies.is_silent and time.monotonic() < min(self._met_at, self._deadline):
                 again = threading.Timer(ASK_AGAIN_AFTER, self._send_again)
                 again.daemon = True

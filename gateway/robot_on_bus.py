@@ -49,7 +49,7 @@ class ElementTokens(Subscription):
         for element in self._shown.keys() - wanted:
             self._shown.pop(element).close()
         for element in sorted(wanted - self._shown.keys()):
-            self._shown[element] = self._bus.declare_alive(keys.element_alive_key(self._robot, element))
+            self._shown[element] = self._bus.declare_alive(keys.ELEMENT_ALIVE.key(self._robot, element))
 
     def close(self) -> None:
         """Withdraw them all."""

@@ -95,7 +95,7 @@ class RobotPublishers(Subscription):
                     self._streams[keys.IO].put(telemetry.inputs_outputs(event, stamp))
             case MotionEnded(motion_id):
                 with self.guarded(keys.RESULT.suffix):
-                    self._bus.put(keys.result_key(self._name, motion_id), dict(event.as_json()))
+                    self._bus.put(keys.RESULT.key(self._name, motion_id), dict(event.as_json()))
             case LinkLost():
                 self._sip = None
                 self._has_io_packets = False

@@ -61,7 +61,7 @@ ALLOWED = {
     ("put", HOME.reports_key): NOBODY,
     ("liveliness_token", BASE.alive_key): NOBODY,
     ("liveliness_token", HOME.alive_key): NOBODY,
-    ("liveliness_token", keys.element_alive_key("happy", "laser")): NOBODY,
+    ("liveliness_token", keys.ELEMENT_ALIVE.key("happy", "laser")): NOBODY,
     ("declare_queryable", BASE.acl_key): NOBODY,
     ("declare_queryable", BASE.description_key): NOBODY,
     ("declare_queryable", HOME.control_key): NOBODY,
@@ -165,7 +165,7 @@ def test_the_router_stops_a_program_that_does_not_stop_itself(
         operator.subscribe("happy/agents/forged/results", lambda sample: forged.append(sample.key))
         operator.watch_alive("happy/**", lambda key, is_alive: forged.append(key) if "forged" in key else None)
         rogue.declare_alive("happy/agents/forged/alive")
-        rogue.declare_alive(keys.element_alive_key("happy", "forged"))
+        rogue.declare_alive(keys.ELEMENT_ALIVE.key("happy", "forged"))
         rogue.serve("happy/agents/forged/description", lambda arguments: {"forged": True})
         assert "base@happy" in str(rogue.query(BASE.description_key)[0].value), "it may look"
         barred = [HOME.control_key, keys.LEASE.key("happy"), control_key("dwarfs")]

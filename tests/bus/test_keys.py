@@ -37,13 +37,13 @@ def test_a_strange_key_belongs_to_no_row() -> None:
 
 
 def test_results_have_a_key_each() -> None:
-    assert keys.result_key("happy", "17") == "happy/command/result/17"
-    assert topic_of(keys.result_key("happy", "17")) is keys.RESULT
+    assert keys.RESULT.key("happy", "17") == "happy/command/result/17"
+    assert topic_of(keys.RESULT.key("happy", "17")) is keys.RESULT
 
 
 def test_tokens_of_elements_have_a_key_each() -> None:
-    assert keys.element_alive_key("happy", "laser") == "happy/elements/laser/alive"
-    assert topic_of(keys.element_alive_key("happy", "laser")) is keys.ELEMENT_ALIVE
+    assert keys.ELEMENT_ALIVE.key("happy", "laser") == "happy/elements/laser/alive"
+    assert topic_of(keys.ELEMENT_ALIVE.key("happy", "laser")) is keys.ELEMENT_ALIVE
     assert topic_of("happy/elements/laser") is None
 
 

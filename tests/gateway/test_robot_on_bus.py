@@ -259,7 +259,7 @@ def test_command_that_makes_no_sense_is_refused_in_one_sentence(
     replies: list[RawReply] = []
     serving.call(payload, replies.append, lambda: None)
     ends: list[BusError | None] = []
-    heard = Replies(suffix, lambda answer: None, ends.append)
+    heard = Replies(suffix, lambda answer: None, ends.append, 1.0)
     for reply in replies:
         heard.hear(reply)
     heard.end()

@@ -68,7 +68,7 @@ class Gateway:
 
     def add(self, name: str, streams: tuple[str, ...] = (), **extras: Any) -> None:
         self.describe(name, streams, **extras)
-        self._tokens[name] = self.bus.declare_alive(keys.element_alive_key(self.robot, name))
+        self._tokens[name] = self.bus.declare_alive(keys.ELEMENT_ALIVE.key(self.robot, name))
 
     def describe(self, name: str, streams: tuple[str, ...] = (), **extras: Any) -> None:
         self.elements[name] = {"name": name, "streams": list(streams), "commands": [], **extras}
