@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from types import FrameType
 
-from configs.command_line import CommandParser, add_version
+from configs.command_line import CommandParser
 
 # Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
 COMMANDS = {
@@ -99,7 +99,7 @@ def _parser(given: Sequence[str]) -> CommandParser:
     parser = CommandParser(
         prog="acromovi", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw, allow_abbrev=False
     )
-    add_version(parser)
+    parser.add_version()
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     asked_for = next((word for word in given if not word.startswith("-")), None)
     for name, (module, summary) in COMMANDS.items():

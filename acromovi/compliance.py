@@ -1,12 +1,12 @@
 """Print PROTOCOL.md: the tables of `p2os` and how much of them the emulator implements."""
 
-from p2os.compliance import Emulated, render
+from p2os.compliance import Emulated
 from p2os_emu.microcontroller import EMULATED, EMULATED_PACKETS, simulator
 
 
 def page() -> str:
     """The page as it should be committed."""
-    return render(Emulated(EMULATED, EMULATED_PACKETS, simulator.COMMANDS, simulator.PACKETS))
+    return Emulated(EMULATED, EMULATED_PACKETS, simulator.COMMANDS, simulator.PACKETS).page()
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from configs.default_bus import VARIABLE, default_bus
+from configs.defaults import VARIABLE, default_bus
 
 
 def add_bus(parser: argparse.ArgumentParser) -> None:

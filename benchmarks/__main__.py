@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.figures import Figure, as_text, write_json, write_picture
-from configs.default_bus import VARIABLE
+from configs.defaults import VARIABLE
 
 GROUPS = {
     "codec": "time to decode and encode one SIP",

@@ -14,8 +14,8 @@ import zenoh
 
 from bus.loopback import Registration
 from bus.secure import Profile
-from bus.session import configuration, registered
-from configs.default_bus import default_bus
+from bus.session import configuration
+from configs.defaults import default_bus
 
 KEY = "bench-hop/odom"
 PERIOD_S = 0.1
@@ -32,7 +32,7 @@ def bare_session() -> Iterator[zenoh.Session]:
     local = Profile.find(name).local
     if local is None:
         raise ValueError(f"this measures a bus of one machine, and {name} is none; unset ACROMOVI_BUS")
-    with Registration(local) as registration, zenoh.open(configuration(name, registered(registration))) as session:
+    with Registration(local) as registration, zenoh.open(configuration(name, registration.configuration)) as session:
         yield session
 
 

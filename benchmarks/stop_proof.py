@@ -19,7 +19,7 @@ from acromovi.children import EmulatedRobots, emulator, end, gateway
 from benchmarks.figures import Figure
 from bus import ZenohBus, keys
 from bus.heartbeat import SILENCE
-from configs.default_bus import default_bus
+from configs.defaults import default_bus
 
 MODEL = "p3dx-sh"
 SPEED = 0.5  # m/s

@@ -1,6 +1,6 @@
 """The bus: Zenoh between processes and an in-memory twin inside one, with ROS 2 messages on it."""
 
-from importlib import import_module
+from importlib import import_module as _import_module
 from typing import TYPE_CHECKING, Any
 
 from bus import keys
@@ -52,5 +52,5 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Load the message types when they are first used: numpy and the serialisers are half of what the bus takes."""
     if name == "messages":
-        return import_module("bus.messages")
+        return _import_module("bus.messages")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

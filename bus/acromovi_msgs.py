@@ -13,18 +13,6 @@ from numpy.typing import NDArray
 from bus.field_types import Bool, Float32, String, Strings, UInt16
 from bus.ros_msgs import Header, Range, Vector3
 
-__all__ = [
-    "ACROMOVI_MESSAGES",
-    "Arm",
-    "Bumpers",
-    "Compass",
-    "Gripper",
-    "InputsOutputs",
-    "PanTiltZoom",
-    "RangeArray",
-    "RobotState",
-]
-
 Booleans = Annotated[Sequence[bool] | NDArray[np.bool_], "bool[]"]
 Floats = Annotated[Sequence[float] | NDArray[np.float32], "float32[]"]
 

@@ -136,6 +136,11 @@ class Registration(Closeable):
         self.endpoint = bus.endpoint(own)
         self.elders = tuple(bus.endpoint(entry) for entry in entries[:-1])
 
+    @property
+    def configuration(self) -> dict[str, list[str]]:
+        """Zenoh's settings of the session's own address, and of the sessions to which it connects."""
+        return {"listen/endpoints": [self.endpoint], "connect/endpoints": list(self.elders)}
+
     def close(self) -> None:
         """Withdraw the entry."""
         self._socket.close()

@@ -353,31 +353,5 @@ class TFMessage:
     __msgtype__: ClassVar[str] = "tf2_msgs/msg/TFMessage"
 
 
-STANDARD_MESSAGES = (
-    Time,
-    Header,
-    KeyValue,
-    DiagnosticStatus,
-    DiagnosticArray,
-    Point,
-    Quaternion,
-    Pose,
-    PoseWithCovariance,
-    Vector3,
-    Transform,
-    TransformStamped,
-    Twist,
-    TwistStamped,
-    TwistWithCovariance,
-    Odometry,
-    BatteryState,
-    CompressedImage,
-    Imu,
-    JointState,
-    Joy,
-    LaserScan,
-    PointField,
-    PointCloud2,
-    Range,
-    TFMessage,
-)
+STANDARD_MESSAGES = tuple(each for each in globals().values() if hasattr(each, "__msgtype__"))
+"""All of them, in the order of their definitions."""

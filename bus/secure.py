@@ -10,7 +10,6 @@ import datetime
 import errno
 import json
 import socket
-import ssl
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -101,6 +100,15 @@ class Profile:
         if "access_control" in table:
             table["access_control"] = admitting(table["access_control"], _admitted(self.folder / ADMITTED))
         return dict(_filled(table, keys=str(self.folder.absolute())))
+
+    def why_not_let_in(self, endpoints: Iterable[str]) -> str:
+        """Connect again to the endpoints at which Zenoh failed, and return the reasons, a sentence for each with TLS.
+
+        Args:
+            endpoints: Zenoh's, such as `tls/127.0.0.1:7447`.
+        """
+        dialled = (endpoint for endpoint in endpoints if endpoint.startswith("tls/"))
+        return "; ".join(f"{endpoint}: {_knock(self.folder or Path(), endpoint)}" for endpoint in dialled)
 
 
 def admitting(access: Mapping[str, Any], common_names: Iterable[str]) -> dict[str, Any]:
@@ -201,19 +209,10 @@ def valid_name(certificate: Path) -> str:
     return name
 
 
-def why_not_let_in(profile: Profile, endpoints: Iterable[str]) -> str:
-    """Connect again to the endpoints at which Zenoh failed, and return the reasons, a sentence for each with TLS.
-
-    Args:
-        profile: One with keys.
-        endpoints: Zenoh's, such as `tls/127.0.0.1:7447`.
-    """
-    folder = profile.folder or Path()
-    return "; ".join(f"{endpoint}: {_knock(folder, endpoint)}" for endpoint in endpoints if endpoint.startswith("tls/"))
-
-
 def _knock(folder: Path, endpoint: str) -> str:
     """Do the TLS handshake as Zenoh would, and return the reason of a failure."""
+    import ssl  # here and not at the top: only a program that was not let in needs it
+
     address = urlsplit(f"//{endpoint.removeprefix('tls/')}")
     host, port = address.hostname or "", address.port or 0
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

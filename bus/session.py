@@ -36,9 +36,9 @@ from bus.json_payload import encode_json
 from bus.links import LinkWatch
 from bus.loopback import LocalBus, Registration
 from bus.scouting import Scouting
-from bus.secure import ADMITTED, Permit, Profile, why_not_let_in
+from bus.secure import ADMITTED, Permit, Profile
 from bus.zenoh_conversation import ConversationListening, ZenohQuery
-from configs.default_bus import default_bus
+from configs.defaults import default_bus
 from configs.loader import ConfigError
 
 log = logging.getLogger("bus")
@@ -61,11 +61,6 @@ def configuration(profile: str, changes: Mapping[str, Any] | None = None) -> zen
         ConfigError: There is no such profile, its keys are missing, or Zenoh does not accept it.
     """
     return _configured(Profile.find(profile), changes or {})
-
-
-def registered(registration: Registration) -> dict[str, list[str]]:
-    """Return the configuration of a session's own address and of the sessions to which it connects."""
-    return {"listen/endpoints": [registration.endpoint], "connect/endpoints": list(registration.elders)}
 
 
 def _configured(profile: Profile, changes: Mapping[str, Any]) -> zenoh.Config:
@@ -151,7 +146,7 @@ class ZenohBus(Bus):
                 raise
             if permit is None:
                 raise BusUnavailable(f"{err}; is there a router? acromovi router starts one") from err
-            why = why_not_let_in(found, dialled)
+            why = found.why_not_let_in(dialled)
             raise BusUnavailable(f"the bus cannot be opened: {why}") from err
         if permit is not None and not bus._is_admitted():
             bus.close()
@@ -167,7 +162,7 @@ class ZenohBus(Bus):
         for tries_left in reversed(range(MOST_TRIES)):
             registration = Registration(local)
             try:
-                config = _configured(profile, registered(registration))
+                config = _configured(profile, registration.configuration)
                 bus = cls(config, registration=registration)
             except BusUnavailable:
                 registration.close()

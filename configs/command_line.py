@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Iterator, Sequence
-from importlib.metadata import version
 from typing import Any
 
 from configs.suggestion import meant
@@ -49,6 +48,10 @@ class CommandParser(argparse.ArgumentParser):
                 return f"unrecognized arguments: {' '.join(words)}; did you mean {known[near]}?"
         return f"unrecognized arguments: {' '.join(words)}"
 
+    def add_version(self) -> None:
+        """Add `--version`, which prints the program's name and the version of the distribution, and exits with 0."""
+        self.add_argument("--version", action=_PrintVersion, nargs=0, help="print the version and exit")
+
     def _options(self) -> Iterator[str]:
         """The options of this parser and of its subcommands."""
         for action in self._actions:
@@ -68,11 +71,6 @@ class CommandParser(argparse.ArgumentParser):
             ) from err
 
 
-def add_version(parser: argparse.ArgumentParser) -> None:
-    """Add `--version`, which prints the program's name and the version of the distribution, and exits with 0."""
-    parser.add_argument("--version", action=_PrintVersion, nargs=0, help="print the version and exit")
-
-
 class _PrintVersion(argparse.Action):
     """Reads the version only when it is asked for, since that takes longer than the rest of a command line."""
 
@@ -83,5 +81,7 @@ class _PrintVersion(argparse.Action):
         values: str | Sequence[Any] | None,
         option_string: str | None = None,
     ) -> None:
+        from importlib.metadata import version  # it takes longer than a whole command line
+
         print(f"{parser.prog} {version(DISTRIBUTION)}")
         parser.exit()

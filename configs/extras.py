@@ -4,7 +4,6 @@ import json
 import shlex
 import sys
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -65,11 +64,13 @@ def needs(what: str, *extras: str) -> str:
 
 def install_command(*extras: str) -> str:
     """Return the command that installs extras into this environment, from the source of this installation."""
-    return f"{shlex.quote(sys.executable)} -m pip install {source(','.join(extras))}"
+    return f"{shlex.quote(sys.executable)} -m pip install {_source(','.join(extras))}"
 
 
-def source(extras: str) -> str:
+def _source(extras: str) -> str:
     """Return what pip is given for extras: the checkout, wheel or repository from which this distribution came."""
+    from importlib.metadata import PackageNotFoundError, distribution  # only for an error: it is a large module
+
     try:
         origin = json.loads(distribution(DISTRIBUTION).read_text("direct_url.json") or "{}")
     except PackageNotFoundError:  # run from a checkout

@@ -7,7 +7,6 @@ import tomllib
 import types
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -247,7 +246,7 @@ def _shown(value: Any) -> str:
 def _files(kind: str) -> list[Path]:
     if kind not in KINDS:
         raise ConfigError(f"there is no kind of configuration {kind!r}; choose one of {_listed(KINDS)}")
-    folder = Path(str(resources.files("configs"))) / kind
+    folder = Path(__file__).parent / kind
     return sorted(path for path in folder.glob("*") if path.is_file()) if folder.is_dir() else []
 
 

@@ -12,8 +12,8 @@ from types import FrameType
 from typing import NoReturn
 
 from configs import ConfigError
-from configs.command_line import CommandParser, add_version
-from configs.default_bus import VARIABLE, default_bus
+from configs.command_line import CommandParser
+from configs.defaults import VARIABLE, default_bus
 from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
 from gateway.cables.cable_thread import CableKind
 from gateway.driver import Driver
@@ -153,7 +153,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add_version(parser)
+    parser.add_version()
     parser.add_argument("port", metavar="PORT", help="a device, socket://HOST:PORT or rfc2217://HOST:PORT")
     parser.add_argument("--name", help="name of the robot on the bus [the robot's own name]")
     parser.add_argument("--baud", type=_baud, metavar="auto|N", help="connect at this rate only, bit/s [auto]")

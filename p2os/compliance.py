@@ -96,26 +96,25 @@ class Emulated(NamedTuple):
     simulator_commands: Collection[int] = ()
     simulator_packets: Collection[int] = ()
 
-
-def render(emulated: Emulated) -> str:
-    """Return the page."""
-    sections = [
-        INTRODUCTION,
-        "## Packets from the robot\n",
-        _packets(emulated),
-        "## Standard SIP (0x32, 0x33)\n",
-        _fields((*HEAD, COUNT)),
-        "Then, for each reading:\n",
-        _fields(SONAR),
-        "Then, as far as the packet goes; a decoder accepts an end after any field:\n",
-        _fields(TAIL),
-        *(section for title, fields in _PRINTED for section in (f"## {title}\n", _fields(fields))),
-        "## Where packets end\n",
-        _ends(),
-        "## Commands to the robot\n",
-        _commands(emulated),
-    ]
-    return "\n".join(sections)
+    def page(self) -> str:
+        """Return the compliance page."""
+        sections = [
+            INTRODUCTION,
+            "## Packets from the robot\n",
+            _packets(self),
+            "## Standard SIP (0x32, 0x33)\n",
+            _fields((*HEAD, COUNT)),
+            "Then, for each reading:\n",
+            _fields(SONAR),
+            "Then, as far as the packet goes; a decoder accepts an end after any field:\n",
+            _fields(TAIL),
+            *(section for title, fields in _PRINTED for section in (f"## {title}\n", _fields(fields))),
+            "## Where packets end\n",
+            _ends(),
+            "## Commands to the robot\n",
+            _commands(self),
+        ]
+        return "\n".join(sections)
 
 
 def _packets(emulated: Emulated) -> str:

@@ -141,7 +141,7 @@ Packet = (
 
 
 @dataclass(frozen=True, slots=True)
-class PacketLayout:
+class _PacketLayout:
     """How one packet is laid out.
 
     packet: its class, whose annotations are the fields. name: for people. grows: firmware has lengthened it, so one
@@ -158,23 +158,23 @@ class PacketLayout:
         return fields_of(self.packet)
 
 
-LAYOUTS: Mapping[int, PacketLayout] = {
-    PacketType.INFRARED: PacketLayout(InfraredScan, "IRRF packet"),
-    PacketType.CONFIGURATION: PacketLayout(Configuration, "CONFIGpac", grows=True),
-    PacketType.LASER: PacketLayout(SimulatedLaser, "simulated laser packet"),
-    PacketType.LASER_EXTENDED: PacketLayout(ExtendedLaser, "extended laser packet"),
-    PacketType.SIMULATOR_DEVICE: PacketLayout(SimulatorDevice, "simulator device packet"),
-    PacketType.MAP_CHANGED: PacketLayout(MapChanged, "map packet"),
-    PacketType.ENCODERS: PacketLayout(Encoders, "ENCODERpac"),
-    PacketType.GYRO: PacketLayout(GyroReport, "GYROpac"),
-    PacketType.ARM: PacketLayout(ArmReport, "ARMpac"),
-    PacketType.ARM_INFO: PacketLayout(ArmInformation, "ARMINFOpac"),
-    PacketType.COMPASS: PacketLayout(CompassReport, "TCM2pac"),
-    PacketType.PLAYLIST: PacketLayout(PlaylistEntry, "PLAYLISTpac"),
-    PacketType.GRIPPER: PacketLayout(GripperReport, "GRIPPERpac"),
-    PacketType.INPUTS_OUTPUTS: PacketLayout(IoReport, "IOpac", grows=True),
-    PacketType.JOYSTICK: PacketLayout(JoystickReport, "JOYSTICKpac"),
-    PacketType.BATTERY: PacketLayout(BatteryReport, "battery packet"),
+LAYOUTS: Mapping[int, _PacketLayout] = {
+    PacketType.INFRARED: _PacketLayout(InfraredScan, "IRRF packet"),
+    PacketType.CONFIGURATION: _PacketLayout(Configuration, "CONFIGpac", grows=True),
+    PacketType.LASER: _PacketLayout(SimulatedLaser, "simulated laser packet"),
+    PacketType.LASER_EXTENDED: _PacketLayout(ExtendedLaser, "extended laser packet"),
+    PacketType.SIMULATOR_DEVICE: _PacketLayout(SimulatorDevice, "simulator device packet"),
+    PacketType.MAP_CHANGED: _PacketLayout(MapChanged, "map packet"),
+    PacketType.ENCODERS: _PacketLayout(Encoders, "ENCODERpac"),
+    PacketType.GYRO: _PacketLayout(GyroReport, "GYROpac"),
+    PacketType.ARM: _PacketLayout(ArmReport, "ARMpac"),
+    PacketType.ARM_INFO: _PacketLayout(ArmInformation, "ARMINFOpac"),
+    PacketType.COMPASS: _PacketLayout(CompassReport, "TCM2pac"),
+    PacketType.PLAYLIST: _PacketLayout(PlaylistEntry, "PLAYLISTpac"),
+    PacketType.GRIPPER: _PacketLayout(GripperReport, "GRIPPERpac"),
+    PacketType.INPUTS_OUTPUTS: _PacketLayout(IoReport, "IOpac", grows=True),
+    PacketType.JOYSTICK: _PacketLayout(JoystickReport, "JOYSTICKpac"),
+    PacketType.BATTERY: _PacketLayout(BatteryReport, "battery packet"),
 }
 """The packets that are no more than their fields, by type."""
 

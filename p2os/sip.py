@@ -39,6 +39,11 @@ class SipFlag(IntFlag):
     JOYSTICK_BUTTON_1 = 1 << 9
     CHARGER_GOOD = 1 << 10
 
+    @classmethod
+    def of_sonar(cls, arrays: int) -> int:
+        """Return the bits for enabled sonar arrays, bit i is array i + 1."""
+        return arrays << 1 & SONAR_FLAGS
+
 
 SONAR_FLAGS = int(SipFlag.SONAR_ARRAY_1 | SipFlag.SONAR_ARRAY_2 | SipFlag.SONAR_ARRAY_3 | SipFlag.SONAR_ARRAY_4)
 NO_ECHO = 5.0
@@ -68,11 +73,6 @@ class ChargeState(IntEnum):
     FLOAT = 3
     BALANCE = 4
     UNKNOWN = 255
-
-
-def sonar_flags(arrays: int) -> int:
-    """Return the bits of `StandardSip.flags` for enabled sonar arrays, bit i is array i + 1."""
-    return arrays << 1 & SONAR_FLAGS
 
 
 def compass_byte(heading: float) -> int:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from configs.command_line import CommandParser, add_version
+from configs.command_line import CommandParser
 from configs.defaults import EMPTY_WORLD, LINK, WORLD
 from configs.team_file import MOST_ROBOTS, TeamFile, read_team
 from geometry import Pose2D
@@ -164,7 +164,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    add_version(parser)
+    parser.add_version()
     _add_team(parser)
     _add_ports(parser)
     _add_run(parser)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import HealthCheck, settings
 
-from configs.default_bus import VARIABLE
+from configs.defaults import VARIABLE
 from tests.waiting import wait_until
 
 # A loaded machine makes slow examples; a property says what is true, not how fast it is found out.

@@ -5,7 +5,7 @@ import json
 import zenoh
 
 from bus.secure import Profile
-from configs.default_bus import default_bus
+from configs.defaults import default_bus
 
 
 def plain_session() -> zenoh.Session:

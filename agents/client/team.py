@@ -18,7 +18,7 @@ from agents.client.robot import Robot
 from agents.platform import AgentName, NameNotValid
 from bus import Bus, BusError
 from bus.keys import robot_name
-from configs.default_bus import default_bus
+from configs.defaults import default_bus
 
 
 class Team:

@@ -15,7 +15,6 @@ from p2os.sip import (
     UNKNOWN_TEMPERATURE,
     SipFlag,
     StandardSip,
-    sonar_flags,
     stall_word,
 )
 from p2os_emu.body import BodyState
@@ -204,7 +203,7 @@ def _flags(board: Board, state: BodyState) -> int:
     panel = board.panel
     return (
         (board.motors.enabled and SipFlag.MOTORS_ENABLED.value)
-        | sonar_flags(board.sonar.firing)
+        | SipFlag.of_sonar(board.sonar.firing)
         | (panel.stop_button and SipFlag.STOP_BUTTON.value)
         | (board.e_stalled and SipFlag.E_STALL.value)
         | (state.far_ledge and SipFlag.FAR_LEDGE.value)

@@ -17,7 +17,7 @@ import bus.loopback
 from bus import BusUnavailable, NoAnswer, ZenohBus
 from bus.loopback import LocalBus, Registration
 from configs import ConfigError
-from configs.default_bus import VARIABLE, default_bus
+from configs.defaults import VARIABLE, default_bus
 
 ROOT = Path(__file__).resolve().parents[2]
 Until = Callable[..., None]

@@ -4,13 +4,13 @@ from importlib.metadata import version
 
 import pytest
 
-from configs.command_line import CommandParser, add_version
+from configs.command_line import CommandParser
 
 
 def parser() -> CommandParser:
     """`tool [--speed S] {ask [--timeout S] NAME [WORD ...], list [--json]}`."""
     made = CommandParser(prog="tool", allow_abbrev=False)
-    add_version(made)
+    made.add_version()
     commands = made.add_subparsers(dest="command", required=True)
     ask = commands.add_parser("ask", allow_abbrev=False)
     ask.add_argument("name")

@@ -2,7 +2,7 @@ import ast
 from pathlib import Path
 
 from acromovi.compliance import page
-from p2os.compliance import COMMAND_TEST, SOURCES, TESTS, Emulated, render
+from p2os.compliance import COMMAND_TEST, SOURCES, TESTS, Emulated
 from p2os.packets import TABLES
 
 ROOT = Path(__file__).parents[2]
@@ -26,12 +26,12 @@ def test_every_packet_with_a_table_has_a_test_and_a_source() -> None:
 
 
 def test_only_what_is_emulated_is_called_emulated() -> None:
-    text = render(Emulated({11}, {0x90}))
+    text = Emulated({11}, {0x90}).page()
     emulated = [line.split(" | ")[0] for line in text.splitlines() if line.count("| yes ") == 3]
     assert emulated == ["| 0x90 ENCODERS", "| 11 VEL"]
 
 
 def test_what_exists_only_as_a_simulator_is_marked() -> None:
-    text = render(Emulated({11, 224}, {0x90, 0x62}, {224}, {0x62}))
+    text = Emulated({11, 224}, {0x90, 0x62}, {224}, {0x62}).page()
     marked = [line.split(" | ")[0] for line in text.splitlines() if "| as simulator |" in line]
     assert marked == ["| 0x62 SIMULATOR STATE", "| 224 SIM_SET_POSE"]
