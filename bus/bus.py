@@ -13,8 +13,9 @@ from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
-from bus.errors import BusError, MessageError, TimedOut
+from bus.errors import BusError, TimedOut
 from bus.errors import Refused as Refused  # a handler raises it, so it belongs to this interface
+from bus.payload import decode_json
 
 CDR = "application/cdr"
 """Encoding of samples that hold a ROS 2 message."""
@@ -45,17 +46,17 @@ class Sample:
         kind, _, schema = self.encoding.partition(";")
         return schema if kind == CDR else ""
 
+    def decoded(self) -> Any:
+        """Return the JSON object or the message that it carries.
 
-def type_of(message: object) -> str:
-    """Return the ROS name of a message's type: `nav_msgs/msg/Odometry`.
+        Raises:
+            MessageError: The encoding names no known type, or the payload is not what it names.
+        """
+        if self.encoding == JSON:
+            return decode_json(self.payload)
+        from bus.messages import decode  # here and not at the top: programs that exchange only JSON do not need it
 
-    Raises:
-        MessageError: The object is no message.
-    """
-    name = getattr(message, "__msgtype__", None)
-    if not isinstance(name, str):
-        raise MessageError(f"a {type(message).__name__} is not a message; take a class of bus.messages")
-    return name
+        return decode(self.type_name, self.payload)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, ParamSpec
 
 import zenoh
 
-from bus.bus import CDR, JSON, Answer, Conversation, type_of
+from bus.bus import CDR, JSON, Answer, Conversation
 from bus.errors import BusError, BusUnavailable, KeyNotValid, MessageError, NoAnswer, Refused, TimedOut
-from bus.json_payload import decode_json, encode_json
+from bus.payload import decode_json, encode_json, type_of
 from bus.validation import LARGEST_REQUEST, check_seconds, sentence
 
 log = logging.getLogger("bus")

@@ -25,9 +25,9 @@ from bus.exchange import (
     plain_key,
     refusing_errors,
 )
-from bus.json_payload import decode_json, encode_json
 from bus.memory_conversation import MemoryConversation, MemoryQuery
 from bus.memory_network import MemoryListener, MemoryNetwork
+from bus.payload import decode_json, encode_json
 
 
 class MemoryBus(Bus):

@@ -8,8 +8,8 @@ import zenoh
 from bus.bus import Closeable, Conversation, Subscription
 from bus.errors import BusUnavailable
 from bus.exchange import RawReply, Replies, refusal
-from bus.json_payload import encode_json
 from bus.memory_network import MemoryNetwork
+from bus.payload import encode_json
 
 
 class MemoryConversation(Conversation):

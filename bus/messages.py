@@ -29,10 +29,9 @@ from bus.acromovi_msgs import (
     RangeArray,
     RobotState,
 )
-from bus.bus import type_of
 from bus.errors import MessageError
 from bus.field_types import definition
-from bus.json_payload import decode_json, encode_json
+from bus.payload import decode_json, encode_json, type_of
 from bus.ros_msgs import (
     STANDARD_MESSAGES,
     BatteryState,
@@ -62,6 +61,7 @@ from bus.ros_msgs import (
     TwistWithCovariance,
     Vector3,
 )
+from bus.threads import compiled, compiled_at
 
 __all__ = [
     "NS_PER_S",
@@ -132,7 +132,7 @@ def prepare(type_name: str) -> None:
     if type_name in _prepared:
         return
     thread = threading.get_ident()
-    _compiled_at[thread] = inf
+    compiled[thread] = inf
     try:
         if type_name not in _typestore().fielddefs:
             _know_all_of_ros()
@@ -141,22 +141,10 @@ def prepare(type_name: str) -> None:
         _typestore().get_msgdef(type_name)
         _prepared.add(type_name)
     finally:
-        _compiled_at[thread] = time.monotonic()
-
-
-def compiled_at(thread: int) -> float:
-    """Return when a thread has last compiled the serialisers of a type.
-
-    Args:
-        thread: Its identifier.
-    Returns:
-        s of `time.monotonic`; infinite while it does so, and minus infinite when it never has.
-    """
-    return _compiled_at.get(thread, -inf)
+        compiled[thread] = time.monotonic()
 
 
 _prepared: set[str] = set()
-_compiled_at: dict[int, float] = {}
 
 
 def encode(message: object) -> bytes:

@@ -32,9 +32,9 @@ from bus.exchange import (
     reason,
 )
 from bus.handler_thread import HandlerThread
-from bus.json_payload import encode_json
 from bus.links import LinkWatch
 from bus.loopback import LocalBus, Registration
+from bus.payload import encode_json
 from bus.scouting import Scouting
 from bus.secure import ADMITTED, Permit, Profile
 from bus.zenoh_conversation import ConversationListening, ZenohQuery

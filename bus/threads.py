@@ -1,9 +1,10 @@
-"""Zenoh's own threads, on which it calls handlers: their number, and their cost in Python."""
+"""Threads: the number and the cost of Zenoh's own, on which it calls handlers, and when one compiled message types."""
 
 import ctypes
 import itertools
 import os
 import threading
+from math import inf
 
 # Zenoh reads this when a program opens its first session. By default the thread that accepted a link waits for its
 # data, wakes a receiving thread, and that one often the other, for every single message. There are still two receiving
@@ -36,3 +37,18 @@ def keep() -> None:
     if not _here.is_kept and next(_kept) < MOST_KEPT:
         ctypes.pythonapi.PyGILState_Ensure()  # one call more than releases, so the state of this thread stays
         _here.is_kept = True
+
+
+compiled: dict[int, float] = {}
+"""When `bus.messages` has last compiled the serialisers of a type, by the identifier of the thread."""
+
+
+def compiled_at(thread: int) -> float:
+    """Return when a thread has last compiled the serialisers of a type.
+
+    Args:
+        thread: Its identifier.
+    Returns:
+        s of `time.monotonic`; infinite while it does so, and minus infinite when it never has.
+    """
+    return compiled.get(thread, -inf)

@@ -1,6 +1,6 @@
 """Limits of what is accepted from the bus: size, nesting, numbers, and the characters of text.
 
-Input may come from any program. JSON is checked where it is decoded and encoded (`bus.json_payload`), so that a program
+Input may come from any program. JSON is checked where it is decoded and encoded (`bus.payload`), so that a program
 never sends what another one refuses; names are checked where they are used. All failures are `MessageError`.
 """
 

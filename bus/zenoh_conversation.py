@@ -14,7 +14,7 @@ from bus.declared import Declared, Listening
 from bus.errors import BusUnavailable
 from bus.exchange import RawReply, Replies, Talker, reason, refusal, refusing_errors
 from bus.handler_thread import HandlerThread
-from bus.json_payload import decode_json, encode_json
+from bus.payload import decode_json, encode_json
 
 ASK_AGAIN_AFTER = 0.02  # s
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when a program has not answered

@@ -12,7 +12,7 @@ from agents.client.readings import OtherReading, Reading
 from agents.platform import AgentName, Outcome, Performative
 from bus import MessageError, Sample, Subscription
 from bus.aio import hand_over
-from bus.messages import decode_json
+from bus.payload import decode_json
 
 PATIENCE = 10.0  # s for an answer, and for the next result of a stream
 

@@ -14,7 +14,7 @@ from typing import Any, Self
 from agents.platform.errors import AclError, NameNotValid
 from agents.platform.names import AgentName
 from bus.errors import MessageError
-from bus.messages import decode_json
+from bus.payload import decode_json
 from bus.validation import check_line, check_value
 
 ONTOLOGY = "acromovi"

@@ -7,9 +7,8 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from agents.platform.behaviours import Behaviour, Gate
-from bus import JSON, MessageError, Sample
+from bus import MessageError, Sample
 from bus.aio import hand_over
-from bus.messages import decode, decode_json
 
 
 class Stream(Behaviour):
@@ -68,9 +67,7 @@ class Stream(Behaviour):
 
     async def _hear_one(self, sample: Sample) -> None:
         try:
-            message = (
-                decode_json(sample.payload) if sample.encoding == JSON else decode(sample.type_name, sample.payload)
-            )
+            message = sample.decoded()
         except MessageError as error:
             self._malformed(error)
             return

@@ -18,7 +18,7 @@ from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Subscription
 from bus.aio import hand_over
-from bus.messages import compiled_at
+from bus.threads import compiled_at
 
 LONGEST_TURN = 0.5  # s that one step of an agent may take
 LOOK_EVERY = 0.25  # s

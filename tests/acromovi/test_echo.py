@@ -95,7 +95,7 @@ def test_what_cannot_be_decoded_is_shown_by_its_size_and_reason() -> None:
     assert "4 bytes" in text(Sample("mine", b"abcd", "zenoh/bytes"))
 
 
-def test_json_payloads_are_shown_as_they_are() -> None:
+def test_payloads_are_shown_as_they_are() -> None:
     shown = record(Sample("happy/lease/state", b'{"holder": null}', "application/json"))
     assert shown["message"] == {"holder": None}
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from bus import MessageError, messages
+from bus import MessageError, messages, threads
 from bus.acromovi_msgs import ACROMOVI_MESSAGES
 from bus.field_types import definition
 from bus.messages import (
@@ -268,7 +268,9 @@ def test_one_can_tell_when_a_thread_has_compiled_a_type(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(messages, "_typestore", Types)
     monkeypatch.setattr(messages, "_prepared", set())
-    monkeypatch.setattr(messages, "_compiled_at", {})
+    compiled: dict[int, float] = {}
+    monkeypatch.setattr(messages, "compiled", compiled)
+    monkeypatch.setattr(threads, "compiled", compiled)
     before = time.monotonic()
     thread = threading.Thread(target=compile_type)
     thread.start()

@@ -1,6 +1,6 @@
-"""JSON objects as payloads: writing, reading, and the checks of what comes from other programs.
+"""Payloads: JSON objects, with the checks of what comes from other programs, and of which type a message is.
 
-It needs no message types, so that a program that exchanges only JSON does not load them.
+The message types themselves are in `bus.messages`: a program that exchanges only JSON does not load them.
 """
 
 import json
@@ -21,6 +21,18 @@ _SUSPICIOUS_SHAPES = (b"\\", b"0" * 19, b"e000")
 _NOT_JSON = (b"NaN", b"Infinity")
 # A string, whether it ends or not, or a bracket. The possessive quantifier keeps the search linear.
 _STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"?|[\[\]{}]', re.DOTALL)
+
+
+def type_of(message: object) -> str:
+    """Return the ROS name of a message's type: `nav_msgs/msg/Odometry`.
+
+    Raises:
+        MessageError: The object is no message.
+    """
+    name = getattr(message, "__msgtype__", None)
+    if not isinstance(name, str):
+        raise MessageError(f"a {type(message).__name__} is not a message; take a class of bus.messages")
+    return name
 
 
 def encode_json(value: Mapping[str, Any]) -> bytes:
