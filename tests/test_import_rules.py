@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -64,8 +65,13 @@ def sources(place: str) -> list[Path]:
     return found
 
 
-def imported(path: Path) -> Iterator[str]:
+@cache  # each file is parsed once, and looked at by a dozen tests
+def imported(path: Path) -> frozenset[str]:
     """Top names of all modules the file imports, functions included; its own package for a relative import."""
+    return frozenset(_imports(path))
+
+
+def _imports(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         match node:
             case ast.Import(names=names):
@@ -86,20 +92,20 @@ def test_every_package_of_the_repository_is_in_the_picture() -> None:
 @pytest.mark.parametrize("package", BELOW)
 def test_package_imports_only_what_lies_below_it(package: str) -> None:
     for path in sources(package):
-        above = set(imported(path)) & BELOW.keys() - BELOW[package] - {package}
+        above = imported(path) & BELOW.keys() - BELOW[package] - {package}
         assert not above, f"{path.relative_to(ROOT)} imports {above}"
 
 
 def test_nothing_imports_what_ties_all_together() -> None:
     for package in BELOW.keys() - {"acromovi", "pty_tests"}:
         for path in sources(package):
-            assert not set(imported(path)) & {"acromovi", "benchmarks", "pty_tests", "tests"}, path.relative_to(ROOT)
+            assert not imported(path) & {"acromovi", "benchmarks", "pty_tests", "tests"}, path.relative_to(ROOT)
 
 
 @pytest.mark.parametrize("place", BYTES_AND_TIME_COME_FROM_THE_CALLER)
 def test_neither_clock_nor_port_where_bytes_and_time_are_arguments(place: str) -> None:
     for path in sources(place):
-        touched = set(imported(path)) & CLOCKS_AND_PORTS
+        touched = imported(path) & CLOCKS_AND_PORTS
         assert not touched, f"{path.relative_to(ROOT)} imports {touched}"
 
 
