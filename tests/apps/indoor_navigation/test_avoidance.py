@@ -25,6 +25,7 @@ from geometry import wrap_angle
 ROBOT = Outline(0.21, 0.3, 0.42)
 # A robot with factory settings brakes with 0.3 m/s².
 PARAMETERS = replace(shipped_parameters("obstacle_avoiding").avoidance, deceleration=0.28)
+ORIENTING = shipped_parameters("orienting")
 NOWHERE: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
 PLACES = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=20)
 
@@ -304,11 +305,7 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
     for step in range(150):
         if step % 2 == 0:
             told = [
-                turn(
-                    shipped_parameters("orienting"),
-                    RobotOdometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular),
-                    wanted,
-                ),
+                turn(ORIENTING, RobotOdometry(0.0, 0.0, 0.0, wrap_angle(heading), 0.0, angular), wanted),
                 told[0],
             ]
         angular += float(np.clip(told[1] - angular, -0.0875, 0.0875))
