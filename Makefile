@@ -62,8 +62,8 @@ docs: $(READY)  ## Write PROTOCOL.md from the packet tables, and docs/api.md and
 pictures: $(READY)  ## Make the pictures in docs/pictures anew
 	$(BIN)/python tools/make_pictures.py
 
-bench: $(READY)  ## Measure the figures of the project into bench/ (JSON and a picture)
-	$(BIN)/python -m benchmarks
+bench: $(READY)  ## Measure the figures of the project into bench/; PEER=HOST:PORT compares with a simulator there
+	$(BIN)/python -m benchmarks $(if $(PEER),--peer $(PEER))
 
 wheel: $(READY)  ## Build the distribution into dist/
 	$(BIN)/python -m build --quiet

@@ -6,9 +6,11 @@ import os
 import sys
 import uuid
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.figures import Figure, as_text, write_json, write_picture
+from benchmarks.noise import NoiseMeter
 from configs.defaults import VARIABLE
 
 GROUPS = {
@@ -17,6 +19,8 @@ GROUPS = {
     "accuracy": "how exactly moves, turns and stops end",
     "cadence": "how evenly SIPs come on a pty",
     "emulator": "processor time of one robot and of twenty, and readiness",
+    "crowd": "processor time of driving robots over TCP in office, in the machine's own unit, and memory",
+    "headless": "how many times faster than real time the emulator is, with 1 to 50 robots",
     "laser": "scans per second by the line's rate, and processor time of robots with lasers",
     "camera": "SIP cadence and processor time while somebody looks through a robot's camera",
     "latency": "from the port to the bus and from the bus to the port",
@@ -35,36 +39,53 @@ GROUPS = {
     "soak": "memory, threads and descriptors of a team while sessions join and leave; writes soak.csv",
     "connect": "time to connect from any state, and to come back after the cable was pulled",
 }
+COMPARE = "compare"
+PEER_GROUPS = {COMPARE: "the emulator beside another simulator of the protocol (--peer), in turns"}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the groups asked for, print each figure, write JSON and a picture."""
+    """Run the groups asked for, print each figure and how noisy the machine was, write JSON and a picture."""
+    everything = GROUPS | PEER_GROUPS
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks",
         description="Measure the figures of the project.",
         epilog="groups:\n"
-        + "\n".join(f"  {name:<18} {what}" for name, what in GROUPS.items())
+        + "\n".join(f"  {name:<18} {what}" for name, what in everything.items())
         + "\n\nexample: python -m benchmarks codec latency --out /tmp/bench",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("group", nargs="*", choices=[*GROUPS, []], help="what to measure (default: all)")
+    parser.add_argument("group", nargs="*", choices=[*everything, []], help="what to measure (default: all)")
     parser.add_argument("--out", type=Path, default=Path("bench"), help="folder for figures.json and figures.png")
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the cadence run (default: 10)")
     parser.add_argument("--soak-minutes", type=float, default=2.0, help="length of the soak run (default: 2)")
     parser.add_argument("--soak-pace", type=float, default=33.0, help="its sessions per minute (default: 33)")
+    parser.add_argument("--peer", metavar="HOST:PORT", help="compare the emulator with a simulator on this TCP port")
+    parser.add_argument(
+        "--peer-pid", type=int, metavar="PID", help="its process on this machine, to compare processor time"
+    )
+    parser.add_argument("--rounds", type=int, default=5, help="turns of each in the comparison (default: 5)")
     options = parser.parse_args(argv)
+    if options.peer is None and (COMPARE in options.group or options.peer_pid is not None):
+        parser.error(f"{COMPARE} and --peer-pid need --peer HOST:PORT")
+    groups = options.group or (PEER_GROUPS if options.peer else GROUPS)
     os.environ.setdefault(VARIABLE, f"local:bench-{uuid.uuid4().hex[:12]}")  # nobody else's messages are measured
     figures: list[Figure] = []
-    for group in options.group or GROUPS:
-        print(f"-- {group}: {GROUPS[group]}", flush=True)
-        for figure in importlib.import_module(f"benchmarks.{group}").measure(options):
+    for group in groups:
+        print(f"-- {group}: {everything[group]}", flush=True)
+        meter = NoiseMeter([options.peer_pid] if options.peer_pid else [])
+        found = importlib.import_module(f"benchmarks.{group}").measure(options)
+        noise = meter.read()
+        for figure in (replace(each, doubt=noise.doubt) for each in found):
             figures.append(figure)
             print(as_text(figure), flush=True)
+        print(f"     machine: {noise}", flush=True)
     options.out.mkdir(parents=True, exist_ok=True)
     write_json(figures, options.out / "figures.json")
     write_picture(figures, options.out / "figures.png")
     missed = sum(not figure.is_reached for figure in figures)
-    print(f"{len(figures)} figures, {missed} missed; see {options.out}/figures.json and {options.out}/figures.png")
+    doubtful = sum(bool(figure.doubt) for figure in figures)
+    print(f"{len(figures)} figures, {missed} missed, {doubtful} not trustworthy")
+    print(f"see {options.out}/figures.json and {options.out}/figures.png")
     return 0
 
 

@@ -2,6 +2,7 @@
 
 import os
 import select
+import socket
 import time
 import tty
 from collections.abc import Iterator
@@ -25,12 +26,27 @@ ANSWER_TIMEOUT_S = 0.5
 CONNECT_TIMEOUT_S = 5.0
 
 
+TCP = "socket://"
+
+
+def open_port(port: str) -> int:
+    """Open a pty or `socket://HOST:PORT` for reading without waiting; returns the descriptor."""
+    if port.startswith(TCP):
+        host, _, number = port.removeprefix(TCP).rpartition(":")
+        connection = socket.create_connection((host, int(number)), CONNECT_TIMEOUT_S)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        connection.setblocking(False)
+        return connection.detach()
+    descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    tty.setraw(descriptor)
+    return descriptor
+
+
 class PortClient:
-    """Holds a pty open as a client would; use it as a context manager."""
+    """Holds a pty or a TCP connection open as a client would; use it as a context manager."""
 
     def __init__(self, port: str) -> None:
-        self.descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-        tty.setraw(self.descriptor)
+        self.descriptor = open_port(port)
         self._frames = FrameDecoder()
         self._codec: SipCodec | None = None
 
@@ -72,8 +88,14 @@ class PortClient:
                 yield from self.read()
 
     def read(self) -> list[tuple[float, bytes]]:
-        """Arrival time and payload of every frame that is complete with the bytes that wait."""
+        """Arrival time and payload of every frame that is complete with the bytes that wait.
+
+        Raises:
+            ConnectionError: The robot hung up.
+        """
         data = os.read(self.descriptor, 4096)
+        if not data:
+            raise ConnectionError("the robot hung up")
         now = time.monotonic()
         return [(now, event.payload) for event in self._frames.receive(data, now) if isinstance(event, Frame)]
 

@@ -3,7 +3,6 @@
 import argparse
 import multiprocessing
 import os
-import select
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -12,13 +11,12 @@ from acromovi.children import EmulatedRobots, emulator
 from benchmarks.cadence import deviation
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure
+from benchmarks.listen import listen
 from benchmarks.processes import CpuMeter
 from p2os import Command
-from p2os.sip import SIP_TYPES
 
 TEAM = 20
 SECONDS = 20.0
-KEEP_ALIVE_S = 1.0
 SETTLE_S = 2.0
 
 
@@ -48,7 +46,7 @@ def _one() -> Figure:
 def _twenty() -> list[Figure]:
     with _driving_team() as (robots, clients):
         meter = CpuMeter(robots.process.pid)
-        arrivals = _listen(clients, SECONDS)
+        arrivals = listen(clients, [], SECONDS)
         cost = meter.percent()
     worst = max(
         (
@@ -64,7 +62,7 @@ def _under_load() -> list[Figure]:
     """Simulated against wall time while every core is kept busy by others."""
     with _driving_team() as (robots, clients), _busy_machine():
         before, wall = robots.ask("truth"), time.monotonic()
-        _listen(clients, SECONDS)
+        listen(clients, [], SECONDS)
         after = robots.ask("truth")
         wall = time.monotonic() - wall
     slip = abs(after["time"] - before["time"] - wall) * 1e3
@@ -85,25 +83,8 @@ def _driving_team() -> Iterator[tuple[EmulatedRobots, list[PortClient]]]:
             client.send(Command.ENABLE, 1)
             client.send(Command.VEL, 0.3)
             client.send(Command.RVEL, 0.5)
-        _listen(clients, SETTLE_S)  # what waited while the others connected
+        listen(clients, [], SETTLE_S)  # what waited while the others connected
         yield robots, clients
-
-
-def _listen(clients: list[PortClient], seconds: float) -> list[list[float]]:
-    """Read all clients as their SIPs come and keep their robots alive; arrival times for each."""
-    arrivals: list[list[float]] = [[] for _ in clients]
-    owner = {client.descriptor: number for number, client in enumerate(clients)}
-    deadline = time.monotonic() + seconds
-    pulse_due = 0.0
-    while (now := time.monotonic()) < deadline:
-        if now >= pulse_due:
-            pulse_due = now + KEEP_ALIVE_S
-            for client in clients:
-                client.send(Command.PULSE)
-        for descriptor in select.select(list(owner), [], [], KEEP_ALIVE_S)[0]:
-            number = owner[descriptor]
-            arrivals[number].extend(arrival for arrival, payload in clients[number].read() if payload[0] in SIP_TYPES)
-    return arrivals
 
 
 @contextmanager

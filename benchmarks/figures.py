@@ -17,6 +17,8 @@ class Figure:
     value, reach: in `unit`; the figure is reached when value <= reach.
     samples: how many measurements the value summarises.
     group: the benchmark it belongs to, and the argument that repeats it.
+    spread: between the smallest and the largest round, as a share of the median; None without rounds.
+    doubt: why the machine was too noisy to trust the value; empty if it was not.
     """
 
     group: str
@@ -25,6 +27,8 @@ class Figure:
     reach: float
     unit: str
     samples: int = 1
+    spread: float | None = None
+    doubt: str = ""
 
     @property
     def is_reached(self) -> bool:
@@ -52,9 +56,11 @@ def p50_p99(group: str, name: str, samples: Sequence[float], reach: tuple[float,
 
 
 def as_text(figure: Figure) -> str:
-    """One line for a terminal."""
+    """One line for a terminal, with the spread and the doubt where there are such."""
     mark = "ok  " if figure.is_reached else "MISS"
-    return f"{mark} {figure.name:<88} {figure.value:>10.3f} {figure.unit:<4} (reach {figure.reach:g})"
+    spread = "" if figure.spread is None else f" spread {figure.spread:.0%}"
+    doubt = figure.doubt and f" NOT TRUSTWORTHY: {figure.doubt}"
+    return f"{mark} {figure.name:<88} {figure.value:>10.3f} {figure.unit:<4} (reach {figure.reach:g}){spread}{doubt}"
 
 
 def write_json(figures: Sequence[Figure], path: Path) -> None:

@@ -1,7 +1,6 @@
 """Lasers: scans per second by the line's rate, and what robots with lasers cost the emulator."""
 
 import argparse
-import select
 import time
 from contextlib import ExitStack
 
@@ -10,14 +9,13 @@ from benchmarks.cadence import deviation
 from benchmarks.client import PortClient
 from benchmarks.figures import Figure
 from benchmarks.laser_client import LaserPortClient
+from benchmarks.listen import listen
 from benchmarks.processes import CpuMeter
 from p2os import Command, CommandValue
 from p2os.accessories.lms import Variant
-from p2os.sip import SIP_TYPES
 
 TEAM = 20
 SECONDS = 20.0
-KEEP_ALIVE_S = 1.0
 FINE, COARSE = Variant(180, 50), Variant(180, 100)
 WANTED_RATES = ((38400, FINE, 5.2), (38400, COARSE, 9.9), (500000, FINE, 32.0))
 """bit/s, beams, scans per second that such a line allows."""
@@ -66,9 +64,9 @@ def _powerbot() -> list[Figure]:
         for command, value in EVERYTHING:
             client.send(command, value)
         laser.start(500000, FINE)
-        _listen([client], [laser], 2.0)
+        listen([client], [laser], 2.0)
         meter, before = CpuMeter(robots.process.pid), laser.scans
-        _listen([client], [laser], SECONDS)
+        listen([client], [laser], SECONDS)
         cost, rate = meter.percent(), (laser.scans - before) / SECONDS
     name = f"processor, PowerBot with all packets and {FINE.beams} values at {rate:.0f} Hz"
     return [Figure("laser", name, cost, 15.0, "%")]
@@ -86,33 +84,12 @@ def _team() -> list[Figure]:
             client.send(Command.RVEL, 0.5)
         for laser in lasers:
             laser.start(38400, COARSE)
-            _listen(clients, lasers, 0.05)
-        _listen(clients, lasers, 2.0)
+            listen(clients, lasers, 0.05)
+        listen(clients, lasers, 2.0)
         meter, before = CpuMeter(robots.process.pid), sum(laser.scans for laser in lasers)
-        arrivals = _listen(clients, lasers, SECONDS)
+        arrivals = listen(clients, lasers, SECONDS)
         cost, rate = meter.percent(), (sum(laser.scans for laser in lasers) - before) / SECONDS / TEAM
     name = f"{TEAM} robots, each with 16 sonar and {COARSE.beams} values at {rate:.1f} Hz, all driving"
     cadence = "SIP cadence there: distance from 100 ms, p99, worst robot"
     worst = max((deviation("laser", cadence, each) for each in arrivals), key=lambda figure: figure.value)
     return [Figure("laser", f"processor, {name}", cost, 30.0, "%"), worst]
-
-
-def _listen(clients: list[PortClient], lasers: list[LaserPortClient], seconds: float) -> list[list[float]]:
-    """Read everybody as bytes come and keep the robots alive; arrival times of each robot's SIPs."""
-    arrivals: list[list[float]] = [[] for _ in clients]
-    owner = {client.descriptor: number for number, client in enumerate(clients)}
-    scanner = {laser.descriptor: laser for laser in lasers}
-    deadline, pulse_due = time.monotonic() + seconds, 0.0
-    while (now := time.monotonic()) < deadline:
-        if now >= pulse_due:
-            pulse_due = now + KEEP_ALIVE_S
-            for client in clients:
-                client.send(Command.PULSE)
-        ready = select.select([*owner, *scanner], [], [], KEEP_ALIVE_S)[0]
-        for descriptor in sorted(ready, key=scanner.__contains__):  # SIPs first: their times are what is measured
-            if descriptor in scanner:
-                scanner[descriptor].read()
-                continue
-            number = owner[descriptor]
-            arrivals[number].extend(at for at, payload in clients[number].read() if payload[0] in SIP_TYPES)
-    return arrivals

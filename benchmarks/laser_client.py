@@ -4,9 +4,9 @@ import os
 import select
 import termios
 import time
-import tty
 from typing import Self
 
+from benchmarks.client import TCP, open_port
 from p2os.accessories.lms import MODE_OF_BAUD, LmsAnswerCode, LmsMode, LmsRequestCode, Variant
 from p2os.accessories.lms_framing import LmsTelegram, LmsTelegramDecoder, encode
 
@@ -21,8 +21,8 @@ class LaserPortClient:
     """
 
     def __init__(self, port: str) -> None:
-        self.descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-        tty.setraw(self.descriptor)
+        self.descriptor = open_port(port)
+        self._has_rate = not port.startswith(TCP)
         self._set_rate(9600)
         self.scans = 0
         self._decoder = LmsTelegramDecoder(from_laser=True)
@@ -62,6 +62,8 @@ class LaserPortClient:
                 self.read()
 
     def _set_rate(self, baud: int) -> None:
+        if not self._has_rate:
+            return
         attributes = termios.tcgetattr(self.descriptor)
         attributes[4] = attributes[5] = getattr(termios, f"B{baud}")
         termios.tcsetattr(self.descriptor, termios.TCSANOW, attributes)

@@ -33,18 +33,25 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 
 
 def _wheels() -> list[float]:
-    """At random moments of the SIP cycle, ms."""
-    times = []
-    moments = random.Random(1)
     with emulator("--robot", "p3dx-sh", "--world", "empty", "--quiet") as robots, PortClient(robots.port) as client:
         client.connect()
-        client.send(Command.ENABLE, 1)
-        for trial in range(TRIALS):
-            _until_wheels(client, turning=False)
-            time.sleep(moments.uniform(0.0, 0.1))
-            sent = client.send(Command.VEL, 0.2 if trial % 2 else -0.2)
-            times.append((_until_wheels(client, turning=True) - sent) * 1e3)
-            client.send(Command.STOP)
+        return motion_latencies(client, TRIALS, random.Random(1))
+
+
+def motion_latencies(client: PortClient, trials: int, moments: random.Random) -> list[float]:
+    """Return the time from a VEL, at random moments of the SIP cycle, to the first SIP with turning wheels, ms.
+
+    Raises:
+        TimeoutError: The wheels do not turn, or do not stop.
+    """
+    times = []
+    client.send(Command.ENABLE, 1)
+    for trial in range(trials):
+        _until_wheels(client, turning=False)
+        time.sleep(moments.uniform(0.0, 0.1))
+        sent = client.send(Command.VEL, 0.2 if trial % 2 else -0.2)
+        times.append((_until_wheels(client, turning=True) - sent) * 1e3)
+        client.send(Command.STOP)
     return times
 
 

@@ -32,6 +32,8 @@ ELSEWHERE = {
     "pytest pty_tests --port /dev/ttyUSB0": "it is for a real robot",
     "pytest pty_tests --port /dev/ttyUSB0 --report report.json": "it is for a real robot",
     "python -m benchmarks stop_proof": "it is a benchmark, which takes minutes",
+    "python -m benchmarks crowd headless": "it is a benchmark, which takes minutes",
+    "python -m benchmarks --peer 127.0.0.1:8101 --peer-pid 4711": "tests/benchmarks/test_compare.py",
 }
 """Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
 PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "testing": 2}
