@@ -112,7 +112,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     else:
         mark = metafunc.definition.get_closest_marker("emulate")
         models = list(mark.args if mark else EMULATED)
-    metafunc.parametrize("site", models, indirect=True, scope="session")
+    metafunc.parametrize("site", models, indirect=True, scope="package")
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class Site:
     firmware: str | None = None
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # and no longer: the emulator would go on beside all other tests of a worker
 def site(request: pytest.FixtureRequest) -> Iterator[Site]:
     """The robot under test."""
     baud = request.config.getoption("--baud")
@@ -174,7 +174,7 @@ def ports_of(emulator: "subprocess.Popen[str]") -> tuple[str, str | None]:
     return str(robot["port"]), robot["laser_port"]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def firmware(site: Site) -> Firmware:
     """What the robot runs, by its CONFIGpac where nobody has said so."""
     if site.firmware is not None:
