@@ -21,7 +21,7 @@ from tests.acromovi.team.running import RunningTeam, running
 from tests.live_team import LIMIT
 from tests.reader import blocks
 from tests.shown import ELSEWHERE, OF_A_RECORDING, PAGES, PYTHON_ELSEWHERE, command_lines, files, page, to_run
-from tests.waiting import end_of, exit_code, wait_until, waiting
+from tests.waiting import end_of, exit_code, run, wait_until, waiting
 
 TEAM = """
 world = "empty"
@@ -96,7 +96,7 @@ def test_ctrl_c_stops_a_motion(team: RunningTeam) -> None:
 
 def test_a_motion_with_a_heartbeat_ends(team: RunningTeam) -> None:
     (program,) = files("motions", "python")
-    done = subprocess.run([sys.executable, "-c", program, "happy"], capture_output=True, text=True, timeout=LIMIT)
+    done = run([sys.executable, "-c", program, "happy"], LIMIT)
     assert "'result': 'reached'" in done.stdout, done.stdout + done.stderr
 
 

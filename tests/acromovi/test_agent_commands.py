@@ -127,7 +127,7 @@ def test_a_container_that_follows_a_killed_one_is_not_refused(robot: str) -> Non
         first.kill()
         with container(robot) as second:
             second.send_signal(signal.SIGTERM)
-            assert second.wait(timeout=10.0) == 143
+            assert exit_code(second) == 143
 
 
 def test_of_two_containers_of_one_name_that_start_together_one_stays(robot: str, until: Callable[..., None]) -> None:

@@ -1,7 +1,6 @@
 """Which extras are installed, and the command that installs them from where this installation came."""
 
 import json
-import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
@@ -13,6 +12,7 @@ import pytest
 from acromovi.doctor import examine
 from configs import extras
 from configs.extras import EXTRAS, ExtraMissing, install_command, missing, require
+from tests.waiting import run
 
 ROOT = Path(__file__).resolve().parents[2]
 MAIN = """
@@ -99,9 +99,7 @@ def test_a_command_without_its_extra_says_in_one_sentence_what_to_install(
 ) -> None:
     text = MAIN.format(module=module, program=program, arguments=line.split())
     environment = {"PYTHONPATH": str(ROOT), "HOME": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", text], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60
-    )
+    done = run([sys.executable, "-c", text], 60.0, cwd=tmp_path, env=environment)
     assert done.returncode in (1, 5)
     assert done.stderr.startswith(f"{says}, not installed here; install with: {sys.executable} -m pip install ")
     assert done.stderr.count("\n") == 1

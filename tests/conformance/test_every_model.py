@@ -15,6 +15,7 @@ import pytest
 import configs
 from p2os import RobotModel
 from p2os.firmware import FIRMWARES, Family
+from tests.waiting import run
 
 ROOT = Path(__file__).parents[2]
 LEFT_OUT = (
@@ -27,8 +28,9 @@ LEFT_OUT = (
 )
 UNUSED = ("cacheprovider", "hypothesispytest", "xdist")
 """Plugins that the suite does not need, and that take longer to load than a model is asked."""
-TOGETHER = 5
+TOGETHER = 10
 """Models that one process asks."""
+LIMIT = 110.0  # s for all of them
 REASONS = (
     r"\w+( for one array)? came with .*",
     r"this firmware's CONFIGpac has no \w+",
@@ -50,7 +52,7 @@ def judge(models: Sequence[str], *arguments: str) -> "subprocess.CompletedProces
     command += [f"--ignore={each}" for each in LEFT_OUT if "::" not in each]
     # A worker of this run must not pass for one of that run.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
-    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=110)
+    return run(command, LIMIT, cwd=ROOT, env=environment)
 
 
 def groups() -> Iterator[tuple[Family, list[str]]]:

@@ -16,7 +16,7 @@ from bus import Bus, ZenohBus, keys, memory
 from bus.validation import LONGEST_NAME
 from gateway.settings import Settings
 from tests.gateway.test_robot_on_bus import Office
-from tests.waiting import wait_until
+from tests.waiting import patience, wait_until
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import Bench
@@ -190,7 +190,7 @@ def test_the_program_itself_goes_on_whatever_comes_by_zenoh(name: str, bus: Bus)
         wait_until(lambda: len(poses) > 3)
         for payload in (*HOSTILE_PAYLOADS, taken, b'{"linear": 0, "angular": 0}'):
             for topic in (keys.LEASE, keys.DRIVE, keys.DESCRIPTION):
-                replies = list(session.get(topic.key(name), payload=payload, timeout=LIMIT))
+                replies = list(session.get(topic.key(name), payload=payload, timeout=patience(LIMIT)))
                 assert len(replies) == 1, (topic.suffix, payload[:40])
             for topic in (keys.CMD_VEL, keys.CMD_VEL_STAMPED):
                 session.put(topic.key(name), payload, attachment=b"\xff\xfe" * 1000)

@@ -22,6 +22,7 @@ from tests.gateway.conftest import Bench, find_model
 from tests.gateway.simulator_peer import SimulatorPeer, serving
 from tests.gateway.test_command_line import peer, stranger
 from tests.gateway.test_simulator import Line
+from tests.waiting import end_of
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import MakeBench
@@ -228,6 +229,6 @@ def test_gateway_that_does_not_wait_ends_when_each_connection_is_closed() -> Non
             return b""
 
     with serving(Closing()) as served, gateway(served.url) as process:
-        _, said = process.communicate(timeout=20.0)
+        _, said = end_of(process)
         assert process.returncode == 8
     assert "closed by the other end" in said

@@ -145,7 +145,7 @@ def test_camera_is_told_what_is_new_only_while_somebody_looks(until: Callable[..
             return camera.is_watched
 
         at = urlsplit(camera.url)
-        with closing(http.client.HTTPConnection(at.hostname or "", at.port, timeout=LIMIT)) as connection:
+        with closing(http.client.HTTPConnection(at.hostname or "", at.port, timeout=patience(LIMIT))) as connection:
             connection.request("GET", "/video")
             with connection.getresponse():
                 until(is_watched)
