@@ -4,6 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 DEMO   := $(VENV)/.demo
 READY  := $(VENV)/.ready
+SEEN   := $(VENV)/.collected
 
 # Tests wait for processes more than they reckon, so there is room for more at a time than there are cores.
 WORKERS := $(shell expr $$(nproc) + 2)
@@ -14,7 +15,7 @@ PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo install test test-quick format lint types bytecode docs pictures bench wheel clean
+.PHONY: help demo install test tests test-quick format lint types bytecode docs pictures bench wheel clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -31,8 +32,11 @@ install: $(READY)  ## Install everything: all extras and the development tools, 
 demo: $(DEMO)  ## Emulator, gateway and a drive round the office; ends by itself in about a minute
 	@$(BIN)/python -m acromovi demo
 
+# The type check of a fresh clone takes a minute of one core, so the tests begin meanwhile.
 test: $(READY)  ## Format check, lint, strict types and all tests
-	@$(MAKE) --no-print-directory -j2 lint types bytecode
+	@$(MAKE) --no-print-directory -j2 lint types tests
+
+tests: lint bytecode
 	$(PYTEST)
 
 test-quick: $(READY)  ## Format check, lint and the tests that start no team, in two to three minutes; no types
@@ -44,12 +48,13 @@ lint: $(READY)  ## Format check and lint
 	$(BIN)/ruff check .
 
 types: $(READY)  ## Strict types
-	$(BIN)/mypy
+	nice $(BIN)/mypy
 
-# The workers begin at the same time, and each would compile all tests for itself.
+# The workers begin at the same time, and each would compile all tests for itself. Nothing is to be done if no file has
+# changed since.
 bytecode: $(READY)
-	@mkdir -p .cache
-	@$(BIN)/pytest -n 0 --collect-only -qq > .cache/collected.txt || (cat .cache/collected.txt; false)
+	@if ! [ $(SEEN) -nt $(READY) ] || [ -n "$$(find . -path './.*' -prune -o -name '*.py' -newer $(SEEN) -print -quit)" ]; \
+	then $(BIN)/pytest -n 0 --collect-only -qq > $(SEEN) || (cat $(SEEN); rm $(SEEN); false); fi
 
 format: $(READY)  ## Format the code and mend what lint can mend
 	$(BIN)/ruff format .

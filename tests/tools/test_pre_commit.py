@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SLOW = {"bytecode"}  # prepares the tests, which pre-commit leaves to make
+SLOW = {"tests"}  # which pre-commit leaves to make
 
 
 def test_hooks_are_the_checks_of_make_test() -> None:
