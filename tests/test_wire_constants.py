@@ -4,8 +4,9 @@ The rules look at the source of both programs. What they find is moved to `p2os`
 """
 
 import ast
+import re
 import tokenize
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from importlib import import_module
 from io import StringIO
@@ -21,6 +22,8 @@ BIT_OPERATIONS = ast.BitAnd | ast.BitOr | ast.BitXor | ast.LShift | ast.RShift
 BYTE_CONVERSIONS = {"to_bytes", "from_bytes", "fromhex"}
 WIRE_NAMES = {"payload", "frame", "telegram", "argument", "mask", "levels", "packet_type", "bumpers", "drift"}
 """Variables that hold bytes or counts of the wire."""
+PREFIX = re.compile("0[xXbB]")
+"""Of a number that is not decimal; it is found in texts too."""
 SMALL = (-1, 0, 1)
 """Numbers that are no facts by themselves: signs, off and on."""
 
@@ -167,18 +170,20 @@ def _repeated_facts(node: ast.AST) -> Iterator[Finding]:
                 yield Finding("repeated fact", ast.unparse(node))
 
 
-def _names(module: ast.Module) -> Iterator[Finding]:
-    ignored = {id(node.value) for node in ast.walk(module) if isinstance(node, ast.Expr)}
+def _names(module: ast.Module, nodes: Sequence[ast.AST]) -> Iterator[Finding]:
+    ignored = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
     for node in module.body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
             ignored |= {id(inner) for inner in ast.walk(node)}
     known = Command.__members__.keys() | PacketType.__members__.keys()
-    for inner in ast.walk(module):
+    for inner in nodes:
         if isinstance(inner, ast.Constant) and id(inner) not in ignored and inner.value in known:
             yield Finding("name of a command or packet", ast.unparse(inner))
 
 
 def _hexadecimal(text: str) -> Iterator[Finding]:
+    if not PREFIX.search(text):  # tokens take long
+        return
     for token in tokenize.generate_tokens(StringIO(text).readline):
         if token.type == tokenize.NUMBER and token.string[:2].lower() in ("0x", "0b"):
             yield Finding("hexadecimal", token.string)
@@ -190,12 +195,13 @@ def findings(text: str) -> set[Finding]:
     knows_wire = any(
         isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "p2os" for node in module.body
     )
-    found = {*_names(module), *_hexadecimal(text)}
+    nodes = list(ast.walk(module))
+    found = {*_names(module, nodes), *_hexadecimal(text)}
     for node in module.body:
         found.update(_repeated_facts(node))
         if knows_wire or isinstance(node, ast.ClassDef):
             found.update(_numbered_names(node))
-    for inner in ast.walk(module):
+    for inner in nodes:
         found.update((*_bytes(inner), *_bits(inner), *_comparisons(inner)))
     return found
 
