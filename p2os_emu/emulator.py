@@ -59,7 +59,8 @@ class EmulatedRobot:
     def think(self, now: float) -> bytes:
         """Pass the received bytes to the firmware and advance it by a step; return the bytes that it sends."""
         controller = self.microcontroller
-        data = self.line.receive(now, controller.host_baud)
+        line = self.line
+        data = line.receive(now, controller.host_baud) if line.link.inbox or not line.is_plain else b""
         if self.is_frozen or not self.is_powered:
             return b""
         if data:
@@ -299,8 +300,9 @@ class Emulator:
         replies = [robot.think(now) for robot in robots]
         self._world.step()
         now = self._world.time
-        for robot, saying in zip(robots, replies, strict=True):
-            robot.line.send(saying, now, robot.microcontroller.host_baud)
+        for robot, reply in zip(robots, replies, strict=True):
+            if reply or not robot.line.is_plain:
+                robot.line.send(reply, now, robot.microcontroller.host_baud)
         # After the robots, whose packets come by the clock: twenty scans take longer than all the rest.
         for robot in robots:
             for cable in robot.cables.values():

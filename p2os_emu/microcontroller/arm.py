@@ -219,7 +219,7 @@ class ArmServer:
         """
         if self._init_left > 0.0:
             self._init_left -= dt
-        if arm is None or not self._servos:
+        if arm is None:
             return
         if not self.is_powered:
             self._release(arm)
@@ -240,6 +240,11 @@ class ArmServer:
                 servo.advance(dt)
         if self.power is Power.GOING_HOME and not any(servo.is_moving for servo in self._servos):
             self._switch_off()
+
+    @property
+    def is_fitted(self) -> bool:
+        """There is an arm."""
+        return bool(self._servos)
 
     @property
     def is_powered(self) -> bool:

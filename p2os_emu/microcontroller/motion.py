@@ -10,7 +10,6 @@ from math import pi
 
 from p2os.firmware import Family
 from p2os.robot_model import RobotModel
-from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.odometry import OdometryIntegrator
 from p2os_emu.microcontroller.servo import Servo, ServoLimits
@@ -35,6 +34,7 @@ class MotionController:
     """
 
     __slots__ = (
+        "_drives_wheels",
         "_left_servo",
         "_mode",
         "_odometry",
@@ -82,6 +82,7 @@ class MotionController:
     def rest(self) -> None:
         """Forget every command and stand still."""
         self._mode = MotionMode.BODY
+        self._drives_wheels = False
         self.halted = False
         self.left = self.right = 0.0
         for servo in (self.translation, self.rotation, self._left_servo, self._right_servo):
@@ -93,11 +94,6 @@ class MotionController:
         odometry = self._odometry
         setpoint = self.rotation.setpoint
         return odometry.heading if setpoint is None else setpoint - odometry.turned + odometry.heading
-
-    @property
-    def forward(self) -> float:
-        """Speed asked for along the robot, m/s."""
-        return (self.left + self.right) / 2
 
     def translate(self, speed: float) -> None:
         """VEL, m/s."""
@@ -160,21 +156,24 @@ class MotionController:
         """SETO: the heading setpoint becomes the present heading."""
         self.rotation.forget_place()
 
-    def advance(self, state: BodyState, dt: float) -> None:
-        """Take one step of the profiles and set `left` and `right`."""
+    def advance(self, left_speed: float, right_speed: float, dt: float) -> None:
+        """Take one step of the profiles and set `left` and `right`.
+
+        Args:
+            left_speed: Of the rim as the encoders see it, m/s.
+            right_speed: Likewise.
+            dt: s.
+        """
         odometry = self._odometry
-        left_speed = state.left_velocity
-        right_speed = state.right_velocity
-        if self._mode is MotionMode.WHEELS:
-            self._left_servo.advance(odometry.left_travelled, left_speed, dt, self.halted)
-            self._right_servo.advance(odometry.right_travelled, right_speed, dt, self.halted)
-            self.left = self._left_servo.speed
-            self.right = self._right_servo.speed
+        halted = self.halted
+        if self._drives_wheels:
+            self.left = self._left_servo.advance(odometry.left_travelled, left_speed, dt, halted)
+            self.right = self._right_servo.advance(odometry.right_travelled, right_speed, dt, halted)
             return
-        self.translation.advance(odometry.travelled, (left_speed + right_speed) / 2, dt, self.halted)
-        self.rotation.advance(odometry.turned, (right_speed - left_speed) / self._track, dt, self.halted)
-        forward = self.translation.speed
-        difference = self.rotation.speed * self._track / 2
+        track = self._track
+        forward = self.translation.advance(odometry.travelled, (left_speed + right_speed) / 2, dt, halted)
+        turning = self.rotation.advance(odometry.turned, (right_speed - left_speed) / track, dt, halted)
+        difference = turning * track / 2
         self.left = forward - difference
         self.right = forward + difference
 
@@ -183,6 +182,7 @@ class MotionController:
         if mode is self._mode:
             return
         self._mode = mode
+        self._drives_wheels = mode is MotionMode.WHEELS
         self.translation.rest((self.left + self.right) / 2)
         self.rotation.rest((self.right - self.left) / self._track)
         self._left_servo.rest(self.left)
