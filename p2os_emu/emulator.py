@@ -96,8 +96,8 @@ class EmulatedRobot:
 
 
 @dataclass(frozen=True, slots=True)
-class EmulatedSimulatorControl:
-    """Carries out simulator commands for one robot; implements `SimulatorControl`."""
+class _SimulatedRobotAccess:
+    """Carries out simulator commands for one robot: the access that `Simulator` needs."""
 
     emulator: "Emulator"
     robot: EmulatedRobot
@@ -209,7 +209,7 @@ class Emulator:
         line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
-            controller.simulate(Simulator(model, EmulatedSimulatorControl(self, robot), body))
+            controller.simulate(Simulator(model, _SimulatedRobotAccess(self, robot), body))
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot

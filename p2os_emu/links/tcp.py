@@ -14,7 +14,7 @@ HOST = "127.0.0.1"
 _READ_SIZE = 4096
 
 
-class Connection:
+class _Connection:
     """One client's TCP connection. is_open: it lasts. Bytes that come are added to `inbox`."""
 
     def __init__(self, poller: Poller, connection: socket.socket, inbox: bytearray) -> None:
@@ -76,7 +76,7 @@ class TcpLink(Link):
     def __init__(self, poller: Poller, port: int) -> None:
         super().__init__()
         self._poller = poller
-        self._connection: Connection | None = None
+        self._connection: _Connection | None = None
         self._plugged = True
         self._listener = listen(port)
         self.port = address(self._listener)
@@ -123,7 +123,7 @@ class TcpLink(Link):
         if self.attached or not self._plugged:
             knocking.close()
             return
-        self._connection = Connection(self._poller, knocking, self.inbox)
+        self._connection = _Connection(self._poller, knocking, self.inbox)
 
 
 class ClientLink(Link):
@@ -132,7 +132,7 @@ class ClientLink(Link):
     def __init__(self, poller: Poller, connection: socket.socket) -> None:
         super().__init__()
         self.port = address(connection)
-        self._connection = Connection(poller, connection, self.inbox)
+        self._connection = _Connection(poller, connection, self.inbox)
 
     @property
     def attached(self) -> bool:

@@ -31,7 +31,7 @@ from p2os_emu.microcontroller.timers import ClientWatchdog
 GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
 
 
-class Requests:
+class _Requests:
     """Packets to send with the next SIP, or with every SIP."""
 
     __slots__ = ("_wanted",)
@@ -96,7 +96,7 @@ class Board:
         self.sonar = SonarScheduler(model, flash)
         self.battery = BatteryModel(model.battery_nominal, seed)
         self.watchdog = ClientWatchdog(flash.watchdog)
-        self.requests = Requests()
+        self.requests = _Requests()
         self.gripper = GripperServer()
         self.arm = ArmServer()
         self.known = known_commands(model.firmware, FIRMWARES[model.firmware].version)

@@ -19,7 +19,7 @@ NEAR_ENOUGH = 0.0005
 RECOMPOSES_WHEELS = frozenset({Family.ARCOS, Family.UARCS})
 
 
-class MotionMode(Enum):
+class _MotionMode(Enum):
     """Which servers have the wheels."""
 
     BODY = "translation and rotation"
@@ -81,7 +81,7 @@ class MotionController:
 
     def rest(self) -> None:
         """Forget every command and stand still."""
-        self._mode = MotionMode.BODY
+        self._mode = _MotionMode.BODY
         self._drives_wheels = False
         self.halted = False
         self.left = self.right = 0.0
@@ -97,17 +97,17 @@ class MotionController:
 
     def translate(self, speed: float) -> None:
         """VEL, m/s."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.translation.run(speed)
 
     def move(self, distance: float) -> None:
         """MOVE, m from here."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.translation.go(self._odometry.travelled, distance)
 
     def rotate(self, speed: float) -> None:
         """RVEL and ROTATE, rad/s."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.rotation.run(speed)
 
     def head(self, heading: float) -> None:
@@ -116,7 +116,7 @@ class MotionController:
 
     def turn(self, angle: float) -> None:
         """DHEAD: an angle from the present heading, rad; the whole of it, even if the other way round were shorter."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.rotation.go(self._odometry.turned, angle)
 
     def turn_setpoint(self, angle: float) -> None:
@@ -126,11 +126,11 @@ class MotionController:
     def wheels(self, left: float, right: float) -> None:
         """VEL2, m/s of each rim."""
         if self._recomposes:
-            self._enter(MotionMode.RECOMPOSED)
+            self._enter(_MotionMode.RECOMPOSED)
             self.translation.run((left + right) / 2)
             self.rotation.run((right - left) / self._track)
         else:
-            self._enter(MotionMode.WHEELS)
+            self._enter(_MotionMode.WHEELS)
             self._left_servo.run(left)
             self._right_servo.run(right)
 
@@ -177,12 +177,12 @@ class MotionController:
         self.left = forward - difference
         self.right = forward + difference
 
-    def _enter(self, mode: MotionMode) -> None:
+    def _enter(self, mode: _MotionMode) -> None:
         """Give the wheels to the servers of a mode; they begin at the present speeds, without a setpoint."""
         if mode is self._mode:
             return
         self._mode = mode
-        self._drives_wheels = mode is MotionMode.WHEELS
+        self._drives_wheels = mode is _MotionMode.WHEELS
         self.translation.rest((self.left + self.right) / 2)
         self.rotation.rest((self.right - self.left) / self._track)
         self._left_servo.rest(self.left)

@@ -6,7 +6,7 @@ from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.motion import MotionController
 
 
-class StallDetector:
+class _StallDetector:
     """Watches motor effort and bumpers.
 
     A wheel is stalled when the running average of its PWM, counted only while the wheel is slow, exceeds STALLVAL. The
@@ -76,7 +76,7 @@ class Motors:
 
     def __init__(self, motion: MotionController, flash: Flash) -> None:
         self._motion = motion
-        self.stall = StallDetector(flash)
+        self.stall = _StallDetector(flash)
         self._driven: tuple[float, float] | None = None
         self.enabled = False
         self.restore(flash)

@@ -60,7 +60,7 @@ OLD_NUMBERS: Mapping[int, Command] = {
 """What a client of an old simulator sends, and what it means by it; angles in degrees, of 38 in hundredths."""
 
 
-class SimulatorControl(Protocol):
+class _SimulatorControl(Protocol):
     """Access of simulator commands to a robot in the world."""
 
     @property
@@ -83,7 +83,7 @@ class Simulator:
     messages: what clients wanted to be known, and what was refused them, the latest last.
     """
 
-    def __init__(self, model: RobotModel, robot: SimulatorControl, body: Body) -> None:
+    def __init__(self, model: RobotModel, robot: _SimulatorControl, body: Body) -> None:
         """Stand by.
 
         Args:
