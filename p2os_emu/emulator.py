@@ -1,6 +1,7 @@
 """Robots in a world, each with its own line. One step moves all of them. Opens no port and reads no clock."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
@@ -95,32 +96,6 @@ class EmulatedRobot:
             cable.line.link.close()
 
 
-@dataclass(frozen=True, slots=True)
-class _SimulatedRobotAccess:
-    """Carries out simulator commands for one robot: the access that `Simulator` needs."""
-
-    emulator: "Emulator"
-    robot: EmulatedRobot
-
-    @property
-    def pose(self) -> Pose2D:
-        """True pose of the robot."""
-        return self.emulator.truth(self.robot.name).pose
-
-    def place(self, pose: Pose2D) -> str:
-        """Move the robot to a pose; return why it is refused, empty when it is done."""
-        try:
-            self.emulator.place(self.robot.name, pose)
-        except ValueError as error:
-            return str(error)
-        return ""
-
-    def restart(self) -> None:
-        """Move the robot back to its first pose, and set its odometry to zero."""
-        self.place(self.robot.start)
-        self.robot.microcontroller.forget_travels()
-
-
 def _check_place(pose: Pose2D) -> None:
     if not max(abs(pose.x), abs(pose.y)) <= FARTHEST:
         raise ValueError(f"the place ({pose.x:g}, {pose.y:g}) m is too far away; choose one within {FARTHEST:g} m")
@@ -209,7 +184,15 @@ class Emulator:
         line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
-            controller.simulate(Simulator(model, _SimulatedRobotAccess(self, robot), body))
+            controller.simulate(
+                Simulator(
+                    model,
+                    body,
+                    pose=lambda: self._world.truth(name).pose,
+                    place=partial(self.place, name),
+                    restart=partial(self._put_back, robot),
+                )
+            )
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot
@@ -313,6 +296,12 @@ class Emulator:
         """Close every port; the caller closes the world."""
         for robot in self.robots.values():
             robot.close()
+
+    def _put_back(self, robot: EmulatedRobot) -> None:
+        """Move a robot back to its first pose, and set its odometry to zero."""
+        with suppress(ValueError):  # something stands there now: only the odometry restarts
+            self.place(robot.name, robot.start)
+        robot.microcontroller.forget_travels()
 
     def _stop_deserted(self) -> None:
         for robot in self.robots.values():
