@@ -33,7 +33,7 @@ from p2os_emu.private_folder import CONTROL, private_folder
 from p2os_emu.record_and_replay import RobotRecorders, check, serve
 from p2os_emu.recording import RecordingError
 from p2os_emu.runner import Runner
-from p2os_emu.team import EmulatedTeam, TeamError
+from p2os_emu.team import EmulatedTeam
 
 if TYPE_CHECKING:
     from p2os_emu.camera.cameras import Cameras
@@ -61,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 serve(options.serve, options)
             else:
                 _emulate(options)
-    except (configs.ConfigError, TeamError, FaultError, RecordingError) as error:
+    except (configs.ConfigError, FaultError, RecordingError) as error:
         return _fail(error, EXIT_CONFIG)
     except PortError as error:
         return _fail(error, EXIT_PORT)

@@ -17,8 +17,8 @@ from p2os_emu.hints import nearest
 from p2os_emu.links.link import PortError
 from p2os_emu.pacing import FASTEST, SLOWEST
 from p2os_emu.runner import Runner
-from p2os_emu.team import EmulatedTeam, TeamError
-from p2os_emu.truth_rows import robot_row, surroundings_rows
+from p2os_emu.team import EmulatedTeam
+from p2os_emu.truth_rows import robot_row
 
 Fields = Mapping[str, Any]
 _LONGEST_QUOTE = 80  # characters of a value in an error
@@ -111,7 +111,7 @@ def _shown(value: Any) -> str:
 
 def _truth(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     rows = {robot.name: robot_row(handler.emulator, robot) for robot in handler.robots(fields)}
-    answer = {"robots": rows, **surroundings_rows(handler.emulator), "time": handler.emulator.time, **_pace(handler)}
+    answer = {"robots": rows, **_surroundings(handler.emulator), "time": handler.emulator.time, **_pace(handler)}
     if len(rows) == 1:  # meant or alone: spares the asker a level
         answer |= {key: next(iter(rows.values()))[key] for key in ("x", "y", "heading")}
     return answer
@@ -244,7 +244,7 @@ def _add(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     text = fields["model"] + (f":{fields['name']}" if "name" in fields else "")
     try:
         robot = handler.team.add(text, pose, parts=[part for part in fields.get("fit", "").split(",") if part])
-    except (TeamError, ConfigError, PortError) as error:
+    except (ConfigError, PortError) as error:
         raise RequestError(str(error)) from error
     return {"robot": handler.team.entry(robot)}
 
@@ -282,3 +282,13 @@ REQUESTS: Mapping[str, _Request] = {
     "remove": _Request(_remove, {"robot": str}, ("robot",)),
     "quit": _Request(_quit, {}),
 }
+
+
+def _surroundings(emulator: Emulator) -> dict[str, Any]:
+    """Return the places of objects, people and doors."""
+    people = {
+        name: {"x": x, "y": y, "heading": heading, "walks": walks}
+        for name, (x, y, heading, walks) in emulator.people().items()
+    }
+    doors = {name: {"opening": opening, "width": width} for name, (opening, width) in emulator.doors().items()}
+    return {"objects": emulator.objects(), "people": people, "doors": doors}

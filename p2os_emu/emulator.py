@@ -1,6 +1,7 @@
 """Robots in a world, each with its own line. One step moves all of them. Opens no port and reads no clock."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
@@ -59,7 +60,8 @@ class EmulatedRobot:
     def think(self, now: float) -> bytes:
         """Pass the received bytes to the firmware and advance it by a step; return the bytes that it sends."""
         controller = self.microcontroller
-        data = self.line.receive(now, controller.host_baud)
+        line = self.line
+        data = line.receive(now, controller.host_baud) if line.link.inbox or not line.is_plain else b""
         if self.is_frozen or not self.is_powered:
             return b""
         if data:
@@ -92,32 +94,6 @@ class EmulatedRobot:
         self.line.link.close()
         for cable in self.cables.values():
             cable.line.link.close()
-
-
-@dataclass(frozen=True, slots=True)
-class EmulatedSimulatorControl:
-    """Carries out simulator commands for one robot; implements `SimulatorControl`."""
-
-    emulator: "Emulator"
-    robot: EmulatedRobot
-
-    @property
-    def pose(self) -> Pose2D:
-        """True pose of the robot."""
-        return self.emulator.truth(self.robot.name).pose
-
-    def place(self, pose: Pose2D) -> str:
-        """Move the robot to a pose; return why it is refused, empty when it is done."""
-        try:
-            self.emulator.place(self.robot.name, pose)
-        except ValueError as error:
-            return str(error)
-        return ""
-
-    def restart(self) -> None:
-        """Move the robot back to its first pose, and set its odometry to zero."""
-        self.place(self.robot.start)
-        self.robot.microcontroller.forget_travels()
 
 
 def _check_place(pose: Pose2D) -> None:
@@ -208,7 +184,15 @@ class Emulator:
         line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
         if self._as_simulator:
-            controller.simulate(Simulator(model, EmulatedSimulatorControl(self, robot), body))
+            controller.simulate(
+                Simulator(
+                    model,
+                    body,
+                    pose=lambda: self._world.truth(name).pose,
+                    place=partial(self.place, name),
+                    restart=partial(self._put_back, robot),
+                )
+            )
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot
         return robot
@@ -299,8 +283,9 @@ class Emulator:
         replies = [robot.think(now) for robot in robots]
         self._world.step()
         now = self._world.time
-        for robot, saying in zip(robots, replies, strict=True):
-            robot.line.send(saying, now, robot.microcontroller.host_baud)
+        for robot, reply in zip(robots, replies, strict=True):
+            if reply or not robot.line.is_plain:
+                robot.line.send(reply, now, robot.microcontroller.host_baud)
         # After the robots, whose packets come by the clock: twenty scans take longer than all the rest.
         for robot in robots:
             for cable in robot.cables.values():
@@ -311,6 +296,12 @@ class Emulator:
         """Close every port; the caller closes the world."""
         for robot in self.robots.values():
             robot.close()
+
+    def _put_back(self, robot: EmulatedRobot) -> None:
+        """Move a robot back to its first pose, and set its odometry to zero."""
+        with suppress(ValueError):  # something stands there now: only the odometry restarts
+            self.place(robot.name, robot.start)
+        robot.microcontroller.forget_travels()
 
     def _stop_deserted(self) -> None:
         for robot in self.robots.values():

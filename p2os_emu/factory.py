@@ -7,7 +7,7 @@ from configs import ConfigError
 from p2os_emu.links.link import PortError
 from p2os_emu.links.poller import Poller
 from p2os_emu.links.tcp import ClientLink, address, listen
-from p2os_emu.team import EmulatedTeam, TeamError
+from p2os_emu.team import EmulatedTeam
 
 
 class Factory:
@@ -64,7 +64,7 @@ class Factory:
         link = ClientLink(self._poller, connection)
         try:
             robot = self._team.add(self.model, link=link)
-        except (TeamError, ConfigError, PortError) as error:
+        except (ConfigError, PortError) as error:
             link.close()
             print(f"p2os-emu: a client was turned away: {error}", file=sys.stderr, flush=True)
             return

@@ -21,12 +21,12 @@ SETTLED = 60.0
 @contextmanager
 def private_folder() -> Iterator[Path]:
     """A folder that only this user can enter, until the block ends."""
-    sweep_left_over()
+    _sweep_left_over()
     with tempfile.TemporaryDirectory(prefix=PREFIX) as folder:
         yield Path(folder)
 
 
-def sweep_left_over() -> None:
+def _sweep_left_over() -> None:
     """Remove this user's folders in which nobody listens any more."""
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
         with suppress(OSError):  # another emulator was quicker

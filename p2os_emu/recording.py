@@ -43,6 +43,21 @@ class RecordedBytes(NamedTuple):
     data: bytes
 
 
+@dataclass(slots=True)
+class _RecordedExchange:
+    """A frame of the host's, and what the robot said between it and the host's next.
+
+    name: what the host meant, see `ConnectionTracker`. answers: (s after the frame, payload), without the SIPs.
+    sips: likewise, all that came before the next OPEN; empty unless this is one.
+    """
+
+    time: float
+    name: str
+    command: bytes
+    answers: list[tuple[float, bytes]] = field(default_factory=list)
+    sips: list[tuple[float, bytes]] = field(default_factory=list)
+
+
 @dataclass(frozen=True, slots=True)
 class Recording:
     """A recording. name, model: of the robot, empty where the file does not say."""
@@ -62,6 +77,26 @@ class Recording:
             if payload[0] == Command.SYNC2 and (identity := Identity.read(payload)) is not None:
                 return identity
         return None
+
+    def exchanges(self) -> list[_RecordedExchange]:
+        """Take the recording apart; the first exchange has no command and holds what the robot said before any."""
+        talk, decoders = ConnectionTracker(), {source: FrameDecoder() for source in FrameSource}
+        current = session = _RecordedExchange(0.0, "", b"")
+        found = [current]
+        for time, source, data in self.moments:
+            for event in decoders[source].receive(data, time):
+                if not isinstance(event, Frame):
+                    continue
+                payload = event.payload
+                if source is FrameSource.HOST:
+                    current = _RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
+                    session = current if current.name == ConnectionCommand.OPEN else session
+                    found.append(current)
+                    continue
+                talk.hear(payload)
+                said = session.sips if payload[0] in SIP_TYPES else current.answers
+                said.append((time - (session.time if said is session.sips else current.time), payload))
+        return found
 
 
 def read(path: Path) -> Recording:
@@ -150,42 +185,6 @@ class LineRecorder:
         return RecordingError(f"{self._path} cannot be written: {error.strerror}; choose another path")
 
 
-@dataclass(slots=True)
-class _RecordedExchange:
-    """A frame of the host's, and what the robot said between it and the host's next.
-
-    name: what the host meant, see `ConnectionTracker`. answers: (s after the frame, payload), without the SIPs.
-    sips: likewise, all that came before the next OPEN; empty unless this is one.
-    """
-
-    time: float
-    name: str
-    command: bytes
-    answers: list[tuple[float, bytes]] = field(default_factory=list)
-    sips: list[tuple[float, bytes]] = field(default_factory=list)
-
-
-def exchanges(recording: Recording) -> list[_RecordedExchange]:
-    """Take a recording apart; the first exchange has no command and holds what the robot said before any."""
-    talk, decoders = ConnectionTracker(), {source: FrameDecoder() for source in FrameSource}
-    current = session = _RecordedExchange(0.0, "", b"")
-    found = [current]
-    for time, source, data in recording.moments:
-        for event in decoders[source].receive(data, time):
-            if not isinstance(event, Frame):
-                continue
-            payload = event.payload
-            if source is FrameSource.HOST:
-                current = _RecordedExchange(time, talk.name(payload) or f"command {payload[0]}", payload)
-                session = current if current.name == ConnectionCommand.OPEN else session
-                found.append(current)
-                continue
-            talk.hear(payload)
-            said = session.sips if payload[0] in SIP_TYPES else current.answers
-            said.append((time - (session.time if said is session.sips else current.time), payload))
-    return found
-
-
 class ReplayDevice:
     """A recorded robot, as a device: it answers a client with what the robot on the recording said.
 
@@ -199,7 +198,7 @@ class ReplayDevice:
     """
 
     def __init__(self, recording: Recording) -> None:
-        start, *recorded = exchanges(recording)
+        start, *recorded = recording.exchanges()
         self._same: dict[tuple[str, bytes], deque[_RecordedExchange]] = {}
         self._similar: dict[str, deque[_RecordedExchange]] = {}
         for each in recorded:

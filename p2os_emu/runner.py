@@ -20,7 +20,7 @@ _ROUNDING = 1e-6  # of a step; times of silence are sums of steps
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
 
 
-class Stepped(Protocol):
+class _Stepped(Protocol):
     """An object that a runner steps: an emulator."""
 
     @property
@@ -51,7 +51,7 @@ class Runner:
 
     def __init__(
         self,
-        emulator: Stepped,
+        emulator: _Stepped,
         poller: Poller,
         *,
         clock: Callable[[], float],

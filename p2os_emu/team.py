@@ -22,10 +22,6 @@ from p2os_emu.recording import RecordingError
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,18}")
 
 
-class TeamError(ValueError):
-    """A robot cannot be made as requested; the message says why and what to do."""
-
-
 class EmulatedTeam:
     """Makes robots.
 
@@ -63,21 +59,21 @@ class EmulatedTeam:
         """Check that every robot named by a part or a line exists.
 
         Raises:
-            TeamError: One is not.
+            ConfigError: One is not.
         """
         for option, names in (("--fit", [name for name, _ in self._fits if name]), ("--link", self._links)):
             for name in names:
                 if name not in self.emulator.robots:
                     hint = nearest(name, self.emulator.robots)
-                    raise TeamError(f"{option} {name}=...: there is no robot {name!r}; {hint}")
+                    raise ConfigError(f"{option} {name}=...: there is no robot {name!r}; {hint}")
 
     def check_model(self, text: str) -> None:
         """Check that a model exists.
 
         Raises:
-            TeamError, ConfigError: As `add`.
+            ConfigError: As `add`.
         """
-        name, model = read_robot(text, ())
+        name, model = _read_robot(text, ())
         self._fitted(name, model)
 
     def add(
@@ -91,14 +87,14 @@ class EmulatedTeam:
             link: Its cable; None opens a port for it.
             parts: Of this robot alone, as `--fit` writes them.
         Raises:
-            TeamError: There are too many robots, the name will not do, the world has no room there, or it is to be
+            ConfigError: There are too many robots, the name will not do, the world has no room there, or it is to be
                 recorded and cannot be.
             ConfigError: There is no such model, or a file has an error.
             PortError: Its port cannot be opened.
         """
         if len(self.emulator.robots) >= MOST_ROBOTS:
-            raise TeamError(f"there are {MOST_ROBOTS} robots already, and no room for more; run a second emulator")
-        name, model = read_robot(text, self.emulator.robots)
+            raise ConfigError(f"there are {MOST_ROBOTS} robots already, and no room for more; run a second emulator")
+        name, model = _read_robot(text, self.emulator.robots)
         model, fit = self._fitted(name, model, parts)
         flash = self._flash_of(model, name)
         with ExitStack() as opened:
@@ -114,14 +110,14 @@ class EmulatedTeam:
                     name, model, link, pose=pose, flash=flash, fit=fit, cables=cables, profile=self._own_profile(name)
                 )
             except ValueError as error:
-                raise TeamError(str(error)) from error
+                raise ConfigError(str(error)) from error
             opened.pop_all()
         try:
             for tell in self.whenever_added:
                 tell(robot)
         except RecordingError as error:
             self.emulator.remove(name)
-            raise TeamError(str(error)) from error
+            raise ConfigError(str(error)) from error
         except PortError:
             self.emulator.remove(name)
             raise
@@ -144,7 +140,7 @@ class EmulatedTeam:
         try:
             return read_fit([*meant, *own], model)
         except FitError as error:
-            raise TeamError(f"robot {name}: {error}") from error
+            raise ConfigError(f"robot {name}: {error}") from error
 
     def _own_profile(self, name: str) -> LinkProfile | None:
         return configs.load(LinkProfile, "links", self._links[name]) if name in self._links else None
@@ -156,7 +152,7 @@ class EmulatedTeam:
             raise ConfigError(f"{self._flash_source}: {error}") from error
 
 
-def read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
+def _read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
     """Find the model and choose the name.
 
     Args:
@@ -165,7 +161,7 @@ def read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
     Returns:
         Name and model. Without a NAME it is the model's, followed by -2, -3 and so on where that is taken.
     Raises:
-        TeamError: The name is taken, or is none that the handshake and the bus can carry.
+        ConfigError: The name is taken, or is none that the handshake and the bus can carry.
         ConfigError: There is no such model, or its file has an error.
     """
     kind, colon, name = text.partition(":")
@@ -173,9 +169,9 @@ def read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
     if not colon:
         name = _free_name(model.name, taken)
     if not _NAME.fullmatch(name):
-        raise TeamError(f"robot name {name!r} will not do; use 1 to 19 letters, digits, or any of _ . + -")
+        raise ConfigError(f"robot name {name!r} will not do; use 1 to 19 letters, digits, or any of _ . + -")
     if name in taken:
-        raise TeamError(f"there is a robot {name!r} already; choose another name")
+        raise ConfigError(f"there is a robot {name!r} already; choose another name")
     return name, model
 
 

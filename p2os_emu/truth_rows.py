@@ -13,16 +13,6 @@ LAST_TOUCHES = 10
 """Of a robot, in one answer; the count has them all."""
 
 
-def surroundings_rows(emulator: Emulator) -> dict[str, Any]:
-    """Return the places of objects, people and doors."""
-    people = {
-        name: {"x": x, "y": y, "heading": heading, "walks": walks}
-        for name, (x, y, heading, walks) in emulator.people().items()
-    }
-    doors = {name: {"opening": opening, "width": width} for name, (opening, width) in emulator.doors().items()}
-    return {"objects": emulator.objects(), "people": people, "doors": doors}
-
-
 def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
     """Return how one robot is: its truth, its board, its line and its accessories; null for those not fitted."""
     truth = emulator.truth(robot.name)

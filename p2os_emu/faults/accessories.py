@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.emulator import EmulatedRobot
-from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Requirement
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Requirement, number
 
 _GYRO = Requirement("gyro", lambda robot: robot.fit.has("gyro"))
 _LASER = Requirement("laser", lambda robot: robot.fit.has("laser"))
@@ -34,7 +33,7 @@ KINDS = (
         "dirt on the window of the laser scanner",
         "somebody wipes it",
         _soil_laser,
-        {"dirt": FaultParameter("the part of the light that it takes, 0 to 1", parameters.number(1.0), "0.5")},
+        {"dirt": FaultParameter("the part of the light that it takes, 0 to 1", number(1.0), "0.5")},
         _LASER,
     ),
 )

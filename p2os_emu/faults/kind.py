@@ -1,5 +1,7 @@
 """Kinds of faults: name, meaning, parameters and effect on a robot."""
 
+import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -7,6 +9,7 @@ from typing import Any
 from p2os_emu.emulator import EmulatedRobot
 
 Arguments = Mapping[str, Any]
+_NUMBER = re.compile(r"\d+(\.\d*)?|\.\d+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,3 +55,15 @@ class FaultKind:
     def applies_to(self, robot: EmulatedRobot) -> bool:
         """Return whether a robot has the part that can fail."""
         return self.needs is None or bool(self.needs.has(robot))
+
+
+def number(most: float, unit: str = "") -> Callable[[str, EmulatedRobot], float]:
+    """Return a reader of numbers from 0 to `most`, for `FaultParameter.read`."""
+
+    def read(text: str, robot: EmulatedRobot) -> float:
+        value = float(text) if _NUMBER.fullmatch(text) else math.nan
+        if not 0.0 <= value <= most:
+            raise ValueError(f"give {unit or 'a number'} from 0 to {most:g}")
+        return value
+
+    return read

@@ -3,8 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from p2os_emu.emulator import EmulatedRobot
-from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, number
 from p2os_emu.links.line import EmulatedLine
 
 _ROBOTS = "robot"
@@ -84,7 +83,7 @@ def _pull_port(line: EmulatedLine, active: Sequence[Arguments]) -> None:
 
 _CABLE = {"cable": FaultParameter("whose line: robot, or an accessory's such as laser or arm", _cable, _ROBOTS)}
 _TOWARD = {"toward": FaultParameter("the end that hears nothing, robot or host", _toward, "robot")}
-_RATE = {"rate": FaultParameter("of bits that arrive wrong", parameters.number(_MOST_NOISE), "0.001")}
+_RATE = {"rate": FaultParameter("of bits that arrive wrong", number(_MOST_NOISE), "0.001")}
 
 KINDS = (
     FaultKind(

@@ -3,10 +3,14 @@
 from collections.abc import Sequence
 
 from p2os_emu.emulator import EmulatedRobot
-from p2os_emu.faults import parameters
-from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, number
 
 _LOW = 0.9  # of the nominal voltage: a lead-acid battery that should be charged
+
+
+def _volts(text: str, robot: EmulatedRobot) -> float:
+    """What a battery of the robot's kind may show, V."""
+    return number(2 * robot.model.battery_nominal, "volts")(text, robot)
 
 
 def _press_stop(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
@@ -50,11 +54,7 @@ KINDS = (
         "the battery shows a low voltage",
         "the battery's own voltage shows again",
         _drain,
-        {
-            "volts": FaultParameter(
-                "what it shows, V; nine tenths of the nominal voltage if not given", parameters.volts
-            )
-        },
+        {"volts": FaultParameter("what it shows, V; nine tenths of the nominal voltage if not given", _volts)},
     ),
     FaultKind(
         "charger-plugged",

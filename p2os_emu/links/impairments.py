@@ -1,6 +1,6 @@
 """Impairments of a line by distance, noise and bad contacts. Each is a stage; the random generator is an argument.
 
-None of them knows a frame, apart from `Duplication`: a line carries bytes.
+None of them knows a frame, apart from `_Duplication`: a line carries bytes.
 """
 
 import math
@@ -41,18 +41,18 @@ class Impairments:
     def stages(self, seed: str) -> Iterator[LinkStage]:
         """Make the stages that are needed, in the order of a line; each draws by its own name."""
         if self.duplication:
-            yield Duplication(self.duplication, Random(f"{seed} duplication"))
+            yield _Duplication(self.duplication, Random(f"{seed} duplication"))
         if self.delay or self.jitter:
-            yield Delay(self.delay, self.jitter, Random(f"{seed} delay"))
+            yield _Delay(self.delay, self.jitter, Random(f"{seed} delay"))
         if self.loss or self.burst_start:
-            yield Loss(self, Random(f"{seed} loss"))
+            yield _Loss(self, Random(f"{seed} loss"))
         if self.bit_errors:
             yield BitErrors(self.bit_errors, Random(f"{seed} bit errors"))
         if self.damage:
-            yield ByteDamage(self.damage, Random(f"{seed} damage"))
+            yield _ByteDamage(self.damage, Random(f"{seed} damage"))
 
 
-class Delay:
+class _Delay:
     """Delays bytes without changing their order."""
 
     def __init__(self, delay: float, jitter: float, rng: Random) -> None:
@@ -73,13 +73,13 @@ class Delay:
         return arrived
 
 
-class Loss:
+class _Loss:
     """Loses bytes: few between bursts, many in bursts."""
 
     def __init__(self, impairments: Impairments, rng: Random) -> None:
         rates = impairments.loss, impairments.burst_loss, impairments.burst_start, impairments.burst_end
         # Each draws from a source of its own: how the bytes are cut into calls must not mix them.
-        lost, lost_in_burst, begin, end = (Hits(rate, Random(rng.getrandbits(64))) for rate in rates)
+        lost, lost_in_burst, begin, end = (_Hits(rate, Random(rng.getrandbits(64))) for rate in rates)
         self._hits = lost, lost_in_burst
         self._changes = begin, end
         self._in_burst = False
@@ -107,7 +107,7 @@ class BitErrors:
     """Inverts bits independently."""
 
     def __init__(self, rate: float, rng: Random) -> None:
-        self._hits = Hits(rate, rng)
+        self._hits = _Hits(rate, rng)
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
@@ -117,11 +117,11 @@ class BitErrors:
         return bytes(heard)
 
 
-class ByteDamage:
+class _ByteDamage:
     """Replaces bytes by other bytes."""
 
     def __init__(self, rate: float, rng: Random) -> None:
-        self._hits = Hits(rate, rng)
+        self._hits = _Hits(rate, rng)
         self._rng = rng
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
@@ -132,7 +132,7 @@ class ByteDamage:
         return bytes(heard)
 
 
-class Duplication:
+class _Duplication:
     """Duplicates frames."""
 
     def __init__(self, rate: float, rng: Random) -> None:
@@ -182,7 +182,7 @@ class Freeze:
         return b""
 
 
-class Hits:
+class _Hits:
     """Bernoulli trials; the time they take depends on the hits, not on the trials.
 
     How the trials are cut into calls does not matter.

@@ -56,6 +56,7 @@ class EmulatedLine:
     """One robot's line to its port.
 
     is_cut: while set, nothing gets through in either direction.
+    is_plain: bytes leave as they enter, in both directions.
     tap: called with time, sender and bytes for whatever the port carries; None if nobody listens.
     """
 
@@ -68,11 +69,7 @@ class EmulatedLine:
         self._to_robot = _Way()
         self._to_host = _Way()
         self._lay(profile)
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether bytes leave as they enter, in both directions."""
-        return self._to_robot.is_plain and self._to_host.is_plain
+        self._note_effects()
 
     @property
     def faults(self) -> list[str]:
@@ -97,6 +94,7 @@ class EmulatedLine:
         for end, way in (("robot", self._to_robot), ("host", self._to_host)):
             if toward in (end, "both"):
                 way.faults[name] = make(Random(f"{self._seed} {name} {end}"), rate)
+        self._note_effects()
 
     def mend(self, name: str) -> None:
         """End a fault; bytes that it held back arrive with the next ones."""
@@ -105,6 +103,7 @@ class EmulatedLine:
             fault = way.faults.pop(name, None)
             if isinstance(fault, Freeze):
                 way.late += bytes(fault.held)
+        self._note_effects()
 
     def receive(self, now: float, host_baud: int) -> bytes:
         """Take the bytes that reach the firmware now.
@@ -113,11 +112,12 @@ class EmulatedLine:
             now: Steady time, s; never less than at the call before.
             host_baud: The rate the firmware has set, bit/s.
         """
-        data = self.link.read()
+        data = self.link.read() if self.link.inbox else b""
         if data and self.tap is not None:
             self.tap(now, "host", data)
-        if not self._to_robot.is_plain:
+        if not self.is_plain:
             data = self._to_robot.carry(data, now, Rates(host_baud, self.link.client_baud))
+            self._note_effects()
         return b"" if self.is_cut else data
 
     def send(self, data: bytes, now: float, host_baud: int) -> None:
@@ -128,13 +128,17 @@ class EmulatedLine:
             now: Steady time, s; never less than at the call before.
             host_baud: The rate the firmware has set, bit/s.
         """
-        if not self._to_host.is_plain:
+        if not self.is_plain and not self._to_host.is_plain:
             data = self._to_host.carry(data, now, Rates(host_baud, self.link.client_baud))
+            self._note_effects()
             if data and not self.is_cut:
                 self._write(data, now)
         elif data and not self.is_cut:
             for frame in split_frames(data):
                 self._write(frame, now)
+
+    def _note_effects(self) -> None:
+        self.is_plain = self._to_robot.is_plain and self._to_host.is_plain
 
     def _write(self, data: bytes, now: float) -> None:
         if self.tap is not None:

@@ -11,6 +11,7 @@ class PortError(Exception):
 class Link(ABC):
     """The robot's side of one port. Nothing here waits: what cannot be sent now is dropped and counted.
 
+    inbox: bytes from the client that the robot has not read yet.
     port: what a client opens, for people and for `--json`; changes when the port vanishes and returns without a fixed
         name.
     dropped: frames that found no room because the client does not read.
@@ -18,6 +19,9 @@ class Link(ABC):
 
     port: str
     dropped: int = 0
+
+    def __init__(self) -> None:
+        self.inbox = bytearray()
 
     @property
     @abstractmethod
@@ -29,9 +33,11 @@ class Link(ABC):
         """The rate the client has set, bit/s; None where a port knows no rate."""
         return None
 
-    @abstractmethod
     def read(self) -> bytes:
         """Take all the bytes that have come since the last read; empty when there are none."""
+        data = bytes(self.inbox)
+        self.inbox.clear()
+        return data
 
     @abstractmethod
     def write(self, data: bytes) -> None:

@@ -10,10 +10,10 @@ class MemoryLink(Link):
     """
 
     def __init__(self, port: str = "memory", *, client_rate: int | None = None) -> None:
+        super().__init__()
         self.port = port
         self.client_rate = client_rate
         self._plugged = True
-        self._to_robot = bytearray()
         self._to_client: list[bytes] = []
 
     @property
@@ -26,12 +26,6 @@ class MemoryLink(Link):
         """The rate the client pretends to have set, bit/s."""
         return self.client_rate
 
-    def read(self) -> bytes:
-        """Take what the client has written."""
-        data = bytes(self._to_robot)
-        self._to_robot.clear()
-        return data
-
     def write(self, data: bytes) -> None:
         """Keep the bytes until the client reads them."""
         if self._plugged:
@@ -40,7 +34,7 @@ class MemoryLink(Link):
     def unplug(self) -> None:
         """Drop the bytes in transit and carry nothing more."""
         self._plugged = False
-        self._to_robot.clear()
+        self.inbox.clear()
         self._to_client.clear()
 
     def plug_in(self) -> None:
@@ -54,7 +48,7 @@ class MemoryLink(Link):
     def client_write(self, data: bytes) -> None:
         """The client's side: send bytes to the robot."""
         if self._plugged:
-            self._to_robot += data
+            self.inbox += data
 
     def client_read(self) -> bytes:
         """The client's side: take everything the robot has sent since the last read."""

@@ -46,9 +46,9 @@ class PtyLink(Link):
     """
 
     def __init__(self, poller: Poller, path: Path | None = None) -> None:
+        super().__init__()
         self._poller = poller
         self._path = path
-        self._inbox = bytearray()
         self._outlet = Outlet()
         self._master: int | None = None
         self._held_slave: int | None = None
@@ -73,14 +73,6 @@ class PtyLink(Link):
         output_speed: int = termios.tcgetattr(self._master)[5]
         return _SPEEDS.get(output_speed)
 
-    def read(self) -> bytes:
-        """Take the bytes that have come."""
-        if not self._inbox:
-            return b""
-        data = bytes(self._inbox)
-        self._inbox.clear()
-        return data
-
     def write(self, data: bytes) -> None:
         """Hand bytes to the client; nobody there loses them, a client that does not read loses whole frames."""
         if self._master is None or not (self.attached or self._somebody_came()):
@@ -100,7 +92,7 @@ class PtyLink(Link):
         if self._held_slave is not None:
             os.close(self._held_slave)
             self._held_slave = None
-        self._inbox.clear()
+        self.inbox.clear()
         self._outlet.clear()
 
     def plug_in(self) -> None:
@@ -144,7 +136,7 @@ class PtyLink(Link):
     def _take_bytes(self) -> None:
         assert self._master is not None
         try:
-            self._inbox += os.read(self._master, _READ_SIZE)
+            self.inbox += os.read(self._master, _READ_SIZE)
         except OSError as error:
             # EIO: the last client left; EAGAIN: it flushed what it had sent.
             if not isinstance(error, BlockingIOError) and self.attached:

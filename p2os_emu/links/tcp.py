@@ -14,24 +14,18 @@ HOST = "127.0.0.1"
 _READ_SIZE = 4096
 
 
-class Connection:
-    """One client's TCP connection. is_open: it lasts."""
+class _Connection:
+    """One client's TCP connection. is_open: it lasts. Bytes that come are added to `inbox`."""
 
-    def __init__(self, poller: Poller, connection: socket.socket) -> None:
+    def __init__(self, poller: Poller, connection: socket.socket, inbox: bytearray) -> None:
         self.is_open = True
         self._poller = poller
         self._socket = connection
-        self._inbox = bytearray()
+        self._inbox = inbox
         self._outlet = Outlet()
         connection.setblocking(False)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         poller.watch(connection.fileno(), self._on_ready)
-
-    def take(self) -> bytes:
-        """The bytes that have come since the last call."""
-        data = bytes(self._inbox)
-        self._inbox.clear()
-        return data
 
     def write(self, data: bytes) -> bool:
         """Hand bytes to the client; False when they were dropped because it does not read."""
@@ -80,9 +74,9 @@ class TcpLink(Link):
     """
 
     def __init__(self, poller: Poller, port: int) -> None:
+        super().__init__()
         self._poller = poller
-        self._inbox = b""  # what a client that has gone said last
-        self._connection: Connection | None = None
+        self._connection: _Connection | None = None
         self._plugged = True
         self._listener = listen(port)
         self.port = address(self._listener)
@@ -92,13 +86,6 @@ class TcpLink(Link):
     def attached(self) -> bool:
         """Whether a client is connected."""
         return self._connection is not None and self._connection.is_open
-
-    def read(self) -> bytes:
-        """Take the bytes that have come."""
-        if self._connection is None:
-            return b""
-        data, self._inbox = self._inbox + self._connection.take(), b""
-        return data
 
     def write(self, data: bytes) -> None:
         """Hand bytes to the client; nobody there loses them, a client that does not read loses whole frames."""
@@ -110,7 +97,7 @@ class TcpLink(Link):
         if self._connection is not None:
             self._connection.close()
         self._connection = None
-        self._inbox = b""
+        self.inbox.clear()
         self._plugged = False
 
     def plug_in(self) -> None:
@@ -136,26 +123,21 @@ class TcpLink(Link):
         if self.attached or not self._plugged:
             knocking.close()
             return
-        if self._connection is not None:
-            self._inbox += self._connection.take()
-        self._connection = Connection(self._poller, knocking)
+        self._connection = _Connection(self._poller, knocking, self.inbox)
 
 
 class ClientLink(Link):
     """The link of a robot that exists for one client only."""
 
     def __init__(self, poller: Poller, connection: socket.socket) -> None:
+        super().__init__()
         self.port = address(connection)
-        self._connection = Connection(poller, connection)
+        self._connection = _Connection(poller, connection, self.inbox)
 
     @property
     def attached(self) -> bool:
         """Whether the client is still there."""
         return self._connection.is_open
-
-    def read(self) -> bytes:
-        """Take the bytes that have come."""
-        return self._connection.take()
 
     def write(self, data: bytes) -> None:
         """Hand bytes to the client; one that does not read loses whole frames."""

@@ -3,14 +3,22 @@
 Source: fact sheet section 4 and those of the accessories.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from p2os.arguments import GyroMode, PacketRequest
 from p2os.command_table import Command
 from p2os.firmware import BAUD_CODES
 from p2os.packets import PacketType
 from p2os_emu.microcontroller.board import Board
-from p2os_emu.microcontroller.handler import Handler, requests
+
+Handler = Callable[[Board, Any], None]
+"""Takes the board and the command's value, as `p2os.commands` reads it."""
+
+
+def requests(packet: PacketType) -> Handler:
+    """Ask for a packet: 0 stops it, 1 asks for one, 2 and more for one with every SIP."""
+    return lambda board, count: board.requests.ask(packet, count)
 
 
 def _writes(port: int) -> Handler:

@@ -38,7 +38,7 @@ AUTOPARK = 600.0
 """s without a command for the arm after which it parks."""
 
 
-class Power(Enum):
+class _Power(Enum):
     """Power state of the servos."""
 
     OFF = auto()
@@ -48,7 +48,7 @@ class Power(Enum):
 
 
 @dataclass(slots=True)
-class ArmServo:
+class _ArmServo:
     """One servo.
 
     figures: as ARMINFOpac says. place: rad or m at a count. top_speed: rad/s or m/s. position: where it is told to be,
@@ -98,8 +98,8 @@ class ArmServer:
 
     def __init__(self) -> None:
         self.follows_manual = False
-        self.power = Power.OFF
-        self._servos: tuple[ArmServo, ...] = ()
+        self.power = _Power.OFF
+        self._servos: tuple[_ArmServo, ...] = ()
         self._is_driven = False
         self._init_left = self._settling_left = 0.0
         self._autopark, self._gripper_park = AUTOPARK, 0.0
@@ -159,10 +159,10 @@ class ArmServer:
         if not on:
             self.park()
         elif self._servos and not self.is_powered:
-            self.power = Power.SETTLING
+            self.power = _Power.SETTLING
             self._settling_left = SETTLING_TIME
-        elif self.power is Power.GOING_HOME:
-            self.power = Power.ON
+        elif self.power is _Power.GOING_HOME:
+            self.power = _Power.ON
 
     def home(self, joint: int) -> None:
         """HOME: one joint, counted from 1, or every one."""
@@ -174,7 +174,7 @@ class ArmServer:
         if self.is_powered:
             for servo in self._servos:
                 servo.aim(servo.figures.home, homes=True)
-            self.power = Power.GOING_HOME
+            self.power = _Power.GOING_HOME
 
     def move(self, joint: int, tick: int) -> None:
         """POS: send a joint, counted from 1, to a count."""
@@ -191,8 +191,8 @@ class ArmServer:
 
     def stop(self, joint: int) -> None:
         """STOP: one joint, counted from 1, or every one; an arm on its last way home stays where it is, with power."""
-        if self.power is Power.GOING_HOME:
-            self.power = Power.ON
+        if self.power is _Power.GOING_HOME:
+            self.power = _Power.ON
         for servo in self._chosen(joint):
             servo.aim(round(servo.position))
 
@@ -219,7 +219,7 @@ class ArmServer:
         """
         if self._init_left > 0.0:
             self._init_left -= dt
-        if arm is None or not self._servos:
+        if arm is None:
             return
         if not self.is_powered:
             self._release(arm)
@@ -227,10 +227,10 @@ class ArmServer:
         self._count_idleness(dt)
         if is_deserted:
             self.park()
-        if self.power is Power.SETTLING:
+        if self.power is _Power.SETTLING:
             self._settling_left -= dt
             if self._settling_left <= 0.0:
-                self.power = Power.ON
+                self.power = _Power.ON
             self._hold(arm)
             return
         self._is_driven = True
@@ -238,17 +238,22 @@ class ArmServer:
             servo.drive(joint, arm)
             if servo.position != servo.goal:
                 servo.advance(dt)
-        if self.power is Power.GOING_HOME and not any(servo.is_moving for servo in self._servos):
+        if self.power is _Power.GOING_HOME and not any(servo.is_moving for servo in self._servos):
             self._switch_off()
+
+    @property
+    def is_fitted(self) -> bool:
+        """There is an arm."""
+        return bool(self._servos)
 
     @property
     def is_powered(self) -> bool:
         """The servos have power."""
-        return self.power is not Power.OFF
+        return self.power is not _Power.OFF
 
     @property
     def _has_settled(self) -> bool:
-        return self.power in (Power.ON, Power.GOING_HOME)
+        return self.power in (_Power.ON, _Power.GOING_HOME)
 
     @property
     def _status(self) -> ArmStatus:
@@ -262,10 +267,10 @@ class ArmServer:
             | (ArmStatus.HOMING if homing else 0)
         )
 
-    def _chosen(self, joint: int) -> Iterable[ArmServo]:
+    def _chosen(self, joint: int) -> Iterable[_ArmServo]:
         """The servos that an order is for; nothing can be ordered without power, or on the last way home."""
         self.check()
-        if self.power not in (Power.SETTLING, Power.ON):
+        if self.power not in (_Power.SETTLING, _Power.ON):
             return ()
         chosen = self._servos if joint in ALL_JOINTS else self._servos[joint - 1 : joint] if joint > 0 else ()
         if any(servo is self._servos[GRIPPER_JOINT - 1] for servo in chosen):
@@ -277,7 +282,7 @@ class ArmServer:
         self._gripper_idle += dt
         if self._idle >= self._autopark > 0.0:
             self.park()
-        elif self._gripper_idle >= self._gripper_park > 0.0 and self.power is Power.ON:
+        elif self._gripper_idle >= self._gripper_park > 0.0 and self.power is _Power.ON:
             gripper = self._servos[GRIPPER_JOINT - 1]
             gripper.aim(gripper.figures.home, homes=True)
 
@@ -296,22 +301,22 @@ class ArmServer:
                 arm.release(joint)
 
     def _switch_off(self) -> None:
-        self.power = Power.OFF
+        self.power = _Power.OFF
         for servo in self._servos:
             servo.aim(round(servo.position))
 
 
-def _servos(model: ArmModel) -> Iterable[ArmServo]:
+def _servos(model: ArmModel) -> Iterable[_ArmServo]:
     """The servos of an arm, at home; the gripper's comes last."""
     for joint, servo in zip(model.joints, model.servos, strict=True):
         ends = sorted((servo.tick(joint.lower), servo.tick(joint.upper)))
         home = servo.tick(joint.home)
         figures = ArmJoint(servo.speed_ms, home, ends[0], servo.centre, ends[1], servo.ticks_per_90)
-        yield ArmServo(figures, servo.angle, joint.speed, float(home), home, servo.speed_ms)
+        yield _ArmServo(figures, servo.angle, joint.speed, float(home), home, servo.speed_ms)
     gripper, fingers = model.gripper, model.finger_servo
     if fingers is not None:
         least, most = sorted((fingers.closed, fingers.open))
         home = fingers.tick(gripper.home_m, gripper.opening_m)
         figures = ArmJoint(fingers.speed_ms, home, least, (least + most) // 2, most, fingers.ticks_per_90)
         place = partial(fingers.opening, most=gripper.opening_m)
-        yield ArmServo(figures, place, gripper.speed_m_s, float(home), home, fingers.speed_ms)
+        yield _ArmServo(figures, place, gripper.speed_m_s, float(home), home, fingers.speed_ms)

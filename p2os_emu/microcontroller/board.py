@@ -31,7 +31,7 @@ from p2os_emu.microcontroller.timers import ClientWatchdog
 GAINS = ("rot_kp", "rot_kv", "rot_ki", "trans_kp", "trans_kv", "trans_ki")
 
 
-class Requests:
+class _Requests:
     """Packets to send with the next SIP, or with every SIP."""
 
     __slots__ = ("_wanted",)
@@ -67,7 +67,8 @@ class Board:
     stops_on_button: the STOP button disables the motors (ESTALL). e_stalled: it has done so.
     digital_out: levels of the user outputs, bit 0 to 7. analog_port: the one that the SIP reports.
     fake_battery: V that BATTEST pretends, None for the real ones.
-    host_baud: bit/s of the host line. reset_due: RESET was commanded. in_maintenance: only the power switch helps.
+    host_baud: bit/s of the host line. next_baud: its rate from the next step on, when the bytes of this one have gone
+    out. reset_due: RESET was commanded. in_maintenance: only the power switch helps.
     known: numbers of the commands that this firmware knows. time: s since power-on.
     has_client: a connection is open. answers: packets for the client that follow the next SIP.
     aux: the AUX ports, 1 to 3. gyro, compass: their servers, where they are fitted. gyro_cw, gyro_ccw: calibration of
@@ -95,7 +96,7 @@ class Board:
         self.sonar = SonarScheduler(model, flash)
         self.battery = BatteryModel(model.battery_nominal, seed)
         self.watchdog = ClientWatchdog(flash.watchdog)
-        self.requests = Requests()
+        self.requests = _Requests()
         self.gripper = GripperServer()
         self.arm = ArmServer()
         self.known = known_commands(model.firmware, FIRMWARES[model.firmware].version)
@@ -114,7 +115,7 @@ class Board:
     def power_on(self) -> None:
         """Begin as after the power switch; the battery's charge stays what it is."""
         self.host_baud = self.flash.host_baud
-        self._next_baud = self.flash.host_baud
+        self.next_baud = self.flash.host_baud
         self.digital_out = 0
         self.fake_battery: float | None = None
         self.reset_due = False
@@ -145,7 +146,7 @@ class Board:
         flash = self.flash
         self.has_client = False
         if flash.auto_baud == AutoBaud.PER_CLIENT:
-            self._next_baud = flash.host_baud
+            self.next_baud = flash.host_baud
         self.answers.clear()
         self.joystick.restore()
         self.charger.release()
@@ -186,7 +187,7 @@ class Board:
 
     def request_baud(self, code: int) -> None:
         """Change the rate of the host line once what this step sends has gone out; unknown codes are ignored."""
-        self._next_baud = BAUD_CODES.get(code, self._next_baud)
+        self.next_baud = BAUD_CODES.get(code, self.next_baud)
 
     def enable_motors(self, on: bool) -> None:
         """ENABLE; a pressed STOP button keeps the motors off."""
@@ -221,22 +222,26 @@ class Board:
         return self.battery.voltage
 
     def advance(self, body: Body, state: BodyState, dt: float) -> None:
-        """Take one step: encoders, gyro, joystick, motors, sonar, gripper, arm, AUX ports."""
+        """Take one step: watchdog, encoders, gyro, joystick, motors, sonar, gripper, arm, AUX ports."""
         self.time += dt
+        watchdog = self.watchdog
+        if self.has_client:
+            watchdog.advance(dt)
         turned = None if self.gyro is None else self._turned(self.gyro, state, dt)
         self.odometry.update(state.left_travel, state.right_travel, turned)
-        if self.panel.stop_button and self.stops_on_button:
+        panel = self.panel
+        if panel.stop_button and self.stops_on_button:
             self.e_stalled = True
             self.motors.brake_and_disable()
-        stick = self.panel.joystick
-        if stick is not None:
-            self.joystick.advance(stick, self.motors, self.motion, self.has_client, self.may_enable)
-        self.motion.halted = self.watchdog.barking and not self.joystick.driving
+        if panel.joystick is not None:
+            self.joystick.advance(panel.joystick, self.motors, self.motion, self.has_client, self.may_enable)
+        self.motion.halted = watchdog.barking and not self.joystick.driving
         self.motors.advance(body, state, dt)
         self.sonar.advance(body, dt)
         if self.gripper.kind:
             self.gripper.advance(body.gripper, dt)
-        self.arm.advance(body.arm, dt, is_deserted=self.watchdog.barking)
+        if self.arm.is_fitted:
+            self.arm.advance(body.arm, dt, is_deserted=watchdog.barking)
         for port in self._used_ports:
             port.advance(dt)
 
@@ -251,10 +256,6 @@ class Board:
         failed = self.panel.gyro_failed
         gyro.advance(state.turn_rate, standing, failed, dt)
         return gyro.turned(standing, failed, dt)
-
-    def begin_step(self) -> None:
-        """What was asked for in the last step and waited for its bytes to go out."""
-        self.host_baud = self._next_baud
 
     def consume(self, state: BodyState, dt: float) -> None:
         """Once a cycle of `dt`, s: draw from the battery or charge it, and read the compass."""

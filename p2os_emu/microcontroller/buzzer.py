@@ -18,7 +18,7 @@ KEPT = 50
 """Notes that are remembered."""
 
 
-class PlaylistSound(NamedTuple):
+class _PlaylistSound(NamedTuple):
     """A sound of the playlist. seconds: how long it is."""
 
     name: str
@@ -29,12 +29,12 @@ RATE = 8000
 """Bytes of a second of sound (assumed)."""
 SOUNDS = {
     Family.AMIGOS: (
-        PlaylistSound("~robot", 0.0),
-        PlaylistSound("hello", 0.8),
-        PlaylistSound("ready", 0.6),
-        PlaylistSound("~signals", 0.0),
-        PlaylistSound("beep", 0.2),
-        PlaylistSound("ouch", 0.5),
+        _PlaylistSound("~robot", 0.0),
+        _PlaylistSound("hello", 0.8),
+        _PlaylistSound("ready", 0.6),
+        _PlaylistSound("~signals", 0.0),
+        _PlaylistSound("beep", 0.2),
+        _PlaylistSound("ouch", 0.5),
     )
 }
 
@@ -69,7 +69,7 @@ class Buzzer:
     def say(self, pairs: bytes, now: float) -> None:
         """SAY: durations and tones, by turns."""
         for count, tone in zip(pairs[: 2 * MOST_NOTES : 2], pairs[1::2], strict=False):
-            self._play(now, frequency(tone), count * NOTE_UNIT, "")
+            self._play(now, _frequency(tone), count * NOTE_UNIT, "")
 
     def sound(self, number: int, now: float) -> None:
         """SOUND, counted from 1; one that is not there is not played."""
@@ -96,7 +96,7 @@ class Buzzer:
             self.notes.append(PlayedNote(begins, frequency, seconds, sound))
 
 
-def frequency(tone: int) -> float | None:
+def _frequency(tone: int) -> float | None:
     """Return the frequency of a tone of SAY, Hz; None for a rest."""
     if tone == 0:
         return None

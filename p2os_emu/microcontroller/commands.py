@@ -17,9 +17,8 @@ from p2os.packets import PacketType
 from p2os.robot_model import SONAR_ARRAYS
 from p2os.sip import HIGHEST_TEMPERATURE
 from p2os_emu.microcontroller import simulator
-from p2os_emu.microcontroller.accessory_commands import ACCESSORY_HANDLERS
+from p2os_emu.microcontroller.accessory_commands import ACCESSORY_HANDLERS, Handler, requests
 from p2os_emu.microcontroller.board import Board
-from p2os_emu.microcontroller.handler import Handler, requests
 from p2os_emu.microcontroller.motion import MotionController
 from p2os_emu.microcontroller.panel import ANALOG_PORTS
 from p2os_emu.microcontroller.telemetry import EXTRAS

@@ -26,7 +26,7 @@ from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import CENTRED, Panel
 from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, answers, standard_sip
-from p2os_emu.microcontroller.timers import Cadence
+from p2os_emu.microcontroller.timers import TOLERANCE, Cadence
 
 
 class Microcontroller:
@@ -61,7 +61,6 @@ class Microcontroller:
         self._decoder = FrameDecoder()
         self._inbox = bytearray()
         self._outbox: list[bytes] = []
-        self._now = 0.0
         encode_packet(EXTRAS[PacketType.CONFIGURATION](self._board, BodyState()), model)
 
     @property
@@ -99,7 +98,7 @@ class Microcontroller:
         """Time in which the firmware sends nothing unless it receives something, s."""
         if self._inbox or self._outbox:
             return 0.0
-        return self._sip_clock.remaining if self.connected else inf
+        return self._sip_clock.left - TOLERANCE if self.connected else inf
 
     def fit_arm(self, arm: ArmModel) -> None:
         """Plug in the arm that its board drives by itself; it is at home, without power."""
@@ -196,17 +195,18 @@ class Microcontroller:
             Everything to send now: whole frames.
         """
         board = self._board
-        self._now += dt
-        if board.in_maintenance:
-            self._inbox.clear()
-        board.begin_step()
+        board.host_baud = board.next_baud
         if self._inbox:
-            self._listen()
+            data = bytes(self._inbox)
+            self._inbox.clear()
+            if not board.in_maintenance:
+                self._handle_frames(data, board.time + dt)
         state = body.state
-        if self._handshake.state is ConnectionState.OPEN:
-            board.watchdog.advance(dt)
         board.advance(body, state, dt)
-        if self._sip_clock.advance(dt):
+        clock = self._sip_clock
+        clock.left -= dt
+        if clock.left <= TOLERANCE:
+            clock.renew()
             self._complete_cycle(state)
         if not self._outbox:
             return b""
@@ -214,14 +214,9 @@ class Microcontroller:
         self._outbox.clear()
         return sent
 
-    def _listen(self) -> None:
-        data = bytes(self._inbox)
-        self._inbox.clear()
-        self._handle_frames(data)
-
-    def _handle_frames(self, data: bytes) -> None:
+    def _handle_frames(self, data: bytes, now: float) -> None:
         """Carry out every sound frame; damaged ones and noise are ignored."""
-        for event in self._decoder.receive(data, self._now):
+        for event in self._decoder.receive(data, now):
             if isinstance(event, Frame):
                 self._handle(event.payload)
             if self._board.reset_due:
@@ -247,7 +242,7 @@ class Microcontroller:
         """Once a SIP cycle: battery, frames begun and never ended, and the packets of the cycle."""
         board = self._board
         board.consume(state, self._sip_clock.period)
-        self._handle_frames(b"")
+        self._handle_frames(b"", board.time)
         if not self.connected or board.in_maintenance:
             return
         due = board.requests.take()

@@ -10,7 +10,6 @@ from math import pi
 
 from p2os.firmware import Family
 from p2os.robot_model import RobotModel
-from p2os_emu.body import BodyState
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.odometry import OdometryIntegrator
 from p2os_emu.microcontroller.servo import Servo, ServoLimits
@@ -20,7 +19,7 @@ NEAR_ENOUGH = 0.0005
 RECOMPOSES_WHEELS = frozenset({Family.ARCOS, Family.UARCS})
 
 
-class MotionMode(Enum):
+class _MotionMode(Enum):
     """Which servers have the wheels."""
 
     BODY = "translation and rotation"
@@ -35,6 +34,7 @@ class MotionController:
     """
 
     __slots__ = (
+        "_drives_wheels",
         "_left_servo",
         "_mode",
         "_odometry",
@@ -81,7 +81,8 @@ class MotionController:
 
     def rest(self) -> None:
         """Forget every command and stand still."""
-        self._mode = MotionMode.BODY
+        self._mode = _MotionMode.BODY
+        self._drives_wheels = False
         self.halted = False
         self.left = self.right = 0.0
         for servo in (self.translation, self.rotation, self._left_servo, self._right_servo):
@@ -94,24 +95,19 @@ class MotionController:
         setpoint = self.rotation.setpoint
         return odometry.heading if setpoint is None else setpoint - odometry.turned + odometry.heading
 
-    @property
-    def forward(self) -> float:
-        """Speed asked for along the robot, m/s."""
-        return (self.left + self.right) / 2
-
     def translate(self, speed: float) -> None:
         """VEL, m/s."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.translation.run(speed)
 
     def move(self, distance: float) -> None:
         """MOVE, m from here."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.translation.go(self._odometry.travelled, distance)
 
     def rotate(self, speed: float) -> None:
         """RVEL and ROTATE, rad/s."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.rotation.run(speed)
 
     def head(self, heading: float) -> None:
@@ -120,7 +116,7 @@ class MotionController:
 
     def turn(self, angle: float) -> None:
         """DHEAD: an angle from the present heading, rad; the whole of it, even if the other way round were shorter."""
-        self._enter(MotionMode.BODY)
+        self._enter(_MotionMode.BODY)
         self.rotation.go(self._odometry.turned, angle)
 
     def turn_setpoint(self, angle: float) -> None:
@@ -130,11 +126,11 @@ class MotionController:
     def wheels(self, left: float, right: float) -> None:
         """VEL2, m/s of each rim."""
         if self._recomposes:
-            self._enter(MotionMode.RECOMPOSED)
+            self._enter(_MotionMode.RECOMPOSED)
             self.translation.run((left + right) / 2)
             self.rotation.run((right - left) / self._track)
         else:
-            self._enter(MotionMode.WHEELS)
+            self._enter(_MotionMode.WHEELS)
             self._left_servo.run(left)
             self._right_servo.run(right)
 
@@ -160,29 +156,33 @@ class MotionController:
         """SETO: the heading setpoint becomes the present heading."""
         self.rotation.forget_place()
 
-    def advance(self, state: BodyState, dt: float) -> None:
-        """Take one step of the profiles and set `left` and `right`."""
+    def advance(self, left_speed: float, right_speed: float, dt: float) -> None:
+        """Take one step of the profiles and set `left` and `right`.
+
+        Args:
+            left_speed: Of the rim as the encoders see it, m/s.
+            right_speed: Likewise.
+            dt: s.
+        """
         odometry = self._odometry
-        left_speed = state.left_velocity
-        right_speed = state.right_velocity
-        if self._mode is MotionMode.WHEELS:
-            self._left_servo.advance(odometry.left_travelled, left_speed, dt, self.halted)
-            self._right_servo.advance(odometry.right_travelled, right_speed, dt, self.halted)
-            self.left = self._left_servo.speed
-            self.right = self._right_servo.speed
+        halted = self.halted
+        if self._drives_wheels:
+            self.left = self._left_servo.advance(odometry.left_travelled, left_speed, dt, halted)
+            self.right = self._right_servo.advance(odometry.right_travelled, right_speed, dt, halted)
             return
-        self.translation.advance(odometry.travelled, (left_speed + right_speed) / 2, dt, self.halted)
-        self.rotation.advance(odometry.turned, (right_speed - left_speed) / self._track, dt, self.halted)
-        forward = self.translation.speed
-        difference = self.rotation.speed * self._track / 2
+        track = self._track
+        forward = self.translation.advance(odometry.travelled, (left_speed + right_speed) / 2, dt, halted)
+        turning = self.rotation.advance(odometry.turned, (right_speed - left_speed) / track, dt, halted)
+        difference = turning * track / 2
         self.left = forward - difference
         self.right = forward + difference
 
-    def _enter(self, mode: MotionMode) -> None:
+    def _enter(self, mode: _MotionMode) -> None:
         """Give the wheels to the servers of a mode; they begin at the present speeds, without a setpoint."""
         if mode is self._mode:
             return
         self._mode = mode
+        self._drives_wheels = mode is _MotionMode.WHEELS
         self.translation.rest((self.left + self.right) / 2)
         self.rotation.rest((self.right - self.left) / self._track)
         self._left_servo.rest(self.left)

@@ -6,7 +6,7 @@ from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.motion import MotionController
 
 
-class StallDetector:
+class _StallDetector:
     """Watches motor effort and bumpers.
 
     A wheel is stalled when the running average of its PWM, counted only while the wheel is slow, exceeds STALLVAL. The
@@ -34,30 +34,32 @@ class StallDetector:
         self.left = self.right = False
 
     def detects(self, state: BodyState, forward: float, dt: float) -> bool:
-        """Look at one step; say whether a wheel is stalled now.
+        """Look at one step; return whether a wheel is stalled now.
 
         Args:
             state: The machine.
-            forward: Speed asked for along the robot, m/s: a bumper only stalls a robot that moves towards it.
+            forward: Its sign is the direction asked for: a bumper only stalls a robot that moves towards it.
             dt: s.
         """
-        if (state.front_bumpers or state.rear_bumpers) and self._runs_into(state, forward):
+        left_velocity, right_velocity, left_load, right_load, front, rear = state[2:8]
+        if (front or rear) and self._runs_into(front, rear, forward):
             self.left = self.right = True
             return True
         gain = dt / self._window
         below = self._below
-        effort = state.left_load if -below < state.left_velocity < below else 0.0
-        self._left_average += (effort - self._left_average) * gain
-        effort = state.right_load if -below < state.right_velocity < below else 0.0
-        self._right_average += (effort - self._right_average) * gain
-        self.left = self._left_average > self._threshold
-        self.right = self._right_average > self._threshold
-        return self.left or self.right
+        left, right = self._left_average, self._right_average
+        left += ((left_load if -below < left_velocity < below else 0.0) - left) * gain
+        right += ((right_load if -below < right_velocity < below else 0.0) - right) * gain
+        self._left_average, self._right_average = left, right
+        threshold = self._threshold
+        self.left = left_stalls = left > threshold
+        self.right = right_stalls = right > threshold
+        return left_stalls or right_stalls
 
-    def _runs_into(self, state: BodyState, forward: float) -> bool:
+    def _runs_into(self, front: int, rear: int, forward: float) -> bool:
         if forward > 0.0:
-            return bool(state.front_bumpers and self.bumpers & StallBumpers.FRONT)
-        return bool(forward < 0.0 and state.rear_bumpers and self.bumpers & StallBumpers.REAR)
+            return bool(front and self.bumpers & StallBumpers.FRONT)
+        return bool(forward < 0.0 and rear and self.bumpers & StallBumpers.REAR)
 
 
 AT_REST = 0.005
@@ -74,7 +76,7 @@ class Motors:
 
     def __init__(self, motion: MotionController, flash: Flash) -> None:
         self._motion = motion
-        self.stall = StallDetector(flash)
+        self.stall = _StallDetector(flash)
         self._driven: tuple[float, float] | None = None
         self.enabled = False
         self.restore(flash)
@@ -109,17 +111,20 @@ class Motors:
 
     def advance(self, body: Body, state: BodyState, dt: float) -> None:
         """Advance by one step; send the wheel speeds to the body if they changed."""
-        if self._waiting > 0.0:
-            self._wait(state, dt)
-        if self._waiting > 0.0 or not (self.enabled or self._braking):
+        if not (self.enabled or self._braking):
             self._release(body)
             return
+        if self._waiting > 0.0:
+            self._wait(state, dt)
+            if self._waiting > 0.0:
+                self._release(body)
+                return
         motion = self._motion
-        if self.stall.detects(state, motion.forward, dt):
+        if self.stall.detects(state, motion.left + motion.right, dt):
             self._waiting = self._stall_count
             self._release(body)
             return
-        motion.advance(state, dt)
+        motion.advance(state.left_velocity, state.right_velocity, dt)
         if self._braking and self._stands(state):
             self.disable()
             self._release(body)

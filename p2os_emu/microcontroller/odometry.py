@@ -80,8 +80,9 @@ class OdometryIntegrator:
             right_travel: m, likewise.
             turned: rad counter-clockwise since the update before, where something knows better than the wheels.
         """
-        left_count = floor(left_travel * self._ticks_per_metre)
-        right_count = floor(right_travel * self._ticks_per_metre)
+        ticks_per_metre = self._ticks_per_metre
+        left_count = floor(left_travel * ticks_per_metre)
+        right_count = floor(right_travel * ticks_per_metre)
         left_step = left_count - self._left_seen
         right_step = right_count - self._right_seen
         if not (left_step or right_step or turned) and self._started:
@@ -93,16 +94,16 @@ class OdometryIntegrator:
             return
         self.left_ticks += left_step
         self.right_ticks += right_step
-        self._integrate(left_step * self._left_metres, right_step * self._right_metres, turned)
-
-    def _integrate(self, left: float, right: float, turned: float | None) -> None:
-        """Move the pose along the chord of the arc that the wheels rolled, m."""
+        left = left_step * self._left_metres
+        right = right_step * self._right_metres
+        # The pose moves along the chord of the arc that the wheels rolled.
         forward = (left + right) / 2
         turn = (right - left) / self._track if turned is None else turned
-        bearing = self.turned - self._turned_at_reset + turn / 2
+        before = self.turned
+        bearing = before - self._turned_at_reset + turn / 2
         self.x += forward * cos(bearing)
         self.y += forward * sin(bearing)
-        self.turned += turn
+        self.turned = before + turn
         self.travelled += forward
         self.left_travelled += left
         self.right_travelled += right

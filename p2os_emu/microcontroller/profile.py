@@ -4,7 +4,7 @@ A speed that is stepped through `approach` towards `cruise`, and held under `bra
 trapezoid of the operations manuals; a short move never reaches its cruise and draws a triangle.
 """
 
-from math import copysign, sqrt
+from math import sqrt
 
 
 def approach(speed: float, goal: float, acceleration: float, deceleration: float, dt: float) -> float:
@@ -21,13 +21,16 @@ def approach(speed: float, goal: float, acceleration: float, deceleration: float
     Returns:
         Speed after the step; exactly `goal` once it is within reach.
     """
-    same_way = speed > 0.0 < goal or speed < 0.0 > goal
-    if speed and (not same_way or abs(goal) < abs(speed)):
-        nearest = goal if same_way else 0.0
+    if speed < 0.0:
+        return -approach(-speed, -goal, acceleration, deceleration, dt)
+    if goal < speed and speed > 0.0:
+        nearest = goal if goal > 0.0 else 0.0
         change = deceleration * dt
-        return nearest if abs(speed - nearest) <= change else speed - copysign(change, speed)
+        return nearest if speed - nearest <= change else speed - change
     change = acceleration * dt
-    return goal if abs(goal - speed) <= change else speed + copysign(change, goal)
+    if goal < 0.0:
+        return goal if -goal <= change else -change
+    return goal if goal - speed <= change else speed + change
 
 
 def braking_speed(remaining: float, deceleration: float, reaction: float) -> float:

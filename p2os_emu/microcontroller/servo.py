@@ -71,7 +71,18 @@ class Servo:
     speed: what it asks of the wheels now, signed.
     """
 
-    __slots__ = ("_anchor", "_cruise", "_emergency", "_goal", "_settled", "_tolerance", "limits", "speed", "target")
+    __slots__ = (
+        "_anchor",
+        "_cruise",
+        "_emergency",
+        "_goal",
+        "_quiet",
+        "_settled",
+        "_tolerance",
+        "limits",
+        "speed",
+        "target",
+    )
 
     def __init__(self, limits: ServoLimits, tolerance: float) -> None:
         """Begin at rest.
@@ -82,6 +93,7 @@ class Servo:
         """
         self.limits = limits
         self._tolerance = tolerance
+        self._quiet = tolerance * QUIET
         self._settled = tolerance / REACTION
         self.rest(0.0)
 
@@ -132,8 +144,8 @@ class Servo:
             self.stop()
         self._anchor = None
 
-    def advance(self, place: float, speed: float, dt: float, halted: bool) -> None:
-        """Take one step of the profile.
+    def advance(self, place: float, speed: float, dt: float, halted: bool) -> float:
+        """Take one step of the profile; return the speed that is asked of the wheels now.
 
         Args:
             place: Where the encoders see the axis.
@@ -142,26 +154,31 @@ class Servo:
             halted: Stand still now, but keep the commands.
         """
         target = self.target
+        asked = self.speed
         if halted or (target is None and self._goal == 0.0):
-            goal = self._stand(place, speed)
+            # Come to rest, and go back to where it came to rest.
+            anchor = self._anchor
+            if anchor is not None:
+                goal = self._seek(anchor - place, self.limits.forward)
+            else:
+                goal = 0.0
+                if asked == 0.0 and -self._settled < speed < self._settled:
+                    self._anchor = place
         else:
             self._anchor = None
             goal = self._goal if target is None else self._seek(target - place, self._cruise)
-        if goal != self.speed:
-            limits = self.limits
-            braking = limits.emergency if self._emergency else limits.deceleration
-            self.speed = approach(self.speed, goal, limits.acceleration, braking, dt)
-
-    def _stand(self, place: float, speed: float) -> float:
-        """The speed that brings the axis to rest, and back to where it came to rest."""
-        if self._anchor is not None:
-            return self._seek(self._anchor - place, self.limits.forward)
-        if self.speed == 0.0 and -self._settled < speed < self._settled:
-            self._anchor = place
-        return 0.0
+        if goal == asked:
+            return asked
+        limits = self.limits
+        braking = limits.emergency if self._emergency else limits.deceleration
+        self.speed = asked = approach(asked, goal, limits.acceleration, braking, dt)
+        return asked
 
     def _seek(self, remaining: float, cruise: float) -> float:
-        distance = abs(remaining)
-        if distance <= self._tolerance:
-            return remaining * TRIM if distance > self._tolerance * QUIET else 0.0
-        return copysign(min(cruise, braking_speed(distance, self.limits.deceleration, REACTION)), remaining)
+        """The speed towards a place, signed."""
+        if -self._quiet <= remaining <= self._quiet:
+            return 0.0
+        if -self._tolerance <= remaining <= self._tolerance:
+            return remaining * TRIM
+        speed = braking_speed(abs(remaining), self.limits.deceleration, REACTION)
+        return copysign(cruise if cruise < speed else speed, remaining)

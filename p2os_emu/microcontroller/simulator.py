@@ -7,7 +7,7 @@ numbers (35 to 38) mean something else on a real robot, and are a laser's here. 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from math import pi, radians
-from typing import Any, Protocol
+from typing import Any
 
 from geometry import Pose2D
 from p2os.arguments import PacketRequest
@@ -60,46 +60,40 @@ OLD_NUMBERS: Mapping[int, Command] = {
 """What a client of an old simulator sends, and what it means by it; angles in degrees, of 38 in hundredths."""
 
 
-class SimulatorControl(Protocol):
-    """Access of simulator commands to a robot in the world."""
-
-    @property
-    def pose(self) -> Pose2D:
-        """Where the robot truly is, in the world."""
-        ...
-
-    def place(self, pose: Pose2D) -> str:
-        """Move it to a pose; return why it is refused, empty when it is done."""
-        ...
-
-    def restart(self) -> None:
-        """Move it back to its first pose, and set its odometry to zero."""
-        ...
-
-
 class Simulator:
     """One robot's simulator commands.
 
     messages: what clients wanted to be known, and what was refused them, the latest last.
     """
 
-    def __init__(self, model: RobotModel, robot: SimulatorControl, body: Body) -> None:
+    def __init__(
+        self,
+        model: RobotModel,
+        body: Body,
+        *,
+        pose: Callable[[], Pose2D],
+        place: Callable[[Pose2D], None],
+        restart: Callable[[], None],
+    ) -> None:
         """Stand by.
 
         Args:
             model: What the robot is; its first laser says where the simulated one sits.
-            robot: Access to the robot in the world.
             body: Casts the beams.
+            pose: Returns where the robot truly is, in the world.
+            place: Moves it to a pose; raises ValueError, which says why, where that is refused.
+            restart: Moves it back to its first pose, and sets its odometry to zero.
         """
         self.messages: deque[str] = deque(maxlen=MESSAGES_KEPT)
-        self._robot = robot
+        self._true_pose = pose
+        self._move_to = place
         self._body = body
         mount = next(iter(model.lasers), None)
         self._x, self._y = (mount.x, mount.y) if mount else (0.0, 0.0)
         self._answers: list[Packet] = []
         self._handlers: Mapping[int, Callable[[Any], None]] = {
             Command.SIM_SET_POSE: self._place,
-            Command.SIM_RESET: lambda _: robot.restart(),
+            Command.SIM_RESET: lambda _: restart(),
             Command.SIM_LRF_ENABLE: self._switch_laser,
             Command.SIM_LRF_SET_FOV_START: self._set_first,
             Command.SIM_LRF_SET_FOV_END: self._set_last,
@@ -166,9 +160,10 @@ class Simulator:
         except DecodeError as error:
             self.messages.append(f"SIM_SET_POSE of {len(data)} bytes was refused: {error}")
             return
-        why_not = self._robot.place(pose)
-        if why_not:
-            self.messages.append(f"SIM_SET_POSE was refused: {why_not}")
+        try:
+            self._move_to(pose)
+        except ValueError as error:
+            self.messages.append(f"SIM_SET_POSE was refused: {error}")
 
     def _control(self, data: bytes) -> None:
         operation, name = SimulatorControlData.read(data)
@@ -180,7 +175,7 @@ class Simulator:
             self.messages.append(f"SIM_CTRL {operation}: {name}")
 
     def _state(self, cycle: float) -> SimulatorState:
-        pose = self._robot.pose
+        pose = self._true_pose()
         return SimulatorState(
             interval=cycle, real_interval=cycle, last_interval=cycle, x=pose.x, y=pose.y, heading=pose.heading
         )

@@ -11,7 +11,7 @@ from p2os.robot_model import SONAR_ARRAY_SIZE, SONAR_ARRAYS, RobotModel
 from p2os.sip import NO_ECHO
 from p2os_emu.body import Body
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.timers import Cadence
+from p2os_emu.microcontroller.timers import TOLERANCE, Cadence
 
 MAX_SEQUENCE = 16
 """Firings that one array's sequence holds."""
@@ -95,11 +95,11 @@ class SonarScheduler:
 
     def advance(self, body: Body, dt: float) -> None:
         """Let time pass; fire what falls due, all of it at once."""
-        if not self._active:
-            return
-        due = self._cadence.advance(dt)
-        if due:
-            self._fire(body, due)
+        if self._active:
+            cadence = self._cadence
+            cadence.left -= dt
+            if cadence.left <= TOLERANCE:
+                self._fire(body, cadence.renew())
 
     def take(self) -> tuple[tuple[int, float], ...]:
         """The readings since the last call, oldest first: (number, range in m)."""

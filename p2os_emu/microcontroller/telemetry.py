@@ -69,7 +69,7 @@ def standard_sip(board: Board, state: BodyState) -> StandardSip:
     )
 
 
-def configuration(board: Board, state: BodyState) -> Configuration:
+def _configuration(board: Board, state: BodyState) -> Configuration:
     """CONFIGpac: working values where commands change them, FLASH for the rest."""
     model, flash = board.model, board.flash
     along = board.motion.translation.limits
@@ -123,13 +123,13 @@ def configuration(board: Board, state: BodyState) -> Configuration:
     )
 
 
-def encoders(board: Board, state: BodyState) -> Encoders:
+def _encoders(board: Board, state: BodyState) -> Encoders:
     """ENCODERpac: ticks since power-on."""
     odometry = board.odometry
     return Encoders(odometry.left_ticks, odometry.right_ticks)
 
 
-def inputs_outputs(board: Board, state: BodyState) -> IoReport:
+def _inputs_outputs(board: Board, state: BodyState) -> IoReport:
     """IOpac: user inputs, bumpers and, on ARCOS, infrared sensors; the battery's A/D port comes last."""
     panel = board.panel
     digital_in = [_user_inputs(board, state), *_bumpers(board, state)]
@@ -140,18 +140,18 @@ def inputs_outputs(board: Board, state: BodyState) -> IoReport:
     return IoReport(bytes(digital_in), bytes([board.digital_out]), analog)
 
 
-def gyro(board: Board, state: BodyState) -> GyroReport:
+def _gyro(board: Board, state: BodyState) -> GyroReport:
     """GYROpac: the samples since the last one."""
     return board.gyro.report() if board.gyro is not None else GyroReport(())
 
 
-def joystick(board: Board, state: BodyState) -> JoystickReport:
+def _joystick(board: Board, state: BodyState) -> JoystickReport:
     """JOYSTICKpac."""
     hand = board.panel.joystick or CENTRED
     return JoystickReport(hand.button1, hand.button2, hand.x, hand.y, hand.throttle)
 
 
-def battery(board: Board, state: BodyState) -> BatteryReport:
+def _battery(board: Board, state: BodyState) -> BatteryReport:
     """Battery packet: one battery, without flags."""
     percent = round(100 * board.battery.charge)
     return BatteryReport(((0, 0, 0, percent, percent),))
@@ -173,12 +173,12 @@ def answers(board: Board) -> list[Packet]:
 
 
 EXTRAS: Mapping[PacketType, Callable[[Board, BodyState], Packet]] = {
-    PacketType.CONFIGURATION: configuration,
-    PacketType.ENCODERS: encoders,
-    PacketType.INPUTS_OUTPUTS: inputs_outputs,
-    PacketType.GYRO: gyro,
-    PacketType.JOYSTICK: joystick,
-    PacketType.BATTERY: battery,
+    PacketType.CONFIGURATION: _configuration,
+    PacketType.ENCODERS: _encoders,
+    PacketType.INPUTS_OUTPUTS: _inputs_outputs,
+    PacketType.GYRO: _gyro,
+    PacketType.JOYSTICK: _joystick,
+    PacketType.BATTERY: _battery,
     PacketType.GRIPPER: lambda board, _: board.gripper.report(),
     PacketType.ARM: lambda board, _: board.arm.report,
     PacketType.ARM_INFO: lambda board, _: board.arm.information,

@@ -23,7 +23,7 @@ PULSE_PERIOD = 0.5
 P = TypeVar("P")
 
 
-class Wheel:
+class _Wheel:
     """A wheel that follows its command with a first-order lag; m, m/s, load from 0 to 1."""
 
     def __init__(self) -> None:
@@ -137,8 +137,8 @@ class PlainBody:
         self.heading = self.turn_rate = 0.0
         self.pings: list[tuple[int, ...]] = []
         self.told = 0
-        self.left = Wheel()
-        self.right = Wheel()
+        self.left = _Wheel()
+        self.right = _Wheel()
 
     @property
     def state(self) -> BodyState:
@@ -204,7 +204,7 @@ class PlainBody:
         self.left.wanted, self.right.wanted = left, right
 
 
-class Sent(NamedTuple):
+class _Sent(NamedTuple):
     """A frame from the robot.
 
     time: of the step that sent it, s. payload: as on the wire. packet: decoded.
@@ -256,9 +256,9 @@ class MicrocontrollerBench:
         self.time += STEP
         return sent
 
-    def run(self, seconds: float) -> list[Sent]:
+    def run(self, seconds: float) -> list[_Sent]:
         """Let time pass; what the robot sends meanwhile."""
-        sent: list[Sent] = []
+        sent: list[_Sent] = []
         for _ in range(round(seconds / STEP)):
             if self.pulsing and self.controller.connected and self.time >= self._next_pulse:
                 self.send(Command.PULSE)
@@ -267,7 +267,7 @@ class MicrocontrollerBench:
                 if not isinstance(event, Frame):
                     raise AssertionError(f"the robot sent a damaged frame: {event}")
                 packet = decode_packet(event.payload, self.model, self._codec)
-                sent.append(Sent(self.time, event.payload, packet))
+                sent.append(_Sent(self.time, event.payload, packet))
         return sent
 
     def sips(self, seconds: float) -> list[StandardSip]:

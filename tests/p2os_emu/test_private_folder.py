@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from p2os_emu.private_folder import CONTROL, PREFIX, SETTLED, private_folder, sweep_left_over
+from p2os_emu.private_folder import CONTROL, PREFIX, SETTLED, private_folder
 
 
 @pytest.fixture
@@ -45,7 +45,8 @@ def test_folder_of_a_killed_emulator_is_swept_and_no_other(place: Path) -> None:
     killed.close()
     starting.close()
     (place / f"{PREFIX}flash").mkdir()
-    sweep_left_over()
+    with private_folder():
+        pass
     assert not left_over.exists()
     assert just_made.exists()
     assert in_use.exists()

@@ -12,7 +12,7 @@ from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.recording import LineRecorder, RecordedBytes, Recording, RecordingError, ReplayDevice, exchanges, read
+from p2os_emu.recording import LineRecorder, RecordedBytes, Recording, RecordingError, ReplayDevice, read
 
 ANSWER = encode_frame(b"\x02happy\0Pioneer\0p3dx-sh\0")
 HANDSHAKE = (Command.SYNC0, Command.SYNC1, Command.SYNC2)
@@ -134,7 +134,7 @@ def test_recording_knows_whose_it_is() -> None:
 
 
 def test_conversation_is_taken_apart_by_what_the_host_said() -> None:
-    names = [exchange.name for exchange in exchanges(drive())]
+    names = [exchange.name for exchange in drive().exchanges()]
     assert names == ["", "SYNC0", "SYNC1", "SYNC2", "OPEN", "command 18", "PULSE", "CLOSE"]
 
 

@@ -11,7 +11,7 @@ from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.pacing import FASTEST, SLOWEST
-from p2os_emu.runner import Runner, Stepped
+from p2os_emu.runner import Runner
 
 
 class VirtualPoller(Poller):
@@ -161,7 +161,7 @@ def test_requests_are_heard_at_once_at_any_speed(machine: Machine, speed: float)
     assert machine.now - start == pytest.approx(11 * STEP / speed, rel=0.2, abs=0.01)
 
 
-class SipClock(Stepped):
+class SipClock:
     """Sends something at every twelfth step; notes when it takes each step, and what it receives at which."""
 
     def __init__(self, machine: Machine) -> None:

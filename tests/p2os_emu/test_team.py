@@ -11,10 +11,11 @@ from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
+from p2os_emu.links.memory import MemoryLink
 from p2os_emu.links.poller import Poller
 from p2os_emu.ports import Ports
 from p2os_emu.recording import RecordingError
-from p2os_emu.team import EmulatedTeam, TeamError, read_robot
+from p2os_emu.team import EmulatedTeam
 
 
 @pytest.fixture
@@ -22,6 +23,13 @@ def poller() -> Iterator[Poller]:
     poller = Poller()
     yield poller
     poller.close()
+
+
+@pytest.fixture
+def team(poller: Poller) -> Iterator[EmulatedTeam]:
+    emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
+    yield EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "")
+    emulator.close()
 
 
 @pytest.mark.parametrize(
@@ -34,27 +42,24 @@ def poller() -> Iterator[Poller]:
         (["powerbot-sh-uarcs"] * 2, ["powerbot-sh-uarcs", "powerbot-sh-uarcs-2"]),
     ],
 )
-def test_every_robot_has_a_name_of_its_own(texts: list[str], names: list[str]) -> None:
-    taken: list[str] = []
-    for text in texts:
-        taken.append(read_robot(text, taken)[0])
-    assert taken == names
+def test_every_robot_has_a_name_of_its_own(team: EmulatedTeam, texts: list[str], names: list[str]) -> None:
+    assert [team.add(text, link=MemoryLink()).name for text in texts] == names
 
 
 @pytest.mark.parametrize("name", configs.names("robots"))
-def test_every_model_can_be_had_by_its_name(name: str) -> None:
-    assert read_robot(name, [])[1].name == name
+def test_every_model_can_be_had_by_its_name(team: EmulatedTeam, name: str) -> None:
+    assert team.add(name, link=MemoryLink()).model.name == name
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "a b", "a*", "$", "?", "#", "café", "x" * 20, "a:b"])
-def test_name_that_handshake_or_bus_cannot_carry_is_refused(name: str) -> None:
-    with pytest.raises(TeamError, match="will not do; use 1 to 19 letters"):
-        read_robot(f"p3dx:{name}", [])
+def test_name_that_handshake_or_bus_cannot_carry_is_refused(team: EmulatedTeam, name: str) -> None:
+    with pytest.raises(ConfigError, match="will not do; use 1 to 19 letters"):
+        team.add(f"p3dx:{name}", link=MemoryLink())
 
 
-def test_unknown_model_names_the_nearest() -> None:
+def test_unknown_model_names_the_nearest(team: EmulatedTeam) -> None:
     with pytest.raises(ConfigError, match="powerbot"):
-        read_robot("powerbott", [])
+        team.add("powerbott", link=MemoryLink())
 
 
 def test_several_robots_share_one_path_by_name(poller: Poller, tmp_path: Path) -> None:
@@ -115,7 +120,7 @@ def test_robot_that_cannot_be_completed_is_taken_away_again(poller: Poller, erro
         raise error
 
     team.whenever_added.append(complain)
-    with pytest.raises((TeamError, PortError), match=str(error)):
+    with pytest.raises((ConfigError, PortError), match=str(error)):
         team.add("p3dx")
     assert not emulator.robots
 
@@ -126,6 +131,6 @@ def test_robot_named_has_a_line_of_its_own(poller: Poller) -> None:
     happy, doc = team.add("p3dx:happy"), team.add("p3dx:doc")
     assert (team.entry(happy)["link"], team.entry(doc)["link"]) == ("ideal", "rs232")
     team.check_fits()
-    with pytest.raises(TeamError, match=r"--link dock=.*there is no robot 'dock'"):
+    with pytest.raises(ConfigError, match=r"--link dock=.*there is no robot 'dock'"):
         EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "", links={"dock": "rs232"}).check_fits()
     emulator.close()
