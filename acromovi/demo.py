@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
+from acromovi.subcommand import Subcommand
 from apps.waypoints import Follower
 from bus import Bus, BusError, Sample, ZenohBus, keys, messages
 from configs.extras import require
@@ -92,14 +93,12 @@ class Drive:
         return math.hypot(believed.x - true.x, believed.y - true.y)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("demo"), help="set the folder for the picture [demo]")
     parser.add_argument("--seed", type=int, default=1, help="set the seed of the robot's imperfections [1]")
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Run the demo: 0 when the whole route was driven, 1 otherwise."""
     require("the demo", "emu", "plots")
     from p2os_emu.world import load_world
@@ -249,3 +248,6 @@ def _fill(axes: object, polygons: Iterable[Polygon], colour: str, label: str) ->
     for number, polygon in enumerate(polygons):
         outline = [x for x, _ in polygon], [y for _, y in polygon]
         axes.fill(*outline, color=colour, linewidth=0, label=label if number == 0 else None)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

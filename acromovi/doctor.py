@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 from configs import ConfigError
 from configs.extras import EXTRAS, install_command, missing
 from gateway.bridge import Bridge, steady_clock
@@ -60,9 +61,7 @@ class Finding(NamedTuple):
         return "NOTE" if self.advice else "OK"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "port", nargs="?", metavar="PORT", help="port of the robot; without it only this computer is checked"
     )
@@ -70,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Print a line for each step; returns 0 if all are OK, 1 otherwise."""
     all_ok = True
     for finding in examine(arguments.port, arguments.bus):
@@ -201,3 +200,6 @@ class _RobotProbe:
         low = found.model.flash.low_battery * nominal
         advice = "" if voltage >= low else f"charge it; {low:.1f} V is low for this robot"
         yield Finding("battery", not advice, f"{voltage:.1f} V of {nominal:.0f} V", advice)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from acromovi.options import add_bus, count
 from acromovi.ps import table
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
@@ -37,9 +38,7 @@ reached or there is no arbiter to ask for its record, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--audit", type=count, metavar="N", help="print the last N rows of the arbiter's record as well"
     )
@@ -47,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query gateways and arbiters once and print the leases."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
@@ -149,3 +148,6 @@ def _line(row: Mapping[str, Any]) -> tuple[str, ...]:
     known = {name: str(row[name]) for name in ("event", "element", "holder", "priority")}
     more = ", ".join(f"{name} {value}" for name, value in row.items() if name not in (*known, "time"))
     return (at, *known.values(), more)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -6,6 +6,8 @@ import keyword
 import sys
 from pathlib import Path
 
+from acromovi.subcommand import Subcommand
+
 EPILOG = """\
 example:
   acromovi new patrol
@@ -16,9 +18,7 @@ Exit codes: 0 written, 1 there is such a file already, 2 wrong usage.
 TEMPLATE = "apps.wander"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", type=identifier, help="name of the application: letters, digits and _")
 
 
@@ -32,7 +32,7 @@ def identifier(text: str) -> str:
     return name
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Write the file, unless it exists."""
     file = Path(f"{options.name}.py")
     try:
@@ -56,3 +56,6 @@ def application(name: str) -> str:
         .replace("NAME@apps", f"{name}@apps")
         .replace('SERVICES = ("wander",)', f'SERVICES = ("{name}",)')
     )
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from acromovi.options import add_bus
 from acromovi.run import add_application, chosen
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.client.program import RunningApplication
@@ -33,9 +34,7 @@ stopped by Ctrl-C, 143 by SIGTERM.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_application(parser)
     parser.add_argument(
         "--name", help="set the agent's name, such as night_watch or night_watch@lab [that of the file]"
@@ -48,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Host the agent until it ends or a signal is received, or send it to another container."""
     from agents import RobotError
     from agents.platform import AgentError
@@ -98,3 +97,6 @@ def _send(program: "RunningApplication", options: argparse.Namespace) -> int:
         container = send(bus, options.into, name, given)
     print(f"{name} lives in {container}; end it with: acromovi agent stop {name}")
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

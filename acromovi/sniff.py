@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
@@ -45,9 +46,7 @@ written, 2 wrong usage, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "agents", metavar="AGENT", nargs="*", help="print only messages of these agents; * matches any letters"
     )
@@ -71,7 +70,7 @@ def new_file(text: str) -> Path:
     return path
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
     from acromovi.sniffer.captured import wanted
@@ -180,3 +179,6 @@ def draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
             print(f"acromovi sniff: {picture} cannot be written: {err.strerror}", file=sys.stderr)
             return False
     return True
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

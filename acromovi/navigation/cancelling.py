@@ -4,6 +4,7 @@ import argparse
 import json
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 example:
@@ -17,15 +18,13 @@ usage.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Request it once; return the exit code."""
     from acromovi.navigation.components import ask, expect
     from bus.session import ZenohBus
@@ -37,3 +36,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print(f"{ended['mission']} is cancelled" if ended["mission"] else "no mission was active; the robot stands")
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from acromovi.navigation.picture import picture_file, take
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
@@ -37,9 +38,7 @@ on stderr), 2 wrong usage, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("x", metavar="X", type=finite, help="m")
     parser.add_argument("y", metavar="Y", type=finite, help="m")
@@ -62,7 +61,7 @@ def finite(text: str) -> float:
     return value
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Send the robot, and wait for the end if wanted; return the exit code."""
     from acromovi.navigation.components import expect
     from bus.session import ZenohBus
@@ -175,3 +174,6 @@ def report(ended: Mapping[str, Any], as_json: bool) -> int:
 
 def _advice(robot: str) -> str:
     return f"to follow it: acromovi navigate watch {robot}; to end it: acromovi navigate cancel {robot}"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -20,15 +21,13 @@ Exit codes: 0 done, in any state, 1 the navigation does not run (the reason is o
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Request the state once; return the exit code."""
     from acromovi.navigation.components import ask, expect
     from bus.session import ZenohBus
@@ -60,3 +59,6 @@ def place(x: float, y: float, heading: float | None = None) -> str:
     """Return a place in odom as text."""
     looks = f", heading {heading:.2f} rad" if heading is not None else ""
     return f"x {x:.2f} m, y {y:.2f} m{looks}"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

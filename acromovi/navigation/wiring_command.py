@@ -7,6 +7,7 @@ from pathlib import Path
 
 from acromovi.options import add_bus
 from acromovi.sniff import new_file
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -19,16 +20,14 @@ Exit codes: 0 done, 1 the navigation does not run, or the file cannot be written
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("file", metavar="FILE", type=new_file, help="the SVG to write")
     parser.add_argument("--json", action="store_true", help="print the descriptions as one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query the components once, and draw; return the exit code."""
     from acromovi.navigation.components import NobodyNavigates, descriptions
     from acromovi.navigation.wiring_picture import Seen, svg
@@ -58,3 +57,6 @@ def write(path: Path, text: str, order: str) -> int:
         print(f"acromovi navigate {order}: {path} cannot be written: {err.strerror}", file=sys.stderr)
         return 1
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -190,8 +190,8 @@ def test_doctor_finds_everything_in_order_and_leaves_the_robot_as_it_was(name: s
     with emulator("--robot", f"powerbot:{name}", "--world", "empty") as robots:
         place = rolled(robots, name)
         parser = argparse.ArgumentParser()
-        doctor.add_arguments(parser)
-        assert doctor.run(parser.parse_args([robots.port, "--json"])) == 0
+        doctor.COMMAND.add_arguments(parser)
+        assert doctor.COMMAND.run(parser.parse_args([robots.port, "--json"])) == 0
         assert rolled(robots, name) == pytest.approx(place, abs=1e-6)
 
 
