@@ -64,7 +64,7 @@ def _run(arguments: argparse.Namespace) -> int:
         with KnownAgents(bus) as known:
             known.expect(peer)
         if arguments.follow:
-            asyncio.run(follow(bus, peer, arguments.request, dict(arguments.arguments)))
+            asyncio.run(_follow(bus, peer, arguments.request, dict(arguments.arguments)))
             return 0
         try:
             outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
@@ -89,7 +89,7 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
         return await agent.request(peer, request, reply_within=within, **given)
 
 
-async def follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]) -> None:
+async def _follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]) -> None:
     """Subscribe as an agent that lives for this one subscription, and print each value on a line until it ends.
 
     Raises:

@@ -88,7 +88,7 @@ def _run(arguments: argparse.Namespace) -> int:
         if end.code:
             return end.code
         container = Container(bus, name, reporter(PROGRAM), platform=platform, kinds=Kinds(arguments.apps))
-        asyncio.run(live(container, arguments, end))
+        asyncio.run(_live(container, arguments, end))
     return end.code
 
 
@@ -226,7 +226,7 @@ def _cut_off_late() -> Iterator[None]:
         os.close(writer)  # which ends the thread
 
 
-async def live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
+async def _live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
     """Host the requested agents until the end."""
     async with container:
         tasks = [asyncio.ensure_future(leave_if_second(container, end))]

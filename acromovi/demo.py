@@ -73,7 +73,7 @@ class _StreamCounts:
 
 
 @dataclass
-class Drive:
+class _Drive:
     """Result of a drive: both paths in the world's frame, and its duration."""
 
     true_path: list[Pose2D] = field(default_factory=list)
@@ -121,7 +121,7 @@ def _run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, _StreamCounts]:
+def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[_Drive, _StreamCounts]:
     heard = _StreamCounts()
     bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
     bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
@@ -129,7 +129,7 @@ def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive,
     _wait_for_odometry(heard)
     print(f"p2os-gateway messages under {ROBOT}/ on the bus\n")
     start = _truth(robots)
-    drive = Drive()
+    drive = _Drive()
     began = time.monotonic()
     with _table() as show:
         for now in _every(PERIOD_S, until=began + DRIVE_TIMEOUT_S):
@@ -187,7 +187,7 @@ def _table() -> Iterator[Callable[[str], None]]:
         print()
 
 
-def _row(drive: Drive, heard: _StreamCounts, follower: Follower) -> str:
+def _row(drive: _Drive, heard: _StreamCounts, follower: Follower) -> str:
     pose = drive.odometry_path[-1]
     return (
         f"{drive.seconds:5.1f}s {pose.x:6.2f}m {pose.y:6.2f}m {math.degrees(pose.heading):5.0f}° {heard.speed:6.2f} "
@@ -195,7 +195,7 @@ def _row(drive: Drive, heard: _StreamCounts, follower: Follower) -> str:
     )
 
 
-def _summary(drive: Drive, heard: _StreamCounts, picture: Path) -> str:
+def _summary(drive: _Drive, heard: _StreamCounts, picture: Path) -> str:
     return (
         f"\ndrove {drive.length:.1f} m in {drive.seconds:.0f} s; heard {heard.odometry_count} poses and "
         f"{heard.sonar_count} sonar ranges; odometry ends {drive.drift:.2f} m from the truth; picture: {picture}\n"

@@ -44,11 +44,11 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(seen, ensure_ascii=False))
     else:
-        sys.stdout.writelines(f"{line}\n" for line in lines(seen))
+        sys.stdout.writelines(f"{line}\n" for line in _lines(seen))
     return 0
 
 
-def lines(seen: Mapping[str, Any]) -> Iterator[str]:
+def _lines(seen: Mapping[str, Any]) -> Iterator[str]:
     """Return the state of an agent as lines of text."""
     yield f"{seen['name']} is {seen['state']} in {seen['container']}, of the kind {seen['kind']}"
     for title, of_what in (("services", "services"), ("requests", "requests")):

@@ -71,7 +71,7 @@ def _run(arguments: argparse.Namespace) -> int:
     now = datetime.now(UTC)
     try:
         if arguments.action == "list":
-            show(arguments.out, now, arguments.json)
+            _show(arguments.out, now, arguments.json)
             return 0
         life = timedelta(days=arguments.days)
         if arguments.action == "renew":
@@ -91,7 +91,7 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def show(folder: Path, now: datetime, as_json: bool) -> None:
+def _show(folder: Path, now: datetime, as_json: bool) -> None:
     """Print the keys in a folder."""
     from acromovi.authority import issued
 

@@ -55,7 +55,7 @@ def _run(arguments: argparse.Namespace) -> int:
         known.meet()
         report = {"leases": [*asyncio.run(leases(bus)), *named(bus, known)]}
         if arguments.audit:
-            report["audit"] = audit(bus, known, arguments.audit)
+            report["audit"] = _audit(bus, known, arguments.audit)
     if arguments.json:
         print(json.dumps(report))
     else:
@@ -75,7 +75,7 @@ async def leases(bus: "Bus") -> list[dict[str, Any]]:
         replies = ReplyQueue(PATIENCE)
         with bus.ask(key, None, replies.put, replies.put, PATIENCE, urgent=True):
             async for answer in replies:
-                found += held(split(answer.key)[0], answer.value)
+                found += _held(split(answer.key)[0], answer.value)
     except (TimedOut, Refused) as err:
         print(f"acromovi leases: somebody is left out: {err}", file=sys.stderr)
     except NoAnswer:
@@ -83,7 +83,7 @@ async def leases(bus: "Bus") -> list[dict[str, Any]]:
     return sorted(found, key=lambda row: str(row["element"]))
 
 
-def held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+def _held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Return a gateway's answer, a row for each lease."""
     elements = {robot: state} | {f"{name}@{robot}": lease for name, lease in state.get("elements", {}).items()}
     for element, lease in elements.items():
@@ -111,7 +111,7 @@ def named(bus: "Bus", known: "KnownAgents") -> list[dict[str, Any]]:
     return [{key: row[key] for key in ("element", "holder", "priority", "expires_in")} for row in found]
 
 
-def audit(bus: "Bus", known: "KnownAgents", last: int) -> list[dict[str, Any]]:
+def _audit(bus: "Bus", known: "KnownAgents", last: int) -> list[dict[str, Any]]:
     """The end of the arbiter's record.
 
     Raises:

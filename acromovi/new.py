@@ -19,10 +19,10 @@ TEMPLATE = "apps.wander"
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("name", metavar="NAME", type=identifier, help="name of the application: letters, digits and _")
+    parser.add_argument("name", metavar="NAME", type=_identifier, help="name of the application: letters, digits and _")
 
 
-def identifier(text: str) -> str:
+def _identifier(text: str) -> str:
     """A name that a file and an agent can have."""
     name = text.removesuffix(".py")
     if not name.isidentifier():
@@ -37,7 +37,7 @@ def _run(options: argparse.Namespace) -> int:
     file = Path(f"{options.name}.py")
     try:
         with file.open("x", encoding="utf-8") as written:
-            written.write(application(options.name))
+            written.write(_application(options.name))
     except OSError as err:
         why = "there is such a file already; choose another name" if isinstance(err, FileExistsError) else err.strerror
         print(f"acromovi new: {file} cannot be written: {why}", file=sys.stderr)
@@ -46,7 +46,7 @@ def _run(options: argparse.Namespace) -> int:
     return 0
 
 
-def application(name: str) -> str:
+def _application(name: str) -> str:
     """Return the source of a new application: the one shipped with Acromovi, renamed."""
     from apps import wander
 

@@ -85,13 +85,13 @@ def _run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known, Listener(bus) as ear:
 
         def tell_silence() -> None:
-            print(f"acromovi sniff: nothing has been said; {advice(arguments.agents, known)}", file=sys.stderr)
+            print(f"acromovi sniff: nothing has been said; {_advice(arguments.agents, known)}", file=sys.stderr)
 
         try:
-            follow(ear, transcript, arguments.seconds, tell_silence)
+            _follow(ear, transcript, arguments.seconds, tell_silence)
         finally:
             transcript.add(ear.rest())
-            is_drawn = draw(transcript, arguments.diagram, arguments.svg)
+            is_drawn = _draw(transcript, arguments.diagram, arguments.svg)
     return 0 if is_drawn else 1
 
 
@@ -112,7 +112,7 @@ class _Transcript:
         from acromovi.sniffer.captured import CapturedMessage
 
         for each in filter(self._is_wanted, heard):
-            shown = json.dumps(each.record()) if self._as_json else line(each)
+            shown = json.dumps(each.record()) if self._as_json else _line(each)
             print(shown, flush=True)
             if isinstance(each, CapturedMessage):
                 self.count += 1
@@ -125,7 +125,7 @@ class _Transcript:
         return diagram_of(self._last, self.count - len(self._last))
 
 
-def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
+def _follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
     """Print messages for a time, s, or without end; give advice once when there are none."""
     begun = time.monotonic()
     quiet_until = begun + min(SILENCE, duration or SILENCE)
@@ -136,7 +136,7 @@ def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_
             quiet_until = float("inf")
 
 
-def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
+def _advice(patterns: Sequence[str], known: "KnownAgents") -> str:
     """Return advice for when there are no messages."""
     from acromovi.sniffer.captured import matches
 
@@ -147,7 +147,7 @@ def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
     return "agents speak when there is something to do; acromovi ask gives them something"
 
 
-def line(heard: "Heard") -> str:
+def _line(heard: "Heard") -> str:
     """Something heard, for people."""
     from acromovi.sniffer.captured import SHORT_ID, Unreadable, brief, shortened
     from acromovi.sniffer.text import clock
@@ -163,7 +163,7 @@ def line(heard: "Heard") -> str:
     return f"{clock(heard.time)}  {mark:<{SHORT_ID}}  {who:<{WHO}}  {message.performative:<8} {text}".rstrip()
 
 
-def draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
+def _draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
     """Print or write the diagram, as is wanted; False when the file cannot be written."""
     from acromovi.sniffer.svg import svg
     from acromovi.sniffer.text import lines

@@ -55,11 +55,11 @@ def _run(arguments: argparse.Namespace) -> int:
         presence = RobotPresence(bus)
         presence.expect(arguments.robot)
         with Terminal() as terminal, Teleop(bus, arguments.robot, arguments.speed, arguments.turn) as teleop:
-            drive(teleop, terminal, presence)
+            _drive(teleop, terminal, presence)
     return 0
 
 
-def drive(teleop: "Teleop", terminal: "Terminal", presence: "RobotPresence") -> None:
+def _drive(teleop: "Teleop", terminal: "Terminal", presence: "RobotPresence") -> None:
     """Read keys, command the robot and show how it is, until q or the end of the terminal."""
     reader = KeyReader()
     shown_at = 0.0

@@ -59,7 +59,7 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def entry(description: "Description") -> dict[str, Any]:
+def _entry(description: "Description") -> dict[str, Any]:
     """An agent as `--json` prints it."""
     can = {"requests": list(description.requests), "subscriptions": list(description.subscriptions)}
     return {**row(description), **can, "properties": dict(description.properties)}
@@ -67,7 +67,7 @@ def entry(description: "Description") -> dict[str, Any]:
 
 def show(found: "Sequence[Description]", as_json: bool, output: TextIO) -> None:
     """Print those that were found."""
-    entries = [entry(description) for description in found]
+    entries = [_entry(description) for description in found]
     if as_json:
         print(json.dumps({"agents": entries}), file=output)
         return

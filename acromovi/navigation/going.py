@@ -71,13 +71,13 @@ def _run(arguments: argparse.Namespace) -> int:
         return 2
     with ZenohBus.open(arguments.bus) as bus:
         interface = expect(bus, arguments.robot)
-        code = asyncio.run(go(bus, interface, arguments))
+        code = asyncio.run(_go(bus, interface, arguments))
         if arguments.picture is not None:
             code = max(code, take(bus, arguments.robot, arguments.picture, "go"))
     return code
 
 
-async def go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
+async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
     """Send the robot; return the exit code.
 
     Raises:
@@ -97,7 +97,7 @@ async def go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) 
         telling = None if arguments.json else asyncio.ensure_future(told.show())
         try:
             async with asyncio.timeout(arguments.timeout):
-                ended = await end_of(agent, interface, begun["mission"])
+                ended = await _end_of(agent, interface, begun["mission"])
             if telling is not None:
                 await told.until(ended.get("logged"))
         except TimeoutError:
@@ -108,10 +108,10 @@ async def go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) 
             if telling is not None:
                 telling.cancel()
                 await asyncio.gather(telling, return_exceptions=True)
-    return report(ended, arguments.json)
+    return _report(ended, arguments.json)
 
 
-async def end_of(agent: "Agent", interface: "AgentName", mission: str) -> Mapping[str, Any]:
+async def _end_of(agent: "Agent", interface: "AgentName", mission: str) -> Mapping[str, Any]:
     """Wait for the end of a mission, also while the user interface restarts, and return its state.
 
     Raises:
@@ -160,7 +160,7 @@ class _MissionLog:
                     await self._more.wait()
 
 
-def report(ended: Mapping[str, Any], as_json: bool) -> int:
+def _report(ended: Mapping[str, Any], as_json: bool) -> int:
     """Print how a mission ended; return the exit code."""
     is_done = ended.get("state") == "done"
     if as_json:

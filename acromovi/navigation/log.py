@@ -42,11 +42,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
     with ZenohBus.open(arguments.bus) as bus:
         interface = expect(bus, arguments.robot)
-        asyncio.run(show(bus, interface, arguments.follow, arguments.json))
+        asyncio.run(_show(bus, interface, arguments.follow, arguments.json))
     return 0
 
 
-async def show(bus: "Bus", interface: "AgentName", follow: bool, as_json: bool) -> None:
+async def _show(bus: "Bus", interface: "AgentName", follow: bool, as_json: bool) -> None:
     """Print the stored messages; with `follow` also new ones, without end."""
     from acromovi.ask import asker
     from acromovi.navigation.components import REPLY_TIMEOUT

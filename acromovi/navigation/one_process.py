@@ -51,11 +51,11 @@ def _run(arguments: argparse.Namespace) -> int:
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
         await_name(bus, name, end)
         container = Container(bus, name, reporter(PROGRAM), platform=arguments.robot)
-        asyncio.run(live(container, arguments.robot, here[arguments.process], arguments.json, end))
+        asyncio.run(_live(container, arguments.robot, here[arguments.process], arguments.json, end))
     return end.code
 
 
-async def live(
+async def _live(
     container: "Container", robot: str, parts: "Sequence[ComponentSpec]", as_json: bool, end: "EndRequest"
 ) -> None:
     """Run components until the end, or until one of them cannot start."""

@@ -47,15 +47,15 @@ def lines(told: Mapping[str, Any]) -> Iterator[str]:
     yield f"{told['mission']}: {told['state']}{why}, for {told.get('since') or 0.0:.0f} s"
     goal = told.get("goal") or {}
     if goal.get("x") is not None:
-        yield f"goal         {place(goal['x'], goal['y'], goal.get('heading'))}"
+        yield f"goal         {_place(goal['x'], goal['y'], goal.get('heading'))}"
     if told.get("sub_target"):
-        yield f"sub-target   {place(*told['sub_target'])}"
+        yield f"sub-target   {_place(*told['sub_target'])}"
     if told.get("pose"):
-        yield f"robot        {place(*told['pose'])}"
+        yield f"robot        {_place(*told['pose'])}"
     yield f"travelled    {told.get('travelled') or 0.0:.1f} m"
 
 
-def place(x: float, y: float, heading: float | None = None) -> str:
+def _place(x: float, y: float, heading: float | None = None) -> str:
     """Return a place in odom as text."""
     looks = f", heading {heading:.2f} rad" if heading is not None else ""
     return f"x {x:.2f} m, y {y:.2f} m{looks}"

@@ -53,14 +53,14 @@ def _run(arguments: argparse.Namespace) -> int:
         interface = expect(bus, arguments.robot)
         sys.stdout.write(ALTERNATE)
         try:
-            asyncio.run(follow(bus, interface))
+            asyncio.run(_follow(bus, interface))
         finally:
             sys.stdout.write(NORMAL)
             sys.stdout.flush()
     return 0
 
 
-async def follow(bus: "Bus", interface: "AgentName") -> None:
+async def _follow(bus: "Bus", interface: "AgentName") -> None:
     """Show the mission without end."""
     from acromovi.ask import asker
     from acromovi.navigation.components import REPLY_TIMEOUT

@@ -46,10 +46,10 @@ def _run(arguments: argparse.Namespace) -> int:
             components.append(Seen.from_description(each))
         except (LookupError, TypeError, ValueError):
             print(f"acromovi navigate wiring: {each.get('name')} does not describe its wiring", file=sys.stderr)
-    return write(arguments.file, svg(arguments.robot, components), "wiring")
+    return _write(arguments.file, svg(arguments.robot, components), "wiring")
 
 
-def write(path: Path, text: str, order: str) -> int:
+def _write(path: Path, text: str, order: str) -> int:
     """Write a file; return the exit code."""
     try:
         path.write_text(text, encoding="utf-8")
