@@ -9,7 +9,7 @@ from pathlib import Path
 from acromovi.missions.matrix import Instead, Result, play, play_all
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
-from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job, all_jobs
+from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job
 from acromovi.subcommand import Subcommand
 from configs.extras import require
 
@@ -62,7 +62,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.picture or options.all:
         require("a picture of missions", "plots")
     if options.smoke or options.all:
-        jobs = all_jobs(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
+        jobs = Job.matrix(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
         results = play_many(jobs)
         if options.all:
             options.out.mkdir(parents=True, exist_ok=True)

@@ -85,6 +85,11 @@ class Job:
             world or ("house" if seed // len(models) % 2 == 0 else f"plan:{seed}"),
         )
 
+    @classmethod
+    def matrix(cls, seeds: Sequence[int] = range(SEEDS)) -> "list[Job]":
+        """All cases and conditions, for each seed."""
+        return [cls.of(case, condition, seed) for seed in seeds for condition in Condition for case in Case]
+
     @property
     def command(self) -> str:
         """What to type to play it."""
@@ -103,6 +108,28 @@ class Task:
     goal: Point
     way: Path
 
+    @classmethod
+    def of(cls, job: Job) -> "Task":
+        """Choose start and goal, put obstacles and people into the world: the same for the same job.
+
+        Raises:
+            NoTask: The world has no room for such a mission.
+            WorldError, ConfigError: There is no such world or robot.
+        """
+        whole = load_world(job.world)
+        doors = [Segment(*door.jamb, *door.post) for door in whole.moving_doors]
+        world = replace(whole, people=(), moving_doors=(), objects=())  # all doors stay open
+        model = configs.load(RobotModel, "robots", job.robot)
+        chooser = _Chooser(world, doors, model, Random(f"{job.case} {job.world} {job.robot} {job.seed}"))
+        start, goal, way = chooser.ends(job.case)
+        world = replace(world, starts=(start,))
+        if job.condition.has_obstacles:
+            world = chooser.with_obstacles(world, way, job.seed)
+            way = chooser.way(world, (start.x, start.y), goal) or way
+        if job.condition.has_people:
+            world = chooser.with_people(world, way, job.seed)
+        return cls(job, world, goal, way)
+
     @property
     def start(self) -> Pose2D:
         """Where the robot begins."""
@@ -111,33 +138,6 @@ class Task:
 
 class NoTask(ValueError):
     """A world has no room for a mission."""
-
-
-def all_jobs(seeds: Sequence[int] = range(SEEDS)) -> list[Job]:
-    """The matrix."""
-    return [Job.of(case, condition, seed) for seed in seeds for condition in Condition for case in Case]
-
-
-def prepare(job: Job) -> Task:
-    """Choose start and goal, put obstacles and people into the world: the same for the same job.
-
-    Raises:
-        NoTask: The world has no room for such a mission.
-        WorldError, ConfigError: There is no such world or robot.
-    """
-    whole = load_world(job.world)
-    doors = [Segment(*door.jamb, *door.post) for door in whole.moving_doors]
-    world = replace(whole, people=(), moving_doors=(), objects=())  # all doors stay open
-    model = configs.load(RobotModel, "robots", job.robot)
-    chooser = _Chooser(world, doors, model, Random(f"{job.case} {job.world} {job.robot} {job.seed}"))
-    start, goal, way = chooser.ends(job.case)
-    world = replace(world, starts=(start,))
-    if job.condition.has_obstacles:
-        world = chooser.with_obstacles(world, way, job.seed)
-        way = chooser.way(world, (start.x, start.y), goal) or way
-    if job.condition.has_people:
-        world = chooser.with_people(world, way, job.seed)
-    return Task(job, world, goal, way)
 
 
 class _Chooser:

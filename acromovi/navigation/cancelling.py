@@ -26,11 +26,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Request it once; return the exit code."""
-    from acromovi.navigation.components import ask, expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        ended = ask(bus, expect(bus, arguments.robot), "cancel").value()
+        ended = RunningNavigation(bus, arguments.robot).ask("cancel")
     if arguments.json:
         print(json.dumps(ended))
     else:

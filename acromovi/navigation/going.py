@@ -63,14 +63,14 @@ def finite(text: str) -> float:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Send the robot, and wait for the end if wanted; return the exit code."""
-    from acromovi.navigation.components import expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     if arguments.picture and not arguments.wait:
         print("acromovi navigate go: --picture draws the end of the mission; add --wait", file=sys.stderr)
         return 2
     with ZenohBus.open(arguments.bus) as bus:
-        interface = expect(bus, arguments.robot)
+        interface = RunningNavigation(bus, arguments.robot).expect()
         code = asyncio.run(_go(bus, interface, arguments))
         if arguments.picture is not None:
             code = max(code, take(bus, arguments.robot, arguments.picture, "go"))

@@ -37,11 +37,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Print the messages; return the exit code."""
-    from acromovi.navigation.components import expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        interface = expect(bus, arguments.robot)
+        interface = RunningNavigation(bus, arguments.robot).expect()
         asyncio.run(_show(bus, interface, arguments.follow, arguments.json))
     return 0
 

@@ -50,12 +50,12 @@ def take(bus: "Bus", robot: str, path: Path, order: str) -> int:
     """Draw the present mission; return the exit code.
 
     Raises:
-        NobodyNavigates, RequestNotDone, ConfigError: As `snapshot` and `draw`.
+        NotOnBus, RequestNotDone, ConfigError: As `Snapshot.of` and `draw`.
     """
     from acromovi.navigation.mission_picture import draw
-    from acromovi.navigation.snapshot import snapshot
+    from acromovi.navigation.snapshot import Snapshot
 
-    shot = snapshot(bus, robot)
+    shot = Snapshot.of(bus, robot)
     try:
         draw(path, shot)
     except OSError as err:

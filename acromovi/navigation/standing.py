@@ -29,11 +29,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Request the state once; return the exit code."""
-    from acromovi.navigation.components import ask, expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        told = ask(bus, expect(bus, arguments.robot), "state").value()
+        told = RunningNavigation(bus, arguments.robot).ask("state")
     print(json.dumps(told) if arguments.json else "\n".join(lines(told)))
     return 0
 

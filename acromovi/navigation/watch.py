@@ -43,14 +43,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Show the mission until Ctrl-C; return the exit code."""
-    from acromovi.navigation.components import expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     if not sys.stdout.isatty():
         print("acromovi navigate watch: this needs a terminal; use state or log without one", file=sys.stderr)
         return 1
     with ZenohBus.open(arguments.bus) as bus:
-        interface = expect(bus, arguments.robot)
+        interface = RunningNavigation(bus, arguments.robot).expect()
         sys.stdout.write(ALTERNATE)
         try:
             asyncio.run(_follow(bus, interface))

@@ -29,15 +29,16 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Query the components once, and draw; return the exit code."""
-    from acromovi.navigation.components import NobodyNavigates, descriptions
+    from acromovi.known_agents import NotOnBus
+    from acromovi.navigation.components import RunningNavigation
     from acromovi.navigation.wiring_picture import Seen, svg
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        found = descriptions(bus, arguments.robot)
+        found = RunningNavigation(bus, arguments.robot).descriptions()
     if not found:
         start = f"start it with: acromovi navigate up {arguments.robot}"
-        raise NobodyNavigates(f"nobody navigates {arguments.robot}; {start}")
+        raise NotOnBus(f"nobody navigates {arguments.robot}; {start}")
     if arguments.json:
         print(json.dumps({"robot": arguments.robot, "components": found}))
     components = []

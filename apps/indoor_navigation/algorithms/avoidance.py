@@ -6,7 +6,7 @@ from math import inf, isfinite
 import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
-from apps.indoor_navigation.algorithms.outline import Outline, arc
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.data import Floats
 
 # Distances ahead that are checked, m: dense near the robot.
@@ -130,7 +130,7 @@ def _way(
     parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
 ) -> float:
     """Return how far the robot may drive on its course or one beside it, m; sense: 1 forward, -1 backward."""
-    touches = outline.runs_into(arc(course + COURSES, sense * DISTANCES), *places, parameters.margin)
+    touches = outline.runs_into(_arc(course + COURSES, sense * DISTANCES), *places, parameters.margin)
     first = np.where(touches.any(axis=1), touches.argmax(axis=1), len(DISTANCES))
     return float(np.concatenate(([0.0], DISTANCES[:-1], [inf]))[first.min()])
 
@@ -164,7 +164,7 @@ def _turning(
     on_the_spot = safe_speed(free, parameters.angular_deceleration, parameters.reaction)
     if linear < STANDING:
         return on_the_spot
-    barred = outline.runs_into(arc(side * CURVES, CURVE_DISTANCES), x, y, TURN_MARGIN).any(axis=1)
+    barred = outline.runs_into(_arc(side * CURVES, CURVE_DISTANCES), x, y, TURN_MARGIN).any(axis=1)
     widest = float(CURVES[: barred.argmax() if barred.any() else len(CURVES)].max(initial=0.0))
     return max(on_the_spot, linear * widest)
 
@@ -201,3 +201,17 @@ def _nearness(parameters: AvoidanceParameters, outline: Outline, places: tuple[F
     near = np.clip(1.0 - outline.distance(x, y) / parameters.reach, 0.0, 1.0) ** 2
     weighted = near * np.clip(0.5 + 0.5 * np.cos(np.arctan2(y, x)), 0.0, 1.0)
     return float(weighted[y > 0.0].max(initial=0.0)), float(weighted[y < 0.0].max(initial=0.0))
+
+
+def _arc(curvatures: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the poses on arcs from the present pose, in the present frame of the robot.
+
+    Args:
+        curvatures: 1/m, shape (n,); positive to the left.
+        lengths: m, shape (m,).
+    Returns:
+        x, y and heading, each of shape (n, m).
+    """
+    turns = curvatures[:, None] * lengths
+    chords = lengths * np.sinc(turns / (2.0 * np.pi))
+    return chords * np.cos(turns / 2.0), chords * np.sin(turns / 2.0), turns

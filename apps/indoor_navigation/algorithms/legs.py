@@ -30,7 +30,7 @@ class Legs:
 
     def see(self, stamp: float, rays: Rays) -> None:
         """Add the rays of one scanner, in the order of their angles, at s of any clock."""
-        x, y = slender(rays)
+        x, y = _slender(rays)
         age = stamp - self._at
         is_there = nearest(self._x, self._y, rays.end_x[rays.hits], rays.end_y[rays.hits]) < MAX_SHIFT
         is_in_view = rays.inner(EDGE_RAYS).are_in_view(self._x, self._y)
@@ -51,7 +51,7 @@ def bodies(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return (x[:, None] + points_x).ravel(), (y[:, None] + points_y).ravel()
 
 
-def slender(rays: Rays) -> tuple[Floats, Floats]:
+def _slender(rays: Rays) -> tuple[Floats, Floats]:
     """Return x and y in odom of each slender object that stands alone.
 
     Args:

@@ -85,17 +85,3 @@ ROUNDING = 2e-3  # m; smaller changes of a distance come from single precision a
 def runs_into(distances: Floats, now: Floats, margin: float) -> Bools:
     """Return where the last axis of distances has one below the margin and below the present distance; all in m."""
     return np.asarray(((distances < margin) & (distances < now - ROUNDING)).any(axis=-1))
-
-
-def arc(curvatures: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the poses on arcs from the present pose, in the present frame of the robot.
-
-    Args:
-        curvatures: 1/m, shape (n,); positive to the left.
-        lengths: m, shape (m,).
-    Returns:
-        x, y and heading, each of shape (n, m).
-    """
-    turns = curvatures[:, None] * lengths
-    chords = lengths * np.sinc(turns / (2.0 * np.pi))
-    return chords * np.cos(turns / 2.0), chords * np.sin(turns / 2.0), turns

@@ -37,7 +37,7 @@ class ScanMotion:
     def look(self, scan: LaserRead) -> Moved:
         """Return the places of what moved since the scan before."""
         before, self._before = self._before, scan
-        return moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
+        return _moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
 
 
 class WalkerMemory:
@@ -100,7 +100,7 @@ class StandingPeople:
         return np.concatenate((x, body_x)), np.concatenate((y, body_y))
 
 
-def moved(scan: LaserRead, before: LaserRead) -> Moved:
+def _moved(scan: LaserRead, before: LaserRead) -> Moved:
     """Return the places that a scan shows where beams of the scan before passed.
 
     A swinging leg is such a place while the other leg stands; for a walker a few places in each scan are enough.
