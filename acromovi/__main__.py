@@ -6,12 +6,11 @@ import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from importlib import import_module
 from types import FrameType
 
+from acromovi.subcommand import add_subcommands
 from configs.command_line import CommandParser
 
-# Each module offers add_arguments(parser) and run(arguments) -> exit code, and is imported only when it is asked for.
 COMMANDS = {
     "echo": ("acromovi.echo", "Print what flows on a key"),
     "topics": ("acromovi.topics", "List the robots, and what flows now and how often"),
@@ -66,19 +65,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code.
     """
     given = list(sys.argv[1:] if argv is None else argv)
+    parser = _parser()
     try:
-        parser = _parser(given)
+        arguments, strange = parser.parse_known_args(given)
+    except SystemExit:  # help or wrong usage; without this line the next one would load Zenoh
+        raise
     except _user_errors() as err:  # an extra is missing, without which the command cannot be loaded
         print(f"acromovi: {err}", file=sys.stderr)
         return 1
-    arguments, strange = parser.parse_known_args(given)
     if strange:
         called = f"acromovi {arguments.command}"
         parser.exit(2, f"{called}: error: {parser.unrecognized(strange)}; {called} --help lists all\n")
-    module = import_module(COMMANDS[arguments.command][0])
     try:
         with _terminable():
-            code = int(module.run(arguments))
+            code = int(arguments.run(arguments))
         sys.stdout.flush()  # here, where a reader that has gone is no error
         return code
     except KeyboardInterrupt:
@@ -93,21 +93,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _parser(given: Sequence[str]) -> CommandParser:
-    """Return the parser with the arguments of one command."""
-    raw = argparse.RawDescriptionHelpFormatter
+def _parser() -> CommandParser:
+    """Return the parser of all commands."""
     parser = CommandParser(
-        prog="acromovi", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw, allow_abbrev=False
+        prog="acromovi",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
     )
     parser.add_version()
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    asked_for = next((word for word in given if not word.startswith("-")), None)
-    for name, (module, summary) in COMMANDS.items():
-        command = commands.add_parser(
-            name, help=summary, description=summary + ".", formatter_class=raw, allow_abbrev=False
-        )
-        if name == asked_for:
-            import_module(module).add_arguments(command)
+    add_subcommands(parser, "command", COMMANDS)
     return parser
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from acromovi.command import argument
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -31,9 +32,7 @@ SUMMARIES = {
 }
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", metavar="|".join(SUMMARIES), required=True)
     for name, summary in SUMMARIES.items():
         action = actions.add_parser(
@@ -59,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         add_bus(action)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Send the request to the container and print the result."""
     from acromovi.known_containers import find_container, home_of, tell
     from agents.platform.names import AgentName
@@ -81,3 +80,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print(f"{answer['name']} is {answer['state']} in {answer['container']}")
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

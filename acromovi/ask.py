@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from acromovi.command import argument
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName, Outcome
@@ -35,9 +36,7 @@ usage, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("agent", metavar="AGENT", help="name of the agent, such as base@happy")
     parser.add_argument("request", metavar="REQUEST", help="name of the request")
     parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="arguments")
@@ -49,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Ask once, and print the result."""
     from acromovi.known_agents import KnownAgents
     from agents.platform.conversations.outcome import Ending, Outcome
@@ -65,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
         with KnownAgents(bus) as known:
             known.expect(peer)
         if arguments.follow:
-            asyncio.run(follow(bus, peer, arguments.request, dict(arguments.arguments)))
+            asyncio.run(_follow(bus, peer, arguments.request, dict(arguments.arguments)))
             return 0
         try:
             outcome = asyncio.run(ask(bus, peer, arguments.request, dict(arguments.arguments), arguments.timeout))
@@ -90,7 +89,7 @@ async def ask(bus: "Bus", peer: "AgentName", request: str, given: dict[str, Any]
         return await agent.request(peer, request, reply_within=within, **given)
 
 
-async def follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]) -> None:
+async def _follow(bus: "Bus", peer: "AgentName", name: str, given: dict[str, Any]) -> None:
     """Subscribe as an agent that lives for this one subscription, and print each value on a line until it ends.
 
     Raises:
@@ -119,3 +118,6 @@ async def asker(bus: "Bus", peer: "AgentName") -> "AsyncIterator[Agent]":
         agent = Agent(AgentName(name, bus.own_name or "terminal"))
         await container.start(agent)
         yield agent
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -97,7 +97,7 @@ class Authority:
             OSError: The folder cannot be written.
         """
         owner = f"{role}.{robot_name(name)}"
-        for there in owners(self.folder):
+        for there in _owners(self.folder):
             if there == owner:
                 raise KeysError(f"{self.folder / owner} is there already; renew it, or choose another name")
             if there.partition(".")[2] == name:
@@ -106,7 +106,7 @@ class Authority:
         signed = self._sign(owner, key.public_key(), now, life, (*LOCAL_HOSTS, *hosts) if role == ROUTER else ())
         files = {CA: _pem(self._certificate), CERTIFICATE: _pem(signed), PRIVATE_KEY: _pem_of_key(key)}
         if role == ROUTER:
-            files[ADMITTED] = "".join(f"{each}\n" for each in owners(self.folder)).encode()
+            files[ADMITTED] = "".join(f"{each}\n" for each in _owners(self.folder)).encode()
         _write_folder(self.folder / owner, files)
         for router in self.folder.glob(f"{ROUTER}.*"):
             if router.name != owner:
@@ -122,8 +122,8 @@ class Authority:
             OSError: The folder cannot be written.
         """
         folder = self.folder / owner
-        if owner not in owners(self.folder):
-            there = ", ".join(owners(self.folder)) or "none"
+        if owner not in _owners(self.folder):
+            there = ", ".join(_owners(self.folder)) or "none"
             raise KeysError(f"there is no key {owner} in {self.folder}; there are: {there}")
         before = _certificate(folder / CERTIFICATE)
         signed = self._sign(owner, _private_key(folder / PRIVATE_KEY).public_key(), now, life, _hosts(before))
@@ -150,7 +150,7 @@ class Authority:
         return builder.sign(self._key, hashes.SHA256())
 
 
-def owners(folder: Path) -> list[str]:
+def _owners(folder: Path) -> list[str]:
     """Return the owners of the keys in a folder, sorted."""
     return sorted(path.parent.name for path in folder.glob(f"*.*/{CERTIFICATE}"))
 
@@ -162,7 +162,7 @@ def issued(folder: Path) -> list[_Issued]:
         KeysError: There are none, or one is damaged.
     """
     _authority(folder)
-    found = [(owner, _certificate(folder / owner / CERTIFICATE)) for owner in owners(folder)]
+    found = [(owner, _certificate(folder / owner / CERTIFICATE)) for owner in _owners(folder)]
     return [_Issued(owner, each.not_valid_after_utc, _hosts(each)) for owner, each in found]
 
 

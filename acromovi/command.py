@@ -6,6 +6,7 @@ import sys
 from typing import Any
 
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -21,9 +22,7 @@ Exit codes: 0 accepted, 1 refused or no such robot (the reason is on stderr), 2 
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="name of the robot on the bus")
     parser.add_argument("what", metavar="COMMAND", help="command, such as stop, gripper, ptz; or lease, or description")
     parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="arguments")
@@ -42,7 +41,7 @@ def argument(text: str) -> tuple[str, Any]:
         return key, value
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Send the command once and print the answer."""
     from acromovi.presence import RobotPresence
     from bus import NoAnswer, ZenohBus, keys
@@ -72,3 +71,6 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"acromovi command: {what}", file=sys.stderr)
         return 1
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from acromovi.command import argument
 from acromovi.options import add_apps, add_bus
+from acromovi.subcommand import Subcommand
 from configs.loader import ConfigError
 
 if TYPE_CHECKING:
@@ -49,9 +50,7 @@ It runs until stopped, and its agents end with it, within 2 s. Exit codes: 1 not
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("name", metavar="NAME", nargs="?", help="start an empty container of this name")
     which.add_argument("--robot", metavar="ROBOT", help="start the container of a robot's agents")
@@ -72,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Host agents until a signal is received."""
     from agents.platform import Container, Kinds
     from agents.platform.names import ContainerName
@@ -89,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         if end.code:
             return end.code
         container = Container(bus, name, reporter(PROGRAM), platform=platform, kinds=Kinds(arguments.apps))
-        asyncio.run(live(container, arguments, end))
+        asyncio.run(_live(container, arguments, end))
     return end.code
 
 
@@ -227,7 +226,7 @@ def _cut_off_late() -> Iterator[None]:
         os.close(writer)  # which ends the thread
 
 
-async def live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
+async def _live(container: "Container", arguments: argparse.Namespace, end: EndRequest) -> None:
     """Host the requested agents until the end."""
     async with container:
         tasks = [asyncio.ensure_future(leave_if_second(container, end))]
@@ -296,3 +295,6 @@ async def leave_if_second(container: "Container", end: EndRequest) -> None:
         end.tell(1)
     except BusError:
         return  # the bus is being closed
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
+from acromovi.subcommand import Subcommand
 from apps.waypoints import Follower
 from bus import Bus, BusError, Sample, ZenohBus, keys, messages
 from configs.extras import require
@@ -72,7 +73,7 @@ class _StreamCounts:
 
 
 @dataclass
-class Drive:
+class _Drive:
     """Result of a drive: both paths in the world's frame, and its duration."""
 
     true_path: list[Pose2D] = field(default_factory=list)
@@ -92,14 +93,12 @@ class Drive:
         return math.hypot(believed.x - true.x, believed.y - true.y)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("demo"), help="set the folder for the picture [demo]")
     parser.add_argument("--seed", type=int, default=1, help="set the seed of the robot's imperfections [1]")
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Run the demo: 0 when the whole route was driven, 1 otherwise."""
     require("the demo", "emu", "plots")
     from p2os_emu.world import load_world
@@ -122,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive, _StreamCounts]:
+def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[_Drive, _StreamCounts]:
     heard = _StreamCounts()
     bus.subscribe(keys.ODOM.key(ROBOT), heard.on_odometry)
     bus.subscribe(keys.SONAR.key(ROBOT), heard.on_sonar)
@@ -130,7 +129,7 @@ def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[Drive,
     _wait_for_odometry(heard)
     print(f"p2os-gateway messages under {ROBOT}/ on the bus\n")
     start = _truth(robots)
-    drive = Drive()
+    drive = _Drive()
     began = time.monotonic()
     with _table() as show:
         for now in _every(PERIOD_S, until=began + DRIVE_TIMEOUT_S):
@@ -188,7 +187,7 @@ def _table() -> Iterator[Callable[[str], None]]:
         print()
 
 
-def _row(drive: Drive, heard: _StreamCounts, follower: Follower) -> str:
+def _row(drive: _Drive, heard: _StreamCounts, follower: Follower) -> str:
     pose = drive.odometry_path[-1]
     return (
         f"{drive.seconds:5.1f}s {pose.x:6.2f}m {pose.y:6.2f}m {math.degrees(pose.heading):5.0f}° {heard.speed:6.2f} "
@@ -196,7 +195,7 @@ def _row(drive: Drive, heard: _StreamCounts, follower: Follower) -> str:
     )
 
 
-def _summary(drive: Drive, heard: _StreamCounts, picture: Path) -> str:
+def _summary(drive: _Drive, heard: _StreamCounts, picture: Path) -> str:
     return (
         f"\ndrove {drive.length:.1f} m in {drive.seconds:.0f} s; heard {heard.odometry_count} poses and "
         f"{heard.sonar_count} sonar ranges; odometry ends {drive.drift:.2f} m from the truth; picture: {picture}\n"
@@ -249,3 +248,6 @@ def _fill(axes: object, polygons: Iterable[Polygon], colour: str, label: str) ->
     for number, polygon in enumerate(polygons):
         outline = [x for x, _ in polygon], [y for _, y in polygon]
         axes.fill(*outline, color=colour, linewidth=0, label=label if number == 0 else None)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

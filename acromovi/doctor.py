@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 from configs import ConfigError
 from configs.extras import EXTRAS, install_command, missing
 from gateway.bridge import Bridge, steady_clock
@@ -44,7 +45,7 @@ SIP_PATIENCE = 2.0
 """Seconds to wait for so many information packets once the robot has said who it is."""
 
 
-class Finding(NamedTuple):
+class _Finding(NamedTuple):
     """One step. advice: what to do where it is not OK, or where it is and something optional is missing."""
 
     check: str
@@ -60,9 +61,7 @@ class Finding(NamedTuple):
         return "NOTE" if self.advice else "OK"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "port", nargs="?", metavar="PORT", help="port of the robot; without it only this computer is checked"
     )
@@ -70,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Print a line for each step; returns 0 if all are OK, 1 otherwise."""
     all_ok = True
     for finding in examine(arguments.port, arguments.bus):
@@ -83,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if all_ok else 1
 
 
-def examine(port: str | None, bus_profile: str) -> Iterator[Finding]:
+def examine(port: str | None, bus_profile: str) -> Iterator[_Finding]:
     """Run the checks in order; those of the robot end with the first that is not OK."""
     yield _python()
     yield from map(_package, PACKAGES)
@@ -92,46 +91,46 @@ def examine(port: str | None, bus_profile: str) -> Iterator[Finding]:
     if port is not None:
         yield from _robot(port)
     else:
-        yield Finding("ports", True, _ports_here())
+        yield _Finding("ports", True, _ports_here())
 
 
-def _python() -> Finding:
+def _python() -> _Finding:
     here = sys.version_info[:2]
     found = ".".join(map(str, sys.version_info[:3]))
     advice = "" if OLDEST <= here <= NEWEST else "install Python 3.11, 3.12 or 3.13"
-    return Finding("Python", not advice, found, advice)
+    return _Finding("Python", not advice, found, advice)
 
 
-def _package(module: str) -> Finding:
+def _package(module: str) -> _Finding:
     distribution = PACKAGES[module]
     try:
         importlib.import_module(module)
-        return Finding(distribution, True, version(distribution))
+        return _Finding(distribution, True, version(distribution))
     except (ImportError, PackageNotFoundError) as error:
-        return Finding(distribution, False, str(error), f"pip install {distribution}")
+        return _Finding(distribution, False, str(error), f"pip install {distribution}")
 
 
-def _extra(extra: str) -> Finding:
+def _extra(extra: str) -> _Finding:
     """Report whether an extra is installed. A missing one is no failure, since most commands do not need it."""
     if not missing(extra):
-        return Finding(f"extra {extra}", True, "installed")
+        return _Finding(f"extra {extra}", True, "installed")
     found = f"not installed, needed for {EXTRAS[extra].purpose}"
-    return Finding(f"extra {extra}", True, found, f"install with {install_command(extra)}")
+    return _Finding(f"extra {extra}", True, found, f"install with {install_command(extra)}")
 
 
-def _bus(profile: str) -> Finding:
+def _bus(profile: str) -> _Finding:
     from bus import BusUnavailable, ZenohBus  # not at the top: it may be what is missing
     from bus.secure import Profile
 
     try:
         ZenohBus.open(profile).close()
     except (BusUnavailable, ConfigError) as error:
-        return Finding("bus", False, str(error), "see the profiles in configs/bus")
+        return _Finding("bus", False, str(error), "see the profiles in configs/bus")
     if (local := Profile.find(profile).local) is None:
-        return Finding("bus", True, f"profile {profile} opens")
+        return _Finding("bus", True, f"profile {profile} opens")
     group, port = local.scouting_address
     where = f"{len(local.entries())} programs are on it, plain Zenoh programs join it at {group}:{port}"
-    return Finding("bus", True, f"profile {profile} opens; {where}")
+    return _Finding("bus", True, f"profile {profile} opens; {where}")
 
 
 def _ports_here() -> str:
@@ -139,17 +138,17 @@ def _ports_here() -> str:
     return f"ports of this computer: {', '.join(here)}" if here else "this computer has no port that may be a robot's"
 
 
-def _robot(name: str) -> Iterator[Finding]:
+def _robot(name: str) -> Iterator[_Finding]:
     try:
         port = open_port(name)
     except PortBusy as error:
         held = " and ".join(map(str, holders(name)))
-        yield Finding("port", False, str(error), f"it is held by {held or 'a program of another user'}")
+        yield _Finding("port", False, str(error), f"it is held by {held or 'a program of another user'}")
         return
     except GatewayError as error:
-        yield Finding("port", False, str(error), _ports_here())
+        yield _Finding("port", False, str(error), _ports_here())
         return
-    yield Finding("port", True, f"{name} is there and free")
+    yield _Finding("port", True, f"{name} is there and free")
     driver = Driver(model_finder(QUIET_SETTINGS), rates_to_try(port, None), QUIET_SETTINGS)
     bridge = Bridge(driver, port, lambda: open_port(name))
     visit = _RobotProbe(name, driver, bridge.stop)
@@ -157,7 +156,7 @@ def _robot(name: str) -> Iterator[Finding]:
         bridge.run(visit)
         yield from visit.findings()
     except GatewayError as error:
-        yield Finding("robot", False, str(error))
+        yield _Finding("robot", False, str(error))
     finally:
         bridge.close()
 
@@ -181,23 +180,26 @@ class _RobotProbe:
         if len(self._sips) >= SIPS_TO_HEAR or now >= self.deadline:
             self._leave()
 
-    def findings(self) -> Iterator[Finding]:
+    def findings(self) -> Iterator[_Finding]:
         """Return the findings."""
         found = self._search.found
         if found is None:
             problem = self._driver.link_problem
             found_instead = problem.sentence if problem else "the port went away while we were looking"
-            yield Finding("robot", False, found_instead, "" if problem else "check the plug and the cable")
+            yield _Finding("robot", False, found_instead, "" if problem else "check the plug and the cable")
             return
         name, _, subtype = found.identity
         at = f" at {found.baud} bit/s" if found.baud else ""
-        yield Finding("robot", True, f"{name} answers{at}")
-        yield Finding("model", True, f"{subtype}, known as {found.model.name}")
+        yield _Finding("robot", True, f"{name} answers{at}")
+        yield _Finding("model", True, f"{subtype}, known as {found.model.name}")
         if not self._sips:
-            yield Finding("packets", False, "no information packet came", "switch the robot off and on, and try again")
+            yield _Finding("packets", False, "no information packet came", "switch the robot off and on, and try again")
             return
-        yield Finding("packets", True, f"{len(self._sips)} information packets read")
+        yield _Finding("packets", True, f"{len(self._sips)} information packets read")
         voltage, nominal = self._sips[-1].best_battery, found.model.battery_nominal
         low = found.model.flash.low_battery * nominal
         advice = "" if voltage >= low else f"charge it; {low:.1f} V is low for this robot"
-        yield Finding("battery", not advice, f"{voltage:.1f} V of {nominal:.0f} V", advice)
+        yield _Finding("battery", not advice, f"{voltage:.1f} V of {nominal:.0f} V", advice)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any, TextIO
 
 from acromovi.options import add_bus, count, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from bus.bus import Bus, Sample
@@ -28,9 +29,7 @@ Exit codes: 0 COUNT messages were printed, 1 silence for TIMEOUT seconds, 130 st
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("key", metavar="KEY", help="a key, or an expression: * is one chunk, ** any number of chunks")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
     parser.add_argument("--count", type=count, metavar="N", help="end after N messages")
@@ -38,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Print messages until the count, the timeout or Ctrl-C."""
     from bus.session import ZenohBus
 
@@ -163,3 +162,6 @@ def _hint(key: str, robots: list[str]) -> str:
     if topic is None and "*" not in suffix and near:
         return f"did you mean {robot}/{near[0]}?"
     return "see what flows with acromovi topics"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -23,15 +24,13 @@ Exit codes: 0 done, 1 no such agent, or it does not answer (the reason is on std
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("agent", metavar="AGENT", help="name of the agent, such as base@happy")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Ask the agent's container, and print what it says."""
     from acromovi.known_containers import find_container, home_of
     from agents.platform.names import AgentName
@@ -45,11 +44,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print(json.dumps(seen, ensure_ascii=False))
     else:
-        sys.stdout.writelines(f"{line}\n" for line in lines(seen))
+        sys.stdout.writelines(f"{line}\n" for line in _lines(seen))
     return 0
 
 
-def lines(seen: Mapping[str, Any]) -> Iterator[str]:
+def _lines(seen: Mapping[str, Any]) -> Iterator[str]:
     """Return the state of an agent as lines of text."""
     yield f"{seen['name']} is {seen['state']} in {seen['container']}, of the kind {seen['kind']}"
     for title, of_what in (("services", "services"), ("requests", "requests")):
@@ -81,3 +80,6 @@ def _said(message: Mapping[str, Any]) -> str:
 def _failures(row: Mapping[str, Any]) -> str:
     count = row["failures"]
     return "no failures" if not count else f"{count} failure{'s' if count > 1 else ''}"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

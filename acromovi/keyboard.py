@@ -82,7 +82,7 @@ class KeyReader:
 
 
 @dataclass
-class HeldAxis:
+class _HeldAxis:
     """One axis: its direction, and the time until which its key counts as held, s."""
 
     direction: int = 0
@@ -95,7 +95,7 @@ class KeyboardControl:
     def __init__(self, linear_speed: float, angular_speed: float) -> None:
         """Drive with these speeds, m/s and rad/s."""
         self._speeds = {_KeypadAxis.LINEAR: linear_speed, _KeypadAxis.ANGULAR: angular_speed}
-        self._held = {axis: HeldAxis() for axis in _KeypadAxis}
+        self._held = {axis: _HeldAxis() for axis in _KeypadAxis}
         self._next = 0.0
         self._is_driving = False
 
@@ -105,11 +105,11 @@ class KeyboardControl:
             axis, direction = MOVES[key]
             if self._held[axis].direction != direction:
                 self._next = now  # a change is not kept waiting
-            self._held[axis] = HeldAxis(direction, now + HOLD)
+            self._held[axis] = _HeldAxis(direction, now + HOLD)
             return None
         action = ACTIONS.get(key)
         if action is not None:
-            self._held = {axis: HeldAxis() for axis in _KeypadAxis}
+            self._held = {axis: _HeldAxis() for axis in _KeypadAxis}
         return action
 
     def twist(self, now: float) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from acromovi.options import count
+from acromovi.subcommand import Subcommand
 from configs.extras import require
 
 ROLES = {
@@ -42,9 +43,7 @@ Exit codes: 0 done, 1 not done (the reason is on stderr), 2 wrong usage.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG.format(roles="\n".join(f"  {role:<10}{meaning}" for role, meaning in ROLES.items()))
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", metavar="make|renew|list", required=True)
     make = actions.add_parser("make", help="make a key; with the first, the authority too", allow_abbrev=False)
     make.add_argument("--role", choices=ROLES, required=True, help="set the rights of the owner")
@@ -64,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Make, renew or list keys."""
     require("making keys", "security")
     from acromovi.authority import AUTHORITY, Authority, KeysError
@@ -72,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     now = datetime.now(UTC)
     try:
         if arguments.action == "list":
-            show(arguments.out, now, arguments.json)
+            _show(arguments.out, now, arguments.json)
             return 0
         life = timedelta(days=arguments.days)
         if arguments.action == "renew":
@@ -92,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def show(folder: Path, now: datetime, as_json: bool) -> None:
+def _show(folder: Path, now: datetime, as_json: bool) -> None:
     """Print the keys in a folder."""
     from acromovi.authority import issued
 
@@ -114,3 +113,8 @@ def _advice(role: str, folder: Path) -> str:
     if role == "router":
         return f"run it with: acromovi router --config secure-router:{folder}"
     return f"use it with: --bus secure:{folder}; start the router again, that it admits {folder.name}"
+
+
+COMMAND = Subcommand(
+    EPILOG.format(roles="\n".join(f"  {role:<10}{meaning}" for role, meaning in ROLES.items())), _add_arguments, _run
+)

@@ -15,8 +15,8 @@ LIKENESS = 0.6  # 0 to 1, from which on one name may have been meant for another
 QUIET_TIME = 0.3  # s without a new token after which a session has met everybody, on one machine
 
 
-class NoSuchAgent(AgentError, LookupError):
-    """There is no agent of this name."""
+class NotOnBus(AgentError, LookupError):
+    """No agent, container or navigation of this name is on the bus."""
 
 
 class KnownAgents(Closeable):
@@ -36,11 +36,11 @@ class KnownAgents(Closeable):
         """Wait until an agent is there.
 
         Raises:
-            NoSuchAgent: It has not been seen within `timeout` s; the message gives the nearest name.
+            NotOnBus: It has not been seen within `timeout` s; the message gives the nearest name.
         """
         with self._changed:
             if not self._changed.wait_for(lambda: self._directory.knows(name), timeout):
-                raise NoSuchAgent(f"there is no agent {name}; {advice(name, self.names)}")
+                raise NotOnBus(f"there is no agent {name}; {advice(name, self.names)}")
 
     def meet(self, timeout: float = MEETING_TIME) -> None:
         """Wait until no new agents appear; a new session knows all agents then."""

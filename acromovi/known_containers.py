@@ -5,24 +5,19 @@ from collections.abc import Mapping
 from threading import Condition
 from typing import Any
 
-from acromovi.known_agents import KnownAgents
+from acromovi.known_agents import KnownAgents, NotOnBus
 from acromovi.presence import MEETING_TIME
-from agents.platform.errors import AgentError
 from agents.platform.names import ALL_CONTAINERS, AgentName, ContainerName
 from bus.bus import Bus
 
 ORDER_TIME = 60.0  # s; longer than a setup may take, or a move
 
 
-class NoSuchContainer(AgentError, LookupError):
-    """There is no container of this name."""
-
-
 def find_container(bus: Bus, name: str, timeout: float = MEETING_TIME) -> ContainerName:
     """The container that has a name.
 
     Raises:
-        NoSuchContainer: It has not been seen within `timeout` s; the message gives the nearest name.
+        NotOnBus: It has not been seen within `timeout` s; the message gives the nearest name.
     """
     seen: dict[str, ContainerName] = {}
     changed = Condition()
@@ -38,7 +33,7 @@ def find_container(bus: Bus, name: str, timeout: float = MEETING_TIME) -> Contai
 
     with bus.watch_alive(ALL_CONTAINERS, note), changed:
         if not changed.wait_for(lambda: name in seen, timeout):
-            raise NoSuchContainer(f"there is no container {name!r}; {_advice(name, sorted(seen))}")
+            raise NotOnBus(f"there is no container {name!r}; {_advice(name, sorted(seen))}")
         return seen[name]
 
 
@@ -46,7 +41,7 @@ def home_of(bus: Bus, agent: AgentName) -> str:
     """The name of the container where an agent lives.
 
     Raises:
-        NoSuchAgent: There is no such agent; the message gives the nearest name.
+        NotOnBus: There is no such agent; the message gives the nearest name.
         NoAnswer: It is there and does not answer.
     """
     with KnownAgents(bus) as known:

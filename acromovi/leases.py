@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from acromovi.options import add_bus, count
 from acromovi.ps import table
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
@@ -37,9 +38,7 @@ reached or there is no arbiter to ask for its record, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--audit", type=count, metavar="N", help="print the last N rows of the arbiter's record as well"
     )
@@ -47,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query gateways and arbiters once and print the leases."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
@@ -56,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         known.meet()
         report = {"leases": [*asyncio.run(leases(bus)), *named(bus, known)]}
         if arguments.audit:
-            report["audit"] = audit(bus, known, arguments.audit)
+            report["audit"] = _audit(bus, known, arguments.audit)
     if arguments.json:
         print(json.dumps(report))
     else:
@@ -76,7 +75,7 @@ async def leases(bus: "Bus") -> list[dict[str, Any]]:
         replies = ReplyQueue(PATIENCE)
         with bus.ask(key, None, replies.put, replies.put, PATIENCE, urgent=True):
             async for answer in replies:
-                found += held(split(answer.key)[0], answer.value)
+                found += _held(split(answer.key)[0], answer.value)
     except (TimedOut, Refused) as err:
         print(f"acromovi leases: somebody is left out: {err}", file=sys.stderr)
     except NoAnswer:
@@ -84,7 +83,7 @@ async def leases(bus: "Bus") -> list[dict[str, Any]]:
     return sorted(found, key=lambda row: str(row["element"]))
 
 
-def held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+def _held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Return a gateway's answer, a row for each lease."""
     elements = {robot: state} | {f"{name}@{robot}": lease for name, lease in state.get("elements", {}).items()}
     for element, lease in elements.items():
@@ -112,7 +111,7 @@ def named(bus: "Bus", known: "KnownAgents") -> list[dict[str, Any]]:
     return [{key: row[key] for key in ("element", "holder", "priority", "expires_in")} for row in found]
 
 
-def audit(bus: "Bus", known: "KnownAgents", last: int) -> list[dict[str, Any]]:
+def _audit(bus: "Bus", known: "KnownAgents", last: int) -> list[dict[str, Any]]:
     """The end of the arbiter's record.
 
     Raises:
@@ -149,3 +148,6 @@ def _line(row: Mapping[str, Any]) -> tuple[str, ...]:
     known = {name: str(row[name]) for name in ("event", "element", "holder", "priority")}
     more = ", ".join(f"{name} {value}" for name, value in row.items() if name not in (*known, "time"))
     return (at, *known.values(), more)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -6,6 +6,8 @@ import keyword
 import sys
 from pathlib import Path
 
+from acromovi.subcommand import Subcommand
+
 EPILOG = """\
 example:
   acromovi new patrol
@@ -16,13 +18,11 @@ Exit codes: 0 written, 1 there is such a file already, 2 wrong usage.
 TEMPLATE = "apps.wander"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
-    parser.add_argument("name", metavar="NAME", type=identifier, help="name of the application: letters, digits and _")
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", type=_identifier, help="name of the application: letters, digits and _")
 
 
-def identifier(text: str) -> str:
+def _identifier(text: str) -> str:
     """A name that a file and an agent can have."""
     name = text.removesuffix(".py")
     if not name.isidentifier():
@@ -32,12 +32,12 @@ def identifier(text: str) -> str:
     return name
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Write the file, unless it exists."""
     file = Path(f"{options.name}.py")
     try:
         with file.open("x", encoding="utf-8") as written:
-            written.write(application(options.name))
+            written.write(_application(options.name))
     except OSError as err:
         why = "there is such a file already; choose another name" if isinstance(err, FileExistsError) else err.strerror
         print(f"acromovi new: {file} cannot be written: {why}", file=sys.stderr)
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def application(name: str) -> str:
+def _application(name: str) -> str:
     """Return the source of a new application: the one shipped with Acromovi, renamed."""
     from apps import wander
 
@@ -56,3 +56,6 @@ def application(name: str) -> str:
         .replace("NAME@apps", f"{name}@apps")
         .replace('SERVICES = ("wander",)', f'SERVICES = ("{name}",)')
     )
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

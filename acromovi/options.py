@@ -23,13 +23,13 @@ def add_apps(parser: argparse.ArgumentParser) -> None:
         "--apps",
         metavar="DIR",
         action="append",
-        type=folder,
+        type=_folder,
         default=[],
         help="add a folder of applications that can be started as agents: follow.py is the module follow; repeatable",
     )
 
 
-def folder(text: str) -> Path:
+def _folder(text: str) -> Path:
     """A folder that is there."""
     path = Path(text).expanduser()
     if not path.is_dir():

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TextIO
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform.directory import Description
@@ -24,14 +25,12 @@ be reached, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query all agents once and print the list."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
@@ -72,3 +71,6 @@ def table(lines: Sequence[tuple[str, ...]]) -> str:
     return "\n".join(
         "  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines
     )
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -4,6 +4,8 @@ import argparse
 import json
 import threading
 
+from acromovi.subcommand import Subcommand
+
 EPILOG = """\
 examples:
   acromovi router
@@ -22,9 +24,7 @@ It runs until stopped. Exit codes: 1 the address is taken or not understood (the
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--listen",
         action="append",
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one line of JSON once it routes")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Route until stopped."""
     from bus.session import ZenohBus, configuration
 
@@ -67,3 +67,6 @@ def _addresses(endpoints_json: str) -> list[str]:
     if isinstance(endpoints, dict):
         endpoints = endpoints.get("router", [])
     return list(endpoints)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

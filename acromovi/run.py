@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from acromovi.command import argument
 from acromovi.options import add_apps, add_bus
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.client.program import RunningApplication
@@ -26,9 +27,7 @@ SIGTERM; an application may choose another with sys.exit.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_application(parser)
     add_bus(parser)
 
@@ -55,7 +54,7 @@ def chosen(options: argparse.Namespace) -> "RunningApplication":
     return program
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Run it to its end."""
     from agents import RobotError, Team
 
@@ -67,3 +66,6 @@ def run(options: argparse.Namespace) -> int:
         print(f"acromovi run: {err}", file=sys.stderr)
         return 1
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

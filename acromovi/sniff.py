@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
@@ -45,9 +46,7 @@ written, 2 wrong usage, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "agents", metavar="AGENT", nargs="*", help="print only messages of these agents; * matches any letters"
     )
@@ -71,7 +70,7 @@ def new_file(text: str) -> Path:
     return path
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
     from acromovi.sniffer.captured import wanted
@@ -86,13 +85,13 @@ def run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known, Listener(bus) as ear:
 
         def tell_silence() -> None:
-            print(f"acromovi sniff: nothing has been said; {advice(arguments.agents, known)}", file=sys.stderr)
+            print(f"acromovi sniff: nothing has been said; {_advice(arguments.agents, known)}", file=sys.stderr)
 
         try:
-            follow(ear, transcript, arguments.seconds, tell_silence)
+            _follow(ear, transcript, arguments.seconds, tell_silence)
         finally:
             transcript.add(ear.rest())
-            is_drawn = draw(transcript, arguments.diagram, arguments.svg)
+            is_drawn = _draw(transcript, arguments.diagram, arguments.svg)
     return 0 if is_drawn else 1
 
 
@@ -113,7 +112,7 @@ class _Transcript:
         from acromovi.sniffer.captured import CapturedMessage
 
         for each in filter(self._is_wanted, heard):
-            shown = json.dumps(each.record()) if self._as_json else line(each)
+            shown = json.dumps(each.record()) if self._as_json else _line(each)
             print(shown, flush=True)
             if isinstance(each, CapturedMessage):
                 self.count += 1
@@ -126,7 +125,7 @@ class _Transcript:
         return diagram_of(self._last, self.count - len(self._last))
 
 
-def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
+def _follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_silence: Callable[[], None]) -> None:
     """Print messages for a time, s, or without end; give advice once when there are none."""
     begun = time.monotonic()
     quiet_until = begun + min(SILENCE, duration or SILENCE)
@@ -137,7 +136,7 @@ def follow(ear: "Listener", transcript: _Transcript, duration: float | None, on_
             quiet_until = float("inf")
 
 
-def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
+def _advice(patterns: Sequence[str], known: "KnownAgents") -> str:
     """Return advice for when there are no messages."""
     from acromovi.sniffer.captured import matches
 
@@ -148,7 +147,7 @@ def advice(patterns: Sequence[str], known: "KnownAgents") -> str:
     return "agents speak when there is something to do; acromovi ask gives them something"
 
 
-def line(heard: "Heard") -> str:
+def _line(heard: "Heard") -> str:
     """Something heard, for people."""
     from acromovi.sniffer.captured import SHORT_ID, Unreadable, brief, shortened
     from acromovi.sniffer.text import clock
@@ -164,7 +163,7 @@ def line(heard: "Heard") -> str:
     return f"{clock(heard.time)}  {mark:<{SHORT_ID}}  {who:<{WHO}}  {message.performative:<8} {text}".rstrip()
 
 
-def draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
+def _draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
     """Print or write the diagram, as is wanted; False when the file cannot be written."""
     from acromovi.sniffer.svg import svg
     from acromovi.sniffer.text import lines
@@ -180,3 +179,6 @@ def draw(transcript: _Transcript, as_text: bool, picture: Path | None) -> bool:
             print(f"acromovi sniff: {picture} cannot be written: {err.strerror}", file=sys.stderr)
             return False
     return True
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Self
 from acromovi.keyboard import HELP, MOVES, PERIOD, SPECIAL, Action, KeyboardControl, KeyReader
 from acromovi.options import add_bus
 from acromovi.robot_view import RobotView, in_keys
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.presence import RobotPresence
@@ -32,9 +33,7 @@ Exit codes: 0 quit with q, 1 no such robot or no terminal, 130 stopped by Ctrl-C
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="the robot's name")
     parser.add_argument("--speed", type=float, default=0.3, metavar="M_S", help="forward, m/s (default: %(default)g)")
     parser.add_argument(
@@ -43,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Drive until q."""
     from acromovi.presence import RobotPresence
     from acromovi.terminal import Terminal
@@ -56,11 +55,11 @@ def run(arguments: argparse.Namespace) -> int:
         presence = RobotPresence(bus)
         presence.expect(arguments.robot)
         with Terminal() as terminal, Teleop(bus, arguments.robot, arguments.speed, arguments.turn) as teleop:
-            drive(teleop, terminal, presence)
+            _drive(teleop, terminal, presence)
     return 0
 
 
-def drive(teleop: "Teleop", terminal: "Terminal", presence: "RobotPresence") -> None:
+def _drive(teleop: "Teleop", terminal: "Terminal", presence: "RobotPresence") -> None:
     """Read keys, command the robot and show how it is, until q or the end of the terminal."""
     reader = KeyReader()
     shown_at = 0.0
@@ -178,3 +177,6 @@ class Teleop:
             self.view.note = done
         except BusError as err:
             self.view.note = f"{action}: {in_keys(str(err))}"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -9,6 +9,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any, TextIO
 
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from bus.bus import Bus, Sample
@@ -25,9 +26,7 @@ Exit codes: 0 also when nothing flows, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
         "--seconds", type=seconds, default=3.0, metavar="S", help="listen for this time [%(default)g s]"
@@ -35,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Listen for a while, then print the list."""
     from bus.session import ZenohBus
 
@@ -114,3 +113,6 @@ def show(report: dict[str, Any], as_json: bool, output: TextIO) -> None:
     for row in rows:
         rate = f"{row['rate']:.1f} Hz" if row["rate"] else f"{row['count']} in all"
         print(f"{row['key']:<{key_width}}  {row['type']:<{type_width}}  {rate:>9}", file=output)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

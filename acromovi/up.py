@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acromovi.options import add_apps, add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.team.plan import TeamOptions, TeamPlan
@@ -42,9 +43,7 @@ Exit codes: 1 the team cannot come up (the reason is on stderr), 2 wrong usage, 
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("team", metavar="TEAM", help="team: a name in configs/teams, or a file")
     parser.add_argument("--only", metavar="ROBOT,...", type=_names, default=(), help="start only these robots")
     parser.add_argument("--seed", type=int, metavar="N", help="set the seed of the emulator's random generator")
@@ -60,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Start a team, keep it running, and end it in order."""
     from acromovi.team.identities import folder_of_keys
     from acromovi.team.plan import TeamOptions, load_team
@@ -169,3 +168,6 @@ async def _see_that_nobody_is_there(bus: "Bus", team: "TeamPlan") -> None:
         each.close()
     if taken:
         raise TeamFailed(f"{ours[min(taken)]} is on this bus already; end it first, or use another --bus")
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

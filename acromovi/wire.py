@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TextIO
 
 import configs
+from acromovi.subcommand import Subcommand
 from configs.defaults import ROBOT
 from gateway.errors import GatewayError
 from gateway.serial_port import Port, open_port
@@ -42,9 +43,7 @@ Exit codes: 0 the recording ended, 1 the port or file cannot be used or was lost
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("line", metavar="PORT|FILE", help="port of the robot, or a recording")
     parser.add_argument("--listen", metavar="PATH|TCP", help="offer the robot to a client at a path or a TCP port")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
@@ -59,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Print until the recording or the line ends."""
     show = _printer(arguments.json, sys.stdout)
     try:
@@ -196,3 +195,6 @@ def _printer(as_objects: bool, output: TextIO) -> Callable[[Iterable[WireLogEntr
         output.flush()
 
     return show
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

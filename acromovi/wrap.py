@@ -5,6 +5,7 @@ import asyncio
 import sys
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -20,15 +21,13 @@ The program starts and ends with its agent, and is started again when it ends by
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", help="wrapper: a name in configs/wrappers, or a path")
     parser.add_argument("--name", metavar="AGENT", required=True, help="set the agent's name, such as colours@happy")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Host the agent until it is stopped or a signal is received."""
     from acromovi.alone import live_alone
     from acromovi.container import ending_in_time
@@ -45,3 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"acromovi wrap: {error}", file=sys.stderr)
         return 1
     return end.code or int(not has_begun)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

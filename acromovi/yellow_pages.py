@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from acromovi.command import argument
 from acromovi.options import add_bus
 from acromovi.ps import row
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform.directory import Description
@@ -29,9 +30,7 @@ reached, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--service", metavar="S", help="list only agents with this service")
     parser.add_argument("--robot", metavar="R", help="list only agents of this robot or platform")
     parser.add_argument(
@@ -46,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query all agents once and print those that match."""
     from acromovi.known_agents import KnownAgents
     from bus.session import ZenohBus
@@ -60,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def entry(description: "Description") -> dict[str, Any]:
+def _entry(description: "Description") -> dict[str, Any]:
     """An agent as `--json` prints it."""
     can = {"requests": list(description.requests), "subscriptions": list(description.subscriptions)}
     return {**row(description), **can, "properties": dict(description.properties)}
@@ -68,7 +67,7 @@ def entry(description: "Description") -> dict[str, Any]:
 
 def show(found: "Sequence[Description]", as_json: bool, output: TextIO) -> None:
     """Print those that were found."""
-    entries = [entry(description) for description in found]
+    entries = [_entry(description) for description in found]
     if as_json:
         print(json.dumps({"agents": entries}), file=output)
         return
@@ -81,3 +80,6 @@ def show(found: "Sequence[Description]", as_json: bool, output: TextIO) -> None:
                 print(f"  {name}: {', '.join(each[name])}", file=output)
         for key, value in each["properties"].items():
             print(f"  {key}: {json.dumps(value)}", file=output)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -7,18 +7,9 @@ from pathlib import Path
 
 from acromovi.missions.command import play_many
 from acromovi.missions.matrix import Result
-from acromovi.missions.page import (
-    MEASURES,
-    in_busy_worlds,
-    in_common,
-    in_still_worlds,
-    median,
-    page,
-    share_reached,
-    with_touches,
-)
+from acromovi.missions.page import Results, page
 from acromovi.missions.picture import draw_grid, draw_mission, draw_sheet
-from acromovi.missions.tasks import all_jobs
+from acromovi.missions.tasks import Job
 from benchmarks.figures import Figure
 from benchmarks.free_space_block import BlockGoto
 
@@ -31,22 +22,22 @@ SMOOTHNESS = ("turned, rad/m", "turns per m", "jerk, m/s3")
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Play all of them, and judge them by the truth."""
     began = time.monotonic()
-    results = play_many(all_jobs())
+    results = Results(play_many(Job.matrix()))
     print("-- the same with the free-space-block method", flush=True)
-    others = play_many(all_jobs(range(BESIDE)), {"goto": BlockGoto})
+    others = Results(play_many(Job.matrix(range(BESIDE)), {"goto": BlockGoto}))
     minutes = (time.monotonic() - began) / 60
     options.out.mkdir(parents=True, exist_ok=True)
     pictures = _draw(results, options.out)
     (options.out / "missions.md").write_text(page(results, others, pictures), encoding="utf-8")
-    still, busy = in_still_worlds(results), in_busy_worlds(results)
+    still, busy = results.still, results.busy
     return [
-        _figure("missions not reached in static worlds", 100 * (1 - share_reached(still)), 1.0, "%", len(still)),
-        _figure("missions not reached with obstacles or people", 100 * (1 - share_reached(busy)), 3.0, "%", len(busy)),
-        _figure("missions in which anything was touched", float(len(with_touches(results))), 0.0, "", len(results)),
-        _figure("path over the shortest path, median", median(results, MEASURES["path / shortest"]), 1.15, "", 300),
+        _figure("missions not reached in static worlds", 100 * (1 - still.share_reached), 1.0, "%", len(still)),
+        _figure("missions not reached with obstacles or people", 100 * (1 - busy.share_reached), 3.0, "%", len(busy)),
+        _figure("missions in which anything was touched", float(len(results.with_touches)), 0.0, "", len(results)),
+        _figure("path over the shortest path, median", results.median("path / shortest"), 1.15, "", 300),
         _figure(
             "time over path at cruising speed, median",
-            median(results, MEASURES["time / path at cruising speed"]),
+            results.median("time / path at cruising speed"),
             1.35,
             "",
             len(results),
@@ -59,10 +50,10 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     ]
 
 
-def beside(results: Sequence[Result], others: Sequence[Result], name: str) -> tuple[float, float]:
+def beside(results: Results, others: Results, name: str) -> tuple[float, float]:
     """The median of a measure where both have come there, as a part of the other method's; and what to reach."""
-    ours, theirs = in_common(results, others)
-    return median(ours, MEASURES[name]) / median(theirs, MEASURES[name]), 1.0
+    ours, theirs = results.also_reached(others), others.also_reached(results)
+    return ours.median(name) / theirs.median(name), 1.0
 
 
 def _figure(name: str, value: float, reach: float, unit: str, samples: int) -> Figure:

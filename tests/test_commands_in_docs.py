@@ -18,7 +18,7 @@ from tests.reader import blocks
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 LINKING = [*PAGES, *sorted(ROOT.glob("[AGP]*.md")), ROOT / "pty_tests/README.md", *(ROOT / "examples").glob("*/*.md")]
 PARSERS: dict[str, Callable[[list[str]], object]] = {
-    "acromovi": lambda given: acromovi._parser(given).parse_args(given),
+    "acromovi": lambda given: acromovi._parser().parse_args(given),
     "p2os-emu": parse_emulator,
     "p2os-gateway": lambda given: gateway._parser().parse_args(given),
 }

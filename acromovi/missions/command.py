@@ -9,7 +9,8 @@ from pathlib import Path
 from acromovi.missions.matrix import Instead, Result, play, play_all
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
-from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job, all_jobs
+from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job
+from acromovi.subcommand import Subcommand
 from configs.extras import require
 
 EPILOG = """\
@@ -28,9 +29,7 @@ SMOKE = (
 )
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--case", type=Case, choices=list(Case), default=Case.ROOM, help="set the case of the goal [room]"
     )
@@ -55,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace) -> int:
     """Run the requested missions."""
     if options.robot and options.robot not in ROBOTS:
         print(f"acromovi missions: --robot must be one of {', '.join(ROBOTS)}", file=sys.stderr)
@@ -63,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     if options.picture or options.all:
         require("a picture of missions", "plots")
     if options.smoke or options.all:
-        jobs = all_jobs(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
+        jobs = Job.matrix(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
         results = play_many(jobs)
         if options.all:
             options.out.mkdir(parents=True, exist_ok=True)
@@ -107,3 +106,6 @@ def _tell(result: Result) -> None:
     print(f"{verdict.length:.2f} m in {verdict.seconds:.1f} s, {verdict.over_shortest:.2f} of the shortest way")
     print(f"{verdict.off:.2f} m from the goal, odometry off by {verdict.odometry_off:.2f} m")
     print(f"{verdict.turned:.2f} rad/m, {verdict.turns:.2f} turns/m, jerk {verdict.jerk:.2f} m/s3")
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

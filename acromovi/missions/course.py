@@ -1,8 +1,12 @@
 """One robot in a world with its navigation, all under one virtual clock: what a mission is played on."""
 
+import math
 from collections.abc import Awaitable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any, Self, TypeVar
+
+import numpy as np
 
 from acromovi.lockstep import SETTINGS, Lockstep
 from agents.platform import Container, Kinds, Report
@@ -13,7 +17,7 @@ from apps.indoor_navigation.wiring import Wiring, load_wiring
 from bus import BusError, Sample, keys
 from bus.messages import decode, decode_json, heading
 from gateway.settings import DriveLimits
-from geometry import Point, Pose2D
+from geometry import Point, Pose2D, wrap_angle
 from p2os_emu.emulator import STEP
 from p2os_emu.world import WorldSpec
 
@@ -26,6 +30,8 @@ ROBOT = "happy"
 PERIOD = 6  # steps between two samples: 20 Hz
 CONNECTING = 2.0  # s of virtual time in which a robot is connected and its sensors have been heard
 LOOK = 12  # steps between two looks at how the mission stands: 10 Hz
+WINDOW = 5  # samples, 0.25 s, over which speeds are averaged before they are differentiated
+TURNS_BACK = math.radians(5)  # a turn the other way counts from here
 SETTLE = 0.5  # s after the end, in which the robot comes to rest
 ENDED = ("done", "failed", "cancelled")
 
@@ -36,6 +42,40 @@ class Track:
 
     true: list[Pose2D] = field(default_factory=list)
     believed: list[Pose2D] = field(default_factory=list)
+
+    @property
+    def length(self) -> float:
+        """Of the true path, m."""
+        return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(self.true))
+
+    @property
+    def turned(self) -> float:
+        """All turning together, rad."""
+        return sum(abs(wrap_angle(b.heading - a.heading)) for a, b in pairwise(self.true))
+
+    @property
+    def turns(self) -> int:
+        """How often a robot that turned one way turns the other way, by more than a trifle."""
+        count, sense, heading, extreme = 0, 0.0, 0.0, 0.0
+        for a, b in pairwise(self.true):
+            heading += wrap_angle(b.heading - a.heading)
+            if sense * (heading - extreme) > 0.0:
+                extreme = heading
+            elif abs(heading - extreme) > TURNS_BACK:
+                count, sense, extreme = count + 1, math.copysign(1.0, heading - extreme), heading
+        return count
+
+    @property
+    def jerks(self) -> tuple[float, float]:
+        """Along the way, m/s3, and about the axle, rad/s3: root of the mean square while the robot is under way."""
+        speeds = np.array([_speed(a, b) for a, b in pairwise(self.true)]).reshape(-1, 2)
+        if len(speeds) < WINDOW + 2:
+            return 0.0, 0.0
+        dt = PERIOD * STEP
+        smooth = np.stack([np.convolve(each, np.ones(WINDOW) / WINDOW, "valid") for each in speeds.T])
+        jerk = np.diff(smooth, 2, axis=1) / dt**2
+        along, about = np.sqrt((jerk**2).mean(axis=1)).tolist()
+        return along, about
 
 
 @dataclass(slots=True)
@@ -209,3 +249,10 @@ class Course:
 
     def _note(self, report: Report) -> None:
         self.reports.append(f"{self.time:.1f} s {report.agent}: {report.what}: {report.error}")
+
+
+def _speed(a: Pose2D, b: Pose2D) -> tuple[float, float]:
+    """Forward and counter-clockwise, m/s and rad/s, between two samples."""
+    dt = PERIOD * STEP
+    forward = math.cos(a.heading) * (b.x - a.x) + math.sin(a.heading) * (b.y - a.y)
+    return forward / dt, wrap_angle(b.heading - a.heading) / dt

@@ -1,27 +1,19 @@
 """Judgement of a mission by the robot's true path, not by its own reports."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from acromovi.missions.course import PERIOD, Played, Track
+from acromovi.missions.course import Played
 from acromovi.missions.tasks import Task
-from geometry import Point, Pose2D, wrap_angle
-from p2os_emu.emulator import STEP
+from geometry import Point, Pose2D
 from p2os_emu.world.free_space import FreeSpace
 
 NEAR = 0.5  # m from the goal; what a robot with perfect odometry must come to
 NEAR_BELIEVED = 1.0  # m, beyond what its odometry was off
 SIGHT = 0.01  # m; half the width of a line of sight
 CRUISING = 0.5  # m/s
-WINDOW = 5  # samples, 0.25 s, over which speeds are averaged before they are differentiated
-TURNS_BACK = math.radians(5)  # a turn the other way counts from here
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +48,7 @@ def judge(task: Task, played: Played) -> MissionVerdict:
     track = played.track
     off = _apart(track.true[-1], task.goal)
     odometry_off = _apart(track.true[-1], (track.believed[-1].x, track.believed[-1].y))
-    driven = max(length(track.true), 1e-3)
+    driven = max(track.length, 1e-3)
     shortest = task.way.length
     why_not = _why_not(task, played, off, odometry_off)
     return MissionVerdict(
@@ -70,9 +62,9 @@ def judge(task: Task, played: Played) -> MissionVerdict:
         driven / shortest,
         played.seconds * CRUISING / driven,
         played.seconds * CRUISING / shortest,
-        turned(track.true) / driven,
-        turns(track.true) / driven,
-        *jerks(track),
+        track.turned / driven,
+        track.turns / driven,
+        *track.jerks,
     )
 
 
@@ -91,47 +83,6 @@ def _sees(task: Task, end: Pose2D) -> bool:
     """Whether no wall is between the robot and the goal."""
     walls = FreeSpace(replace(task.world, furniture=(), objects=()), SIGHT)
     return bool(walls.reachable((end.x, end.y), np.array([task.goal]))[0])
-
-
-def length(path: Sequence[Pose2D]) -> float:
-    """Of a path, m."""
-    return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(path))
-
-
-def turned(path: Sequence[Pose2D]) -> float:
-    """All turning together, rad."""
-    return sum(abs(wrap_angle(b.heading - a.heading)) for a, b in pairwise(path))
-
-
-def turns(path: Sequence[Pose2D]) -> int:
-    """How often a robot that turned one way turns the other way, by more than a trifle."""
-    count, sense, heading, extreme = 0, 0.0, 0.0, 0.0
-    for a, b in pairwise(path):
-        heading += wrap_angle(b.heading - a.heading)
-        if sense * (heading - extreme) > 0.0:
-            extreme = heading
-        elif abs(heading - extreme) > TURNS_BACK:
-            count, sense, extreme = count + 1, math.copysign(1.0, heading - extreme), heading
-    return count
-
-
-def jerks(track: Track) -> tuple[float, float]:
-    """Along the way, m/s3, and about the axle, rad/s3: root of the mean square while the robot is under way."""
-    speeds = np.array([_speed(a, b) for a, b in pairwise(track.true)]).reshape(-1, 2)
-    if len(speeds) < WINDOW + 2:
-        return 0.0, 0.0
-    dt = PERIOD * STEP
-    smooth = np.stack([np.convolve(each, np.ones(WINDOW) / WINDOW, "valid") for each in speeds.T])
-    jerk = np.diff(smooth, 2, axis=1) / dt**2
-    along, about = np.sqrt((jerk**2).mean(axis=1)).tolist()
-    return along, about
-
-
-def _speed(a: Pose2D, b: Pose2D) -> tuple[float, float]:
-    """Forward and counter-clockwise, m/s and rad/s, between two samples."""
-    dt = PERIOD * STEP
-    forward = math.cos(a.heading) * (b.x - a.x) + math.sin(a.heading) * (b.y - a.y)
-    return forward / dt, wrap_angle(b.heading - a.heading) / dt
 
 
 def _apart(pose: Pose2D, place: Point) -> float:

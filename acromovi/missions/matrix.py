@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from acromovi.missions.course import Course, Played
 from acromovi.missions.judge import CRUISING, MissionVerdict, judge
-from acromovi.missions.tasks import ROBOTS, Job, Task, prepare
+from acromovi.missions.tasks import ROBOTS, Job, Task
 from apps.indoor_navigation.component import Component
 from geometry import Pose2D
 
@@ -50,7 +50,7 @@ Instead = Mapping[str, type[Component]]
 def play(job: Job, instead: Instead | None = None) -> Result:
     """Play one mission; whatever is raised makes it a failed one."""
     try:
-        task = prepare(job)
+        task = Task.of(job)
         played = _perform(task, instead)
         return Result(
             job,

@@ -5,13 +5,11 @@ from collections.abc import Callable, Iterable, Sequence
 
 from acromovi.missions.judge import MissionVerdict
 from acromovi.missions.matrix import Result
-from acromovi.missions.tasks import Case, Condition
+from acromovi.missions.tasks import Case, Condition, Job
 
 STILL = (Condition.STATIC, Condition.ERROR)
 
-Measure = Callable[[MissionVerdict], float]
-
-MEASURES: dict[str, Measure] = {
+MEASURES: dict[str, Callable[[MissionVerdict], float]] = {
     "path / shortest": lambda verdict: verdict.over_shortest,
     "time / path at cruising speed": lambda verdict: verdict.over_time,
     "time / shortest path at cruising speed": lambda verdict: verdict.over_best_time,
@@ -22,38 +20,43 @@ MEASURES: dict[str, Measure] = {
 }
 
 
-def share_reached(results: Iterable[Result]) -> float:
-    """Part of the missions that were reached, 0 to 1."""
-    all_of_them = list(results)
-    return sum(r.verdict is not None and r.verdict.reached for r in all_of_them) / max(len(all_of_them), 1)
+class Results(tuple[Result, ...]):
+    """Results of missions, and what is counted of them."""
 
+    __slots__ = ()
 
-def in_still_worlds(results: Iterable[Result]) -> list[Result]:
-    """Those where nothing unexpected stands or walks about."""
-    return [result for result in results if result.job.condition in STILL]
+    @property
+    def share_reached(self) -> float:
+        """Part of the missions that were reached, 0 to 1."""
+        return len(self._reached) / max(len(self), 1)
 
+    @property
+    def still(self) -> "Results":
+        """Those where nothing unexpected stands or walks about."""
+        return Results(result for result in self if result.job.condition in STILL)
 
-def in_busy_worlds(results: Iterable[Result]) -> list[Result]:
-    """The others."""
-    return [result for result in results if result.job.condition not in STILL]
+    @property
+    def busy(self) -> "Results":
+        """The others."""
+        return Results(result for result in self if result.job.condition not in STILL)
 
+    @property
+    def with_touches(self) -> "Results":
+        """Those in which the robot bumped into something."""
+        return Results(result for result in self if result.verdict is not None and result.verdict.touched)
 
-def with_touches(results: Iterable[Result]) -> list[Result]:
-    """Those in which the robot bumped into something."""
-    return [result for result in results if result.verdict is not None and result.verdict.touched]
+    def median(self, measure: str) -> float:
+        """Of one of `MEASURES`, over the missions that were reached; infinite where none was."""
+        values = [MEASURES[measure](verdict) for verdict in self._reached.values()]
+        return statistics.median(values) if values else float("inf")
 
+    def also_reached(self, others: "Results") -> "Results":
+        """Of the missions that were reached, those that were reached in the others too, played in another way."""
+        return Results(result for result in self if result.job in self._reached and result.job in others._reached)
 
-def median(results: Iterable[Result], measure: Measure) -> float:
-    """Of the missions that were reached; infinite where none was."""
-    values = [measure(r.verdict) for r in results if r.verdict is not None and r.verdict.reached]
-    return statistics.median(values) if values else float("inf")
-
-
-def in_common(results: Iterable[Result], others: Iterable[Result]) -> tuple[list[Result], list[Result]]:
-    """Of two ways to play, the missions that both have reached."""
-    ours, theirs = ({r.job: r for r in played if r.verdict and r.verdict.reached} for played in (results, others))
-    jobs = [job for job in ours if job in theirs]
-    return [ours[job] for job in jobs], [theirs[job] for job in jobs]
+    @property
+    def _reached(self) -> dict[Job, MissionVerdict]:
+        return {each.job: each.verdict for each in self if each.verdict is not None and each.verdict.reached}
 
 
 def page(results: Sequence[Result], others: Sequence[Result] = (), pictures: Iterable[str] = ()) -> str:
@@ -64,40 +67,42 @@ def page(results: Sequence[Result], others: Sequence[Result] = (), pictures: Ite
         others: Of the free-space-block method in the same missions, if it was played.
         pictures: Files beside the page, to be shown.
     """
-    parts = ["# Missions of the indoor navigation", _asked(results, others), _cells(results), _failures(results)]
+    all_of_them = Results(results)
+    asked, cells = _asked(all_of_them, Results(others)), _cells(all_of_them)
+    parts = ["# Missions of the indoor navigation", asked, cells, _failures(results)]
     parts += [f"![{picture}]({picture})" for picture in pictures]
     return "\n\n".join(parts) + "\n"
 
 
-def _asked(results: Sequence[Result], others: Sequence[Result]) -> str:
-    still, busy = in_still_worlds(results), in_busy_worlds(results)
+def _asked(results: Results, others: Results) -> str:
+    still, busy = results.still, results.busy
     rows = [
-        ("reached, static worlds", f"{share_reached(still):.1%} of {len(still)}", "≥ 99 %"),
-        ("reached, with obstacles and people", f"{share_reached(busy):.1%} of {len(busy)}", "≥ 97 %"),
-        ("missions that touched something", f"{len(with_touches(results))} of {len(results)}", "0"),
-        ("path over the shortest path, median", f"{median(results, MEASURES['path / shortest']):.3f}", "≤ 1.15"),
+        ("reached, static worlds", f"{still.share_reached:.1%} of {len(still)}", "≥ 99 %"),
+        ("reached, with obstacles and people", f"{busy.share_reached:.1%} of {len(busy)}", "≥ 97 %"),
+        ("missions that touched something", f"{len(results.with_touches)} of {len(results)}", "0"),
+        ("path over the shortest path, median", f"{results.median('path / shortest'):.3f}", "≤ 1.15"),
         (
             "time over path at cruising speed, median",
-            f"{median(results, MEASURES['time / path at cruising speed']):.3f}",
+            f"{results.median('time / path at cruising speed'):.3f}",
             "≤ 1.35",
         ),
     ]
-    ours, theirs = in_common(results, others) if others else (list(results), [])
+    ours, theirs = (results.also_reached(others), others.also_reached(results)) if others else (results, others)
     for name in list(MEASURES)[3:]:
-        said = f"less than {median(theirs, MEASURES[name]):.3f} (free-space-block)" if others else "-"
-        rows.append((f"{name}, median", f"{median(ours, MEASURES[name]):.3f}", said))
+        said = f"less than {theirs.median(name):.3f} (free-space-block)" if others else "-"
+        rows.append((f"{name}, median", f"{ours.median(name):.3f}", said))
     return _table(("what", "seen", "asked for"), rows)
 
 
-def _cells(results: Sequence[Result]) -> str:
+def _cells(results: Results) -> str:
     rows = []
     for case in Case:
         for condition in Condition:
-            here = [r for r in results if (r.job.case, r.job.condition) == (case, condition)]
+            here = Results(r for r in results if (r.job.case, r.job.condition) == (case, condition))
             if here:
-                figures = [f"{median(here, measure):.2f}" for measure in MEASURES.values()]
-                reached = f"{share_reached(here):.0%} of {len(here)}"
-                rows.append((str(case), str(condition), reached, str(len(with_touches(here))), *figures))
+                figures = [f"{here.median(measure):.2f}" for measure in MEASURES]
+                reached = f"{here.share_reached:.0%} of {len(here)}"
+                rows.append((str(case), str(condition), reached, str(len(here.with_touches)), *figures))
     head = ("case", "condition", "reached", "touched", *MEASURES)
     return "## By case and condition\n\n" + _table(head, rows)
 

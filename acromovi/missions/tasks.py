@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import lru_cache
 from itertools import pairwise
 from random import Random
 
@@ -85,6 +86,11 @@ class Job:
             world or ("house" if seed // len(models) % 2 == 0 else f"plan:{seed}"),
         )
 
+    @classmethod
+    def matrix(cls, seeds: Sequence[int] = range(SEEDS)) -> "list[Job]":
+        """All cases and conditions, for each seed."""
+        return [cls.of(case, condition, seed) for seed in seeds for condition in Condition for case in Case]
+
     @property
     def command(self) -> str:
         """What to type to play it."""
@@ -103,6 +109,23 @@ class Task:
     goal: Point
     way: Path
 
+    @classmethod
+    def of(cls, job: Job) -> "Task":
+        """Choose start and goal, put obstacles and people into the world: the same for the same job.
+
+        Raises:
+            NoTask: The world has no room for such a mission.
+            WorldError, ConfigError: There is no such world or robot.
+        """
+        chooser, start, goal, way = _ends(job.case, job.world, job.robot, job.seed)
+        world = replace(chooser.world, starts=(start,))
+        if job.condition.has_obstacles:
+            world = chooser.with_obstacles(world, way, job.seed)
+            way = chooser.way(world, (start.x, start.y), goal) or way
+        if job.condition.has_people:
+            world = chooser.with_people(world, way, job.seed)
+        return cls(job, world, goal, way)
+
     @property
     def start(self) -> Pose2D:
         """Where the robot begins."""
@@ -113,40 +136,27 @@ class NoTask(ValueError):
     """A world has no room for a mission."""
 
 
-def all_jobs(seeds: Sequence[int] = range(SEEDS)) -> list[Job]:
-    """The matrix."""
-    return [Job.of(case, condition, seed) for seed in seeds for condition in Condition for case in Case]
+@lru_cache(maxsize=16)  # all conditions of a few seeds, which are played one after the other
+def _ends(case: Case, world: str, robot: str, seed: int) -> "tuple[_Chooser, Pose2D, Point, Path]":
+    """Return what chooses the rest, start and goal, and the shortest way between them without obstacles."""
+    chooser = _chooser(world, robot)
+    return chooser, *chooser.ends(case, Random(f"{case} {world} {robot} {seed}"))
 
 
-def prepare(job: Job) -> Task:
-    """Choose start and goal, put obstacles and people into the world: the same for the same job.
-
-    Raises:
-        NoTask: The world has no room for such a mission.
-        WorldError, ConfigError: There is no such world or robot.
-    """
-    whole = load_world(job.world)
+@lru_cache(maxsize=4)
+def _chooser(world: str, robot: str) -> "_Chooser":
+    whole = load_world(world)
     doors = [Segment(*door.jamb, *door.post) for door in whole.moving_doors]
-    world = replace(whole, people=(), moving_doors=(), objects=())  # all doors stay open
-    model = configs.load(RobotModel, "robots", job.robot)
-    chooser = _Chooser(world, doors, model, Random(f"{job.case} {job.world} {job.robot} {job.seed}"))
-    start, goal, way = chooser.ends(job.case)
-    world = replace(world, starts=(start,))
-    if job.condition.has_obstacles:
-        world = chooser.with_obstacles(world, way, job.seed)
-        way = chooser.way(world, (start.x, start.y), goal) or way
-    if job.condition.has_people:
-        world = chooser.with_people(world, way, job.seed)
-    return Task(job, world, goal, way)
+    open_world = replace(whole, people=(), moving_doors=(), objects=())  # all doors stay open
+    return _Chooser(open_world, doors, configs.load(RobotModel, "robots", robot))
 
 
 class _Chooser:
     """Chance, bound by the world."""
 
-    def __init__(self, world: WorldSpec, doors: Sequence[Segment], model: RobotModel, chance: Random) -> None:
-        self._world = world
+    def __init__(self, world: WorldSpec, doors: Sequence[Segment], model: RobotModel) -> None:
+        self.world = world
         self._doors = [((door.x1 + door.x2) / 2, (door.y1 + door.y2) / 2) for door in doors]
-        self._chance = chance
         self._half = model.width / 2
         self._sweep = math.hypot(max(model.length_front, model.length_rear), self._half)
         self._turning = FreeSpace(world, self._sweep + TURNING)
@@ -155,22 +165,22 @@ class _Chooser:
         self._corridor = [world.places[name] for name in names if name.startswith("corridor")]
         self._room = [world.places[name] for name in names if not name.startswith("corridor")]
 
-    def ends(self, case: Case) -> tuple[Pose2D, Point, Path]:
+    def ends(self, case: Case, chance: Random) -> tuple[Pose2D, Point, Path]:
         """Start, goal, and the shortest way between them; in small rooms ways may be short."""
         for least in (LEAST[case], LEAST[case] / 2) if self._corridor and len(self._room) > 1 else ():
             for _ in range(TRIES):
-                room = self._chance.choice(self._room)
-                start, goal = self._near(room, 0.8), self._goal(case, room)
+                room = chance.choice(self._room)
+                start, goal = self._near(room, 0.8, chance), self._goal(case, room, chance)
                 way = self._way_to(goal, start)
                 if way is None or way.length < least or (case is Case.ROOMS and not self._passes_corridor(way)):
                     continue
-                return Pose2D(*start, round(self._chance.uniform(-math.pi, math.pi), 3)), goal, way
-        raise NoTask(f"world {self._world.name!r} has no room for a mission of case {case}; choose another world")
+                return Pose2D(*start, round(chance.uniform(-math.pi, math.pi), 3)), goal, way
+        raise NoTask(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
 
     def _way_to(self, goal: Point, start: Point) -> Path | None:
         """The shortest way, if the robot has room to turn at both ends."""
         has_room = self._turning.is_free(start) and self._turning.is_free(goal)
-        return self.way(self._world, start, goal) if has_room else None
+        return self.way(self.world, start, goal) if has_room else None
 
     def way(self, world: WorldSpec, start: Point, goal: Point) -> Path | None:
         """The shortest way for the robot, if there is one."""
@@ -196,17 +206,17 @@ class _Chooser:
             world = replace(met, places=world.places)
         return with_people(world, seed, PEOPLE, keep_clear=[start])
 
-    def _goal(self, case: Case, room: Point) -> Point:
+    def _goal(self, case: Case, room: Point, chance: Random) -> Point:
         if case is Case.ROOM:
-            return self._near(room, 4.0)
+            return self._near(room, 4.0, chance)
         if case is Case.CORRIDOR:
-            return self._near(self._chance.choice(self._corridor), 1.5)
-        return self._near(self._chance.choice([other for other in self._room if other != room]), 0.8)
+            return self._near(chance.choice(self._corridor), 1.5, chance)
+        return self._near(chance.choice([other for other in self._room if other != room]), 0.8, chance)
 
-    def _near(self, place: Point, most: float) -> Point:
+    def _near(self, place: Point, most: float, chance: Random) -> Point:
         """A place in the same room, or the same corridor."""
         for _ in range(TRIES):
-            x, y = (round(value + self._chance.uniform(-most, most), 3) for value in place)
+            x, y = (round(value + chance.uniform(-most, most), 3) for value in place)
             near = x, y
             if self._rooms.is_free(near) and self._rooms.reachable(place, np.array([near]))[0]:
                 return near

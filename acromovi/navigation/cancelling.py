@@ -4,6 +4,7 @@ import argparse
 import json
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 example:
@@ -17,23 +18,24 @@ usage.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Request it once; return the exit code."""
-    from acromovi.navigation.components import ask, expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        ended = ask(bus, expect(bus, arguments.robot), "cancel").value()
+        ended = RunningNavigation(bus, arguments.robot).ask("cancel")
     if arguments.json:
         print(json.dumps(ended))
     else:
         print(f"{ended['mission']} is cancelled" if ended["mission"] else "no mission was active; the robot stands")
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -1,9 +1,9 @@
 """`acromovi navigate`: navigation of a robot through unknown rooms."""
 
-import argparse
-from importlib import import_module
+from functools import partial
 
-# Each module has add_arguments(parser) and run(arguments) -> exit code.
+from acromovi.subcommand import Subcommand, add_subcommands
+
 ORDERS = {
     "up": ("acromovi.navigation.launch", "Start the navigation of a robot, until Ctrl-C"),
     "go": ("acromovi.navigation.going", "Send a robot to a place"),
@@ -30,21 +30,4 @@ Exit codes: 0 done, 1 failed (the reason is on stderr), 2 wrong usage, 130 stopp
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
-    orders = parser.add_subparsers(dest="order", metavar="ORDER", required=True)
-    for name, (module, summary) in ORDERS.items():
-        order = orders.add_parser(
-            name,
-            help=summary,
-            description=f"{summary}.",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-            allow_abbrev=False,
-        )
-        import_module(module).add_arguments(order)
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Run the chosen command; return the exit code."""
-    return int(import_module(ORDERS[arguments.order][0]).run(arguments))
+COMMAND = Subcommand(EPILOG, partial(add_subcommands, dest="order", table=ORDERS))

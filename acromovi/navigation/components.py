@@ -4,11 +4,9 @@ import asyncio
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from agents.platform.errors import AgentError
 from bus.bus import Bus
 
 if TYPE_CHECKING:
-    from agents.platform.conversations.outcome import Outcome
     from agents.platform.names import AgentName
 
 USER_INTERFACE = "user_interface"  # the component that answers people's requests
@@ -16,60 +14,69 @@ SERVICE = "navigation"  # every component offers this service
 REPLY_TIMEOUT = 2.0  # s
 
 
-class NobodyNavigates(AgentError, LookupError):
-    """The navigation of a robot does not run."""
+class RunningNavigation:
+    """The navigation of a robot, which may run anywhere on the bus."""
 
+    def __init__(self, bus: Bus, robot: str) -> None:
+        self._bus = bus
+        self._robot = robot
 
-def descriptions(bus: Bus, robot: str) -> list[Mapping[str, Any]]:
-    """Return the descriptions of the components that run.
+    def descriptions(self) -> list[Mapping[str, Any]]:
+        """Return the descriptions of the components that run.
 
-    Raises:
-        KeyNotValid: `robot` is not a valid name of a robot.
-    """
-    from acromovi.known_agents import KnownAgents
-    from bus.keys import robot_name
+        Raises:
+            KeyNotValid: This cannot be a robot's name.
+        """
+        from acromovi.known_agents import KnownAgents
+        from bus.keys import robot_name
 
-    key = f"{robot_name(robot)}/agents/*/description"
-    with KnownAgents(bus) as known:
-        known.meet()
-    return [each for each in asyncio.run(_answers(bus, key)) if SERVICE in each.get("services", ())]
+        key = f"{robot_name(self._robot)}/agents/*/description"
+        with KnownAgents(self._bus) as known:
+            known.meet()
+        told = asyncio.run(_answers(self._bus, key))
+        return [each for each in told if SERVICE in each.get("services", ())]
 
+    def expect(self, component: str = USER_INTERFACE) -> "AgentName":
+        """Wait until a component runs, and return its name.
 
-def expect(bus: Bus, robot: str, component: str = USER_INTERFACE) -> "AgentName":
-    """Wait until a component runs, and return its name.
+        Raises:
+            NotOnBus: The component does not run; the message gives the command that starts it.
+        """
+        from acromovi.known_agents import KnownAgents, NotOnBus
+        from agents.platform.names import AgentName
 
-    Raises:
-        NobodyNavigates: The component does not run; the message gives the command that starts it.
-    """
-    from acromovi.known_agents import KnownAgents, NoSuchAgent
-    from agents.platform.names import AgentName
+        name = AgentName(component, self._robot)
+        with KnownAgents(self._bus) as known:
+            try:
+                known.expect(name)
+            except NotOnBus:
+                others = ", ".join(each.platform for each in known.names if each.local == component)
+                why = f"those that navigate are {others}; or" if others else f"{name} is not on this bus;"
+                sign = ";" if others else ":"
+                start = f"start it with: acromovi navigate up {self._robot}"
+                raise NotOnBus(f"nobody navigates {self._robot}{sign} {why} {start}") from None
+        return name
 
-    name = AgentName(component, robot)
-    with KnownAgents(bus) as known:
+    def ask(self, request: str, within: float = REPLY_TIMEOUT, **given: Any) -> Any:
+        """Send a request to the user interface, and return its result.
+
+        Raises:
+            NotOnBus: It does not run.
+            RequestNotDone: It has refused or failed.
+        """
+        from acromovi.ask import ask
+
+        return asyncio.run(ask(self._bus, self.expect(), request, given, within)).value()
+
+    def query(self, component: str, what: str) -> Mapping[str, Any]:
+        """Return the reply of a component to a query; empty where it does not answer, or is not allowed to."""
+        from apps.indoor_navigation.component import query_key
+        from bus.errors import NoAnswer, NotAllowed, Refused, TimedOut
+
         try:
-            known.expect(name)
-        except NoSuchAgent:
-            there = [each for each in known.names if each.local == component]
-            raise NobodyNavigates(_advice(name, there)) from None
-    return name
-
-
-def ask(bus: Bus, component: "AgentName", request: str, within: float = REPLY_TIMEOUT, **given: Any) -> "Outcome":
-    """Send a request to a component, and return the outcome."""
-    from acromovi.ask import ask as ask_as_agent
-
-    return asyncio.run(ask_as_agent(bus, component, request, given, within))
-
-
-def query(bus: Bus, robot: str, component: str, what: str) -> Mapping[str, Any]:
-    """Return the reply of a component to a query; empty where it does not answer, or is not allowed to."""
-    from apps.indoor_navigation.component import query_key
-    from bus.errors import NoAnswer, NotAllowed, Refused, TimedOut
-
-    try:
-        return bus.query(query_key(robot, component, what), {}, REPLY_TIMEOUT)[0].value
-    except (NoAnswer, NotAllowed, Refused, TimedOut):
-        return {}
+            return self._bus.query(query_key(self._robot, component, what), {}, REPLY_TIMEOUT)[0].value
+        except (NoAnswer, NotAllowed, Refused, TimedOut):
+            return {}
 
 
 async def _answers(bus: Bus, key: str) -> list[Mapping[str, Any]]:
@@ -86,11 +93,3 @@ async def _answers(bus: Bus, key: str) -> list[Mapping[str, Any]]:
     except (NoAnswer, Refused, TimedOut, TimeoutError):
         pass  # the caller reports components that are missing
     return found
-
-
-def _advice(name: "AgentName", there: "list[AgentName]") -> str:
-    start = f"start it with: acromovi navigate up {name.platform}"
-    if there:
-        others = ", ".join(each.platform for each in there)
-        return f"nobody navigates {name.platform}; those that navigate are {others}; or {start}"
-    return f"nobody navigates {name.platform}: {name} is not on this bus; {start}"

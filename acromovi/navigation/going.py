@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from acromovi.navigation.picture import picture_file, take
 from acromovi.options import add_bus, seconds
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
@@ -37,9 +38,7 @@ on stderr), 2 wrong usage, 130 stopped by Ctrl-C.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("x", metavar="X", type=finite, help="m")
     parser.add_argument("y", metavar="Y", type=finite, help="m")
@@ -62,23 +61,23 @@ def finite(text: str) -> float:
     return value
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Send the robot, and wait for the end if wanted; return the exit code."""
-    from acromovi.navigation.components import expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     if arguments.picture and not arguments.wait:
         print("acromovi navigate go: --picture draws the end of the mission; add --wait", file=sys.stderr)
         return 2
     with ZenohBus.open(arguments.bus) as bus:
-        interface = expect(bus, arguments.robot)
-        code = asyncio.run(go(bus, interface, arguments))
+        interface = RunningNavigation(bus, arguments.robot).expect()
+        code = asyncio.run(_go(bus, interface, arguments))
         if arguments.picture is not None:
             code = max(code, take(bus, arguments.robot, arguments.picture, "go"))
     return code
 
 
-async def go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
+async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
     """Send the robot; return the exit code.
 
     Raises:
@@ -98,7 +97,7 @@ async def go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) 
         telling = None if arguments.json else asyncio.ensure_future(told.show())
         try:
             async with asyncio.timeout(arguments.timeout):
-                ended = await end_of(agent, interface, begun["mission"])
+                ended = await _end_of(agent, interface, begun["mission"])
             if telling is not None:
                 await told.until(ended.get("logged"))
         except TimeoutError:
@@ -109,10 +108,10 @@ async def go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) 
             if telling is not None:
                 telling.cancel()
                 await asyncio.gather(telling, return_exceptions=True)
-    return report(ended, arguments.json)
+    return _report(ended, arguments.json)
 
 
-async def end_of(agent: "Agent", interface: "AgentName", mission: str) -> Mapping[str, Any]:
+async def _end_of(agent: "Agent", interface: "AgentName", mission: str) -> Mapping[str, Any]:
     """Wait for the end of a mission, also while the user interface restarts, and return its state.
 
     Raises:
@@ -161,7 +160,7 @@ class _MissionLog:
                     await self._more.wait()
 
 
-def report(ended: Mapping[str, Any], as_json: bool) -> int:
+def _report(ended: Mapping[str, Any], as_json: bool) -> int:
     """Print how a mission ended; return the exit code."""
     is_done = ended.get("state") == "done"
     if as_json:
@@ -175,3 +174,6 @@ def report(ended: Mapping[str, Any], as_json: bool) -> int:
 
 def _advice(robot: str) -> str:
     return f"to follow it: acromovi navigate watch {robot}; to end it: acromovi navigate cancel {robot}"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

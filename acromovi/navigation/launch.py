@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from acromovi.navigation.wired import Processes, add_wiring, processes, words
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.navigation.at_work import NavigationAtWork
@@ -36,9 +37,7 @@ Ctrl-C, 143 by SIGTERM.
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     add_wiring(parser)
     parser.add_argument(
@@ -54,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Run the processes until a signal; return the exit code."""
     from acromovi.navigation.at_work import NotUp
     from bus.keys import robot_name
@@ -160,3 +159,6 @@ async def _look_round(bus: "Bus", robot: str, chosen: Processes, tell: Any) -> N
         raise NotUp(f"{taken[0]} is on this bus already; stop it first, or use another --bus")
     if ALIVE.key(robot) not in there:
         tell(f"{robot} is not on this bus yet; its navigation waits for it")
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -9,6 +9,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
@@ -27,27 +28,25 @@ Exit codes: 0 done, 1 the navigation does not run, 2 wrong usage, 130 stopped by
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("--follow", action="store_true", help="print new messages until Ctrl-C")
     parser.add_argument("--json", action="store_true", help="print one JSON object on each line")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Print the messages; return the exit code."""
-    from acromovi.navigation.components import expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        interface = expect(bus, arguments.robot)
-        asyncio.run(show(bus, interface, arguments.follow, arguments.json))
+        interface = RunningNavigation(bus, arguments.robot).expect()
+        asyncio.run(_show(bus, interface, arguments.follow, arguments.json))
     return 0
 
 
-async def show(bus: "Bus", interface: "AgentName", follow: bool, as_json: bool) -> None:
+async def _show(bus: "Bus", interface: "AgentName", follow: bool, as_json: bool) -> None:
     """Print the stored messages; with `follow` also new ones, without end."""
     from acromovi.ask import asker
     from acromovi.navigation.components import REPLY_TIMEOUT
@@ -85,3 +84,6 @@ def line(message: Mapping[str, Any]) -> str:
     loud = "" if message["level"] == "info" else f"{message['level'].upper()}: "
     mission = f"{message['mission']}  " if message["mission"] else ""
     return f"{at}  {mission}{loud}{message['what']}"
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

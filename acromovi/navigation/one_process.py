@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from acromovi.navigation.wired import add_wiring, container_name, processes
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 from configs.loader import ConfigError
 
 if TYPE_CHECKING:
@@ -28,9 +29,7 @@ Exit codes: 1 it cannot run (the reason is on stderr), 2 wrong usage, 130 stoppe
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("process", metavar="PROCESS", help="a process of the wiring")
     add_wiring(parser)
@@ -38,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Run the components until a signal; return the exit code."""
     from acromovi.container import await_name, ending_in_time, reporter
     from agents.platform import Container
@@ -52,11 +51,11 @@ def run(arguments: argparse.Namespace) -> int:
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
         await_name(bus, name, end)
         container = Container(bus, name, reporter(PROGRAM), platform=arguments.robot)
-        asyncio.run(live(container, arguments.robot, here[arguments.process], arguments.json, end))
+        asyncio.run(_live(container, arguments.robot, here[arguments.process], arguments.json, end))
     return end.code
 
 
-async def live(
+async def _live(
     container: "Container", robot: str, parts: "Sequence[ComponentSpec]", as_json: bool, end: "EndRequest"
 ) -> None:
     """Run components until the end, or until one of them cannot start."""
@@ -74,3 +73,6 @@ async def live(
         await end.wait()
         second.cancel()
         await asyncio.gather(second, return_exceptions=True)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

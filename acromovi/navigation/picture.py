@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from acromovi.options import add_bus
 from acromovi.sniff import new_file
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from bus.bus import Bus
@@ -23,9 +24,7 @@ Exit codes: 0 done, 1 the navigation does not run, or the file cannot be written
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("file", metavar="FILE", type=picture_file, help="picture to write, .svg or .png")
     add_bus(parser)
@@ -39,7 +38,7 @@ def picture_file(text: str) -> Path:
     return path
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query the components once, and draw; return the exit code."""
     from bus.session import ZenohBus
 
@@ -51,15 +50,18 @@ def take(bus: "Bus", robot: str, path: Path, order: str) -> int:
     """Draw the present mission; return the exit code.
 
     Raises:
-        NobodyNavigates, RequestNotDone, ConfigError: As `snapshot` and `draw`.
+        NotOnBus, RequestNotDone, ConfigError: As `Snapshot.of` and `draw`.
     """
     from acromovi.navigation.mission_picture import draw
-    from acromovi.navigation.snapshot import snapshot
+    from acromovi.navigation.snapshot import Snapshot
 
-    shot = snapshot(bus, robot)
+    shot = Snapshot.of(bus, robot)
     try:
         draw(path, shot)
     except OSError as err:
         print(f"acromovi navigate {order}: {path} cannot be written: {err.strerror}", file=sys.stderr)
         return 1
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

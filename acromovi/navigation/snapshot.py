@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from bus.bus import Bus
@@ -31,16 +31,17 @@ class Snapshot:
         why = f" ({told['why']})" if told.get("why") else ""
         return f"{self.robot}, {told['mission']}: {told.get('state')}{why}, {told.get('travelled') or 0.0:.1f} m so far"
 
+    @classmethod
+    def of(cls, bus: "Bus", robot: str) -> Self:
+        """Query the components.
 
-def snapshot(bus: "Bus", robot: str) -> Snapshot:
-    """Query the components.
+        Raises:
+            NotOnBus: The navigation of this robot does not run.
+            RequestNotDone: Path planning does not answer.
+        """
+        from acromovi.navigation.components import RunningNavigation
 
-    Raises:
-        NobodyNavigates: The navigation of this robot does not run.
-        RequestNotDone: Path planning does not answer.
-    """
-    from acromovi.navigation.components import ask, expect, query
-
-    planning = ask(bus, expect(bus, robot), "picture").value()
-    commands = query(bus, robot, "motion_fuser", "commands")
-    return Snapshot(robot, planning, commands, query(bus, robot, "robot_base_server", "robot"))
+        running = RunningNavigation(bus, robot)
+        planning = running.ask("picture")
+        commands = running.query("motion_fuser", "commands")
+        return cls(robot, planning, commands, running.query("robot_base_server", "robot"))

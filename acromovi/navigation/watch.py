@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from acromovi.navigation.log import line, messages
 from acromovi.navigation.standing import lines
 from acromovi.options import add_bus
+from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
@@ -35,33 +36,31 @@ Exit codes: 1 the navigation does not run, or no terminal (the reason is on stde
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Show the mission until Ctrl-C; return the exit code."""
-    from acromovi.navigation.components import expect
+    from acromovi.navigation.components import RunningNavigation
     from bus.session import ZenohBus
 
     if not sys.stdout.isatty():
         print("acromovi navigate watch: this needs a terminal; use state or log without one", file=sys.stderr)
         return 1
     with ZenohBus.open(arguments.bus) as bus:
-        interface = expect(bus, arguments.robot)
+        interface = RunningNavigation(bus, arguments.robot).expect()
         sys.stdout.write(ALTERNATE)
         try:
-            asyncio.run(follow(bus, interface))
+            asyncio.run(_follow(bus, interface))
         finally:
             sys.stdout.write(NORMAL)
             sys.stdout.flush()
     return 0
 
 
-async def follow(bus: "Bus", interface: "AgentName") -> None:
+async def _follow(bus: "Bus", interface: "AgentName") -> None:
     """Show the mission without end."""
     from acromovi.ask import asker
     from acromovi.navigation.components import REPLY_TIMEOUT
@@ -133,3 +132,6 @@ def _marks(told: Mapping[str, Any]) -> Iterator[tuple[str, float, float]]:
     if told.get("pose"):
         x, y, heading = told["pose"]
         yield COMPASS[round(heading / (pi / 4)) % 8], x, y
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from acromovi.options import add_bus
 from acromovi.sniff import new_file
+from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
@@ -19,26 +20,25 @@ Exit codes: 0 done, 1 the navigation does not run, or the file cannot be written
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
     parser.add_argument("file", metavar="FILE", type=new_file, help="the SVG to write")
     parser.add_argument("--json", action="store_true", help="print the descriptions as one JSON object")
     add_bus(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Query the components once, and draw; return the exit code."""
-    from acromovi.navigation.components import NobodyNavigates, descriptions
+    from acromovi.known_agents import NotOnBus
+    from acromovi.navigation.components import RunningNavigation
     from acromovi.navigation.wiring_picture import Seen, svg
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus:
-        found = descriptions(bus, arguments.robot)
+        found = RunningNavigation(bus, arguments.robot).descriptions()
     if not found:
         start = f"start it with: acromovi navigate up {arguments.robot}"
-        raise NobodyNavigates(f"nobody navigates {arguments.robot}; {start}")
+        raise NotOnBus(f"nobody navigates {arguments.robot}; {start}")
     if arguments.json:
         print(json.dumps({"robot": arguments.robot, "components": found}))
     components = []
@@ -47,10 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
             components.append(Seen.from_description(each))
         except (LookupError, TypeError, ValueError):
             print(f"acromovi navigate wiring: {each.get('name')} does not describe its wiring", file=sys.stderr)
-    return write(arguments.file, svg(arguments.robot, components), "wiring")
+    return _write(arguments.file, svg(arguments.robot, components), "wiring")
 
 
-def write(path: Path, text: str, order: str) -> int:
+def _write(path: Path, text: str, order: str) -> int:
     """Write a file; return the exit code."""
     try:
         path.write_text(text, encoding="utf-8")
@@ -58,3 +58,6 @@ def write(path: Path, text: str, order: str) -> int:
         print(f"acromovi navigate {order}: {path} cannot be written: {err.strerror}", file=sys.stderr)
         return 1
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -6,6 +6,7 @@ import uuid
 
 from acromovi.children import ChildFailed
 from acromovi.scenes.stage import SceneFailed, set_stage
+from acromovi.subcommand import Subcommand
 from bus import BusError
 from configs.extras import require
 
@@ -21,13 +22,11 @@ Exit codes: 0 all was seen, 1 something was not (the reason is on stderr), 2 the
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the command line."""
-    parser.epilog = EPILOG
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", nargs="*", help="scene to play; without one all scenes are listed")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def _run(arguments: argparse.Namespace) -> int:
     """Play the scenes asked for."""
     from acromovi.scenes.all_scenes import SCENES
 
@@ -56,3 +55,6 @@ def _play(name: str) -> int:
         print(f"acromovi try {name}: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -70,6 +70,16 @@ class Component(Agent):
         )
         self._ways: dict[type[Data], Publisher] = {}
 
+    @classmethod
+    def heard_kinds(cls) -> list[type[Data]]:
+        """Return the kinds of data that components of this class receive."""
+        found = (getattr(getattr(cls, name), _HEARS, None) for name in dir(cls))
+        return [kind for kind in found if kind is not None]
+
+    def sources(self, kind: type[Data]) -> tuple[str, ...]:
+        """Return the components that push a kind of data to this one."""
+        return tuple(source for source, what in self.properties.get("hears", ()) if what == kind.bus_name)
+
     @property
     def robot(self) -> str:
         """The robot's name on the bus."""
@@ -106,7 +116,7 @@ class Component(Agent):
 
     def hear(self, kind: type[D], method: Callable[[D], Awaitable[Any]]) -> None:
         """Call a method with each data of a kind that a connected component pushes."""
-        for source in sources(self.properties, kind):
+        for source in self.sources(kind):
             self.listen(push_key(self.robot, source, kind), self._decoded(kind, method))
 
     def be_told(self, kind: type[D], method: Callable[[D], Awaitable[Any]]) -> None:
@@ -155,17 +165,6 @@ def is_told(kind: type[Data]) -> Callable[[Method], Method]:
 def answers_query(what: str) -> Callable[[Method], Method]:
     """Answer queries of a name by this plain method."""
     return hooked(lambda agent, method: _as_component(agent).serve(what, method))
-
-
-def heard(component: type[Component]) -> list[type[Data]]:
-    """Return the kinds of data that components of a class receive."""
-    found = (getattr(getattr(component, name), _HEARS, None) for name in dir(component))
-    return [kind for kind in found if kind is not None]
-
-
-def sources(properties: Mapping[str, Any], kind: type[Data]) -> tuple[str, ...]:
-    """Return the components that push a kind of data to the component with these properties."""
-    return tuple(source for source, what in properties.get("hears", ()) if what == kind.bus_name)
 
 
 def push_key(robot: str, source: str, kind: type[Data]) -> str:

@@ -7,6 +7,7 @@ axis points to where the robot faced then.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from math import isfinite
 from typing import Any, ClassVar, Self
 
@@ -39,14 +40,14 @@ class Data:
     def to_json(self) -> dict[str, Any]:
         """Return the JSON object for the bus."""
         told: dict[str, Any] = {}
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if each.name in self.arrays:
-                told[each.name] = _listed(value)
-            elif each.name in self.parts:
-                told[each.name] = [part.to_json() for part in value]
+        for name in _names(type(self)):  # type: ignore[arg-type]  # mypy takes the hash of instances for that of the class
+            value = getattr(self, name)
+            if name in self.arrays:
+                told[name] = _listed(value)
+            elif name in self.parts:
+                told[name] = [part.to_json() for part in value]
             else:
-                told[each.name] = value
+                told[name] = value
         return told
 
     @classmethod
@@ -75,8 +76,18 @@ class Data:
             raise MessageError(f"this is not a valid {cls.bus_name}: {err}") from err
 
 
+@cache
+def _names(kind: type[Data]) -> tuple[str, ...]:
+    """Return the names of the fields."""
+    return tuple(each.name for each in fields(kind))
+
+
 def _listed(values: Floats) -> list[Any]:
-    return [value if isfinite(value) else None for value in np.round(values, DIGITS).tolist()]
+    rounded = np.round(values, DIGITS)
+    listed: list[Any] = rounded.tolist()
+    if np.isfinite(rounded).all():
+        return listed
+    return [value if isfinite(value) else None for value in listed]
 
 
 def _array(values: list[Any]) -> Floats:

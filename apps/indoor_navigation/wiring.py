@@ -8,7 +8,7 @@ from typing import Any
 
 import configs
 from agents.platform import AgentName, Kinds
-from apps.indoor_navigation.component import Component, heard
+from apps.indoor_navigation.component import Component
 from apps.indoor_navigation.parameters import WIRING, Table, build_parameters, laid_over, read_wiring
 from configs import ConfigError
 
@@ -100,7 +100,7 @@ class Wiring:
         return found
 
     def _check(self, name: str, entry: _ComponentEntry) -> None:
-        heard_here = {kind.bus_name for kind in heard(self._classes[name])}
+        heard_here = {kind.bus_name for kind in self._classes[name].heard_kinds()}
         for connection in entry.hears:
             source, what = _split(connection)
             self._check_there(f"components.{name}.hears", source)

@@ -1,6 +1,5 @@
 """The demo, on a route of its own that is driven in seconds."""
 
-import argparse
 import re
 import sys
 from pathlib import Path
@@ -16,12 +15,6 @@ routes_m = { round = [[0.3, 0.0]] }
 """
 
 
-def options(out: Path) -> argparse.Namespace:
-    parser = argparse.ArgumentParser()
-    demo.add_arguments(parser)
-    return parser.parse_args(["--out", str(out)])
-
-
 def test_demo_drives_its_route_draws_it_and_says_how_to_go_on(
     robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -31,7 +24,7 @@ def test_demo_drives_its_route_draws_it_and_says_how_to_go_on(
     monkeypatch.setattr(demo, "WORLD", str(world))
     monkeypatch.setattr(demo, "ROBOT", name)
     monkeypatch.setattr(demo, "MODEL", "powerbot")
-    assert demo.run(options(tmp_path)) == 0
+    assert main(["demo", "--out", str(tmp_path)]) == 0
     assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
     said = capsys.readouterr().out
     drove = re.search(r"drove (\d\.\d) m", said)
@@ -54,5 +47,5 @@ def test_demo_whose_emulator_does_not_start_fails_in_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(demo, "MODEL", "no-such-robot")
-    assert demo.run(options(tmp_path)) == 1
+    assert main(["demo", "--out", str(tmp_path)]) == 1
     assert "acromovi demo: there is no 'no-such-robot' among the robots" in capsys.readouterr().err

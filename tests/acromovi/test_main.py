@@ -4,6 +4,7 @@ import argparse
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import version
 
@@ -88,6 +89,7 @@ def test_options_stand_before_and_after_key_value_arguments(line: str, monkeypat
         taken.append(arguments)
         return 0
 
-    monkeypatch.setattr(import_module(COMMANDS[words[0]][0]), "run", run)
+    module = import_module(COMMANDS[words[0]][0])
+    monkeypatch.setattr(module, "COMMAND", replace(module.COMMAND, run=run))
     assert main(words) == 0
     assert len(taken) == 1

@@ -1,6 +1,5 @@
 """The programs themselves: an emulated robot on a real port, a gateway process, Zenoh between it and the test."""
 
-import argparse
 import signal
 import subprocess
 import sys
@@ -12,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from acromovi import doctor
+from acromovi.__main__ import main as acromovi
 from acromovi.children import EmulatedRobots, emulator, gateway
 from bus import Bus, Sample, keys, messages
 from gateway.errors import PortBusy
@@ -189,9 +188,7 @@ def stranger_hears(port: str) -> bytes:
 def test_doctor_finds_everything_in_order_and_leaves_the_robot_as_it_was(name: str) -> None:
     with emulator("--robot", f"powerbot:{name}", "--world", "empty") as robots:
         place = rolled(robots, name)
-        parser = argparse.ArgumentParser()
-        doctor.add_arguments(parser)
-        assert doctor.run(parser.parse_args([robots.port, "--json"])) == 0
+        assert acromovi(["doctor", robots.port, "--json"]) == 0
         assert rolled(robots, name) == pytest.approx(place, abs=1e-6)
 
 

@@ -201,12 +201,10 @@ class _Ways:
     def best(self, before: float | None) -> int:
         """Return the index of the direction with the least cost; before: the last direction, from the target's, rad."""
         parameters = self._parameters
-        tight = np.clip(1.0 - self._near / parameters.comfort, 0.0, 1.0) ** 2
-        tight = (tight + np.clip(1.0 - self._near / parameters.cramped, 0.0, 1.0)) * (
-            1.0 - END_DISCOUNT * self._gone / MAX_LENGTH
-        )
+        tight = _unit(1.0 - self._near / parameters.comfort) ** 2
+        tight = (tight + _unit(1.0 - self._near / parameters.cramped)) * (1.0 - END_DISCOUNT * self._gone / MAX_LENGTH)
         cost = self._left + parameters.tightness * tight.max(axis=1) + DIRECTION_COST * np.abs(DIRECTIONS)
-        cost = cost + np.where(self._is_open, 0.0, parameters.block * np.clip(1.0 - self._free / MIN_FREE, 0.0, 1.0))
+        cost = cost + np.where(self._is_open, 0.0, parameters.block * _unit(1.0 - self._free / MIN_FREE))
         if before is not None:
             cost = cost + parameters.unsteadiness * (1.0 - np.cos(DIRECTIONS - before))
         return int(cost.argmin())
@@ -218,7 +216,7 @@ class _Ways:
     def fastest(self, number: int, cruising: float) -> float:
         """Return the maximum speed now, m/s, to be slow where the path is narrow and to stop where it ends."""
         parameters = self._parameters
-        ease = np.clip((self._near[number] - parameters.margin) / (parameters.ease - parameters.margin), 0.0, 1.0)
+        ease = _unit((self._near[number] - parameters.margin) / (parameters.ease - parameters.margin))
         there = parameters.slowest + max(0.0, cruising - parameters.slowest) * ease
         before = np.maximum(0.0, self._gone[number] - cruising * parameters.reaction)
         narrow = float(np.sqrt(there * there + 2.0 * parameters.deceleration * before).min())
@@ -226,22 +224,29 @@ class _Ways:
         return min(cruising, narrow, safe_speed(end, parameters.deceleration, parameters.reaction))
 
 
+def _unit(values: Floats) -> Floats:
+    """Return the values limited to 0 and 1; quicker than `np.clip` for small arrays."""
+    return np.minimum(np.maximum(values, 0.0), 1.0)
+
+
 def _rolled_out(
     parameters: AttractionParameters, bearing: float, distance: float
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Return x, y and heading in the robot's frame, and the length in m, for each direction after each step."""
-    shape = len(DIRECTIONS), len(STEPS)
-    x, y, heading, gone = (np.zeros(shape) for _ in range(4))
-    error = (bearing + DIRECTIONS + pi) % (2.0 * pi) - pi
-    wanted = error.copy()
-    place_x, place_y, way = np.zeros(shape[0]), np.zeros(shape[0]), np.zeros(shape[0])
+    wanted = (bearing + DIRECTIONS + pi) % (2.0 * pi) - pi
+    errors, turns, ways = (np.empty((len(STEPS), len(DIRECTIONS))) for _ in range(3))
+    error = wanted
     for step, duration in enumerate(STEPS):
-        turned = np.sign(error) * np.minimum(
-            np.abs(error), np.minimum(parameters.gain * np.abs(error), parameters.angular) * duration
-        )
-        forward = np.minimum(PACE * duration * np.where(np.abs(error) < pi / 2.0, np.cos(error), 0.0), distance - way)
-        middle = wanted - error + turned / 2.0
-        error = error - turned
-        place_x, place_y, way = place_x + forward * np.cos(middle), place_y + forward * np.sin(middle), way + forward
-        x[:, step], y[:, step], heading[:, step], gone[:, step] = place_x, place_y, wanted - error, way
-    return x, y, heading, gone
+        size = np.abs(error)
+        turn = np.minimum(size, np.minimum(parameters.gain * size, parameters.angular) * duration)
+        errors[step], turns[step] = error, np.copysign(turn, error)
+        error = error - turns[step]
+    steps = PACE * STEPS[:, None] * np.where(np.abs(errors) < pi / 2.0, np.cos(errors), 0.0)
+    way = np.zeros(len(DIRECTIONS))
+    for step in range(len(STEPS)):
+        np.minimum(steps[step], distance - way, out=steps[step])
+        ways[step] = way = way + steps[step]
+    middles = wanted - errors + turns / 2.0
+    x, y = (steps * np.cos(middles)).cumsum(axis=0), (steps * np.sin(middles)).cumsum(axis=0)
+    headings = wanted - (errors - turns)
+    return (np.ascontiguousarray(x.T), np.ascontiguousarray(y.T), np.ascontiguousarray(headings.T), ways.T)

@@ -6,8 +6,8 @@ from math import inf, isfinite
 import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
-from apps.indoor_navigation.algorithms.outline import Outline, arc
-from apps.indoor_navigation.data import Floats
+from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.data import Bools, Floats
 
 # Distances ahead that are checked, m: dense near the robot.
 DISTANCES = np.array([0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.23, 0.29, 0.36, 0.44, 0.53, 0.63, 0.75, 0.9, 1.1, 1.3])
@@ -64,6 +64,26 @@ class Push:
     right: float | None = None
 
 
+def _arc(curvatures: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the poses on arcs from the present pose, in the present frame of the robot.
+
+    Args:
+        curvatures: 1/m, shape (n,); positive to the left.
+        lengths: m, shape (m,).
+    Returns:
+        x, y and heading, each of shape (n, m).
+    """
+    turns = curvatures[:, None] * lengths
+    chords = lengths * np.sinc(turns / (2.0 * np.pi))
+    return chords * np.cos(turns / 2.0), chords * np.sin(turns / 2.0), turns
+
+
+BEFORE = np.concatenate(([0.0], DISTANCES[:-1], [inf]))  # the free way, m, if the first pose that is barred is this one
+FORWARD_AND_BACK = np.concatenate((DISTANCES, -DISTANCES))
+LEFT_AND_RIGHT = np.stack((TURNS, -TURNS))[:, None]  # of shape (2, 1, n), beside the places of turns
+CURVE_POSES = _arc(CURVES, CURVE_DISTANCES), _arc(-CURVES, CURVE_DISTANCES)
+
+
 def avoid(
     parameters: AvoidanceParameters,
     outline: Outline,
@@ -90,9 +110,10 @@ def avoid(
         has_laser: Whether the laser works; sonar alone misses surfaces that deflect sound, so the speed is limited.
     """
     places = outline.outside(places)
+    apart = outline.distance(*places)
     course = float(np.clip(angular / linear, -MAX_CURVATURE, MAX_CURVATURE)) if abs(linear) > STANDING else 0.0
     coming = parameters.walker if approach is None else approach
-    on, back = (_way(parameters, outline, places, course, sense) for sense in (1.0, -1.0))
+    on, back = _ways(parameters, outline, places, apart, course)
     limit = min(
         inf if has_laser else parameters.blind,
         safe_speed(on, parameters.deceleration, parameters.reaction),
@@ -101,12 +122,12 @@ def avoid(
     limit_back = min(parameters.blind, safe_speed(back, parameters.deceleration, parameters.reaction))
     rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
     near = _within_sweep(parameters, outline, places, rolls)
-    turns = [_turning(parameters, outline, near, side, linear, rolls) for side in (1.0, -1.0)]
+    turns = _turns(parameters, outline, near, linear, rolls)
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
     is_held = abs(linear) < STANDING and turned != 0.0 and turns[turned < 0.0] < MIN_TURN
     if is_held and (creep := _to_more_room(outline, *near, limit)):
         return Push(creep, 0.0, parameters.guard_weight, *told)
-    left, right = _nearness(parameters, outline, places)
+    left, right = _nearness(parameters, places, apart)
     # A robot that turns on the spot is not pushed away from the heading that it turns to.
     briskness = min(1.0, max(linear, 0.0) / FULL_PUSH_SPEED)
     nearer = max(left, right)
@@ -126,13 +147,14 @@ def _within_sweep(
     return x[is_near], y[is_near]
 
 
-def _way(
-    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], course: float, sense: float
-) -> float:
-    """Return how far the robot may drive on its course or one beside it, m; sense: 1 forward, -1 backward."""
-    touches = outline.runs_into(arc(course + COURSES, sense * DISTANCES), *places, parameters.margin)
-    first = np.where(touches.any(axis=1), touches.argmax(axis=1), len(DISTANCES))
-    return float(np.concatenate(([0.0], DISTANCES[:-1], [inf]))[first.min()])
+def _ways(
+    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], apart: Floats, course: float
+) -> tuple[float, float]:
+    """Return how far the robot may drive on its course or one beside it, m, forward and backward."""
+    poses = _arc(course + COURSES, FORWARD_AND_BACK)
+    barred = outline.runs_into(poses, *places, parameters.margin, apart).any(axis=0).reshape(2, len(DISTANCES))
+    on, back = (float(BEFORE[each.argmax() if each.any() else len(DISTANCES)]) for each in barred)
+    return on, back
 
 
 def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
@@ -144,38 +166,33 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
     return float(outline.distance(x[is_ahead], y[is_ahead]).min()) - BODY_REACH
 
 
-def _turning(
-    parameters: AvoidanceParameters,
-    outline: Outline,
-    places: tuple[Floats, Floats],
-    side: float,
-    linear: float,
-    rolls: float,
-) -> float:
-    """Return the maximum turn to one side, 1 or -1, rad/s, that ends before the robot's corners touch anything.
+def _turns(
+    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], linear: float, rolls: float
+) -> list[float]:
+    """Return the maximum turns to the left and to the right, rad/s, that end before the corners touch anything.
 
     A turn that is commanded while the robot drives may take place anywhere until it has stopped. Meanwhile the tail
     moves on, and a curve that is free is allowed in any case.
     """
     x, y = places
-    free = min(_free_turn(outline, places, side, way) for way in (0.0, rolls / 2.0, rolls))
-    if free == inf:
-        return inf
-    on_the_spot = safe_speed(free, parameters.angular_deceleration, parameters.reaction)
-    if linear < STANDING:
-        return on_the_spot
-    barred = outline.runs_into(arc(side * CURVES, CURVE_DISTANCES), x, y, TURN_MARGIN).any(axis=1)
-    widest = float(CURVES[: barred.argmax() if barred.any() else len(CURVES)].max(initial=0.0))
-    return max(on_the_spot, linear * widest)
-
-
-def _free_turn(outline: Outline, places: tuple[Floats, Floats], side: float, way: float) -> float:
-    """Return how far the robot may turn to one side so many m ahead, rad; infinite if nothing bars the turn."""
-    still = np.zeros(len(TURNS))
-    touches = outline.runs_into((still + way, still, side * TURNS), *places, TURN_MARGIN)
-    if not touches.any():
-        return inf
-    return float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
+    if not len(x):
+        return [inf, inf]
+    apart = outline.distance(x, y)
+    poses = np.array([[0.0], [rolls / 2.0], [rolls]]), np.zeros((3, 1)), LEFT_AND_RIGHT
+    barred: Bools = np.logical_or.reduce(outline.runs_into(poses, x, y, TURN_MARGIN, apart), axis=1)
+    found = []
+    for touches, curves in zip(barred, CURVE_POSES, strict=True):
+        if not touches.any():
+            found.append(inf)
+            continue
+        free = float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
+        on_the_spot = safe_speed(free, parameters.angular_deceleration, parameters.reaction)
+        if linear >= STANDING:
+            shut = outline.runs_into(curves, x, y, TURN_MARGIN, apart).any(axis=1)
+            widest = float(CURVES[: shut.argmax() if shut.any() else len(CURVES)].max(initial=0.0))
+            on_the_spot = max(on_the_spot, linear * widest)
+        found.append(on_the_spot)
+    return found
 
 
 def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:
@@ -192,12 +209,12 @@ def _may_creep(outline: Outline, x: Floats, y: Floats, way: float) -> bool:
     if way < 0.0 and ((x < 0.0) & (outline.distance(x, y) < REAR_MARGIN)).any():
         return False
     still = np.zeros(1)
-    return not outline.runs_into((still + way, still, still), x, y, TURN_MARGIN).any()
+    return not outline.runs_into((still + way, still, still), x, y, TURN_MARGIN, outline.distance(x, y)).any()
 
 
-def _nearness(parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats]) -> tuple[float, float]:
+def _nearness(parameters: AvoidanceParameters, places: tuple[Floats, Floats], apart: Floats) -> tuple[float, float]:
     """Return how near obstacles are on the left and the right, 0 to 1; those ahead count more than those beside."""
     x, y = places
-    near = np.clip(1.0 - outline.distance(x, y) / parameters.reach, 0.0, 1.0) ** 2
+    near = np.clip(1.0 - apart / parameters.reach, 0.0, 1.0) ** 2
     weighted = near * np.clip(0.5 + 0.5 * np.cos(np.arctan2(y, x)), 0.0, 1.0)
     return float(weighted[y > 0.0].max(initial=0.0)), float(weighted[y < 0.0].max(initial=0.0))

@@ -42,7 +42,7 @@ ENOUGH_BEAMS = 15  # through an opening; more do not increase the confidence
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class _Lines:
     """Lines of walls, k of them, and how the n beams meet each.
 
     normals: away from the scanner, shape (2, k). wall: beams that end on the wall, shape (k, n). crossing: where on the
@@ -109,7 +109,7 @@ def _find_in_walls(beams: Beams, segments: Segments, parameters: DoorParameters)
     return [opening for opening in found if opening is not None]
 
 
-def _find_lines(beams: Beams, segments: Segments) -> Lines | None:
+def _find_lines(beams: Beams, segments: Segments) -> _Lines | None:
     """Return the lines of the longest segments, each with all segments that are in line with it."""
     seeds = np.argsort(-segments.lengths, kind="stable")[:MAX_LINES]
     seeds = seeds[segments.lengths[seeds] >= MIN_SEED]
@@ -133,7 +133,7 @@ def _find_lines(beams: Beams, segments: Segments) -> Lines | None:
     wall[:, 1:] |= pairs
     wall[:, :-1] |= pairs
     crossing = distances[:, None] * sliding / np.where(meets, closing, MIN_COSINE)
-    return Lines(normals, distances, wall, crossing, along, np.where(meets, depth, -np.inf), beams.is_hit)
+    return _Lines(normals, distances, wall, crossing, along, np.where(meets, depth, -np.inf), beams.is_hit)
 
 
 def _first_of_each(has: list[list[bool]]) -> list[int]:
@@ -160,7 +160,7 @@ def _in_line(normals: Floats, distances: Floats, segments: Segments, seeds: Ints
     return np.asarray(off < LINE_OFFSET + OFFSET_GROWTH / segments.lengths[seeds][:, None] * away)
 
 
-def _opening(lines: Lines, line: int, first: int, last: int, parameters: DoorParameters) -> Opening | None:
+def _opening(lines: _Lines, line: int, first: int, last: int, parameters: DoorParameters) -> Opening | None:
     """Return the opening between two beams that end on a wall; None where it is not an exit."""
     part = slice(first, last + 1)
     crossing, along, depth = lines.crossing[line, part], lines.along[line, part], lines.depth[line, part]
@@ -204,7 +204,7 @@ def _jamb(crossing: Floats, along: Floats, depth: Floats, is_hit: Bools) -> floa
     return float(along[behind - 1] + crossing[behind]) / 2.0
 
 
-def _support(lines: Lines, line: int, first: int, last: int, width: float, parameters: DoorParameters) -> float:
+def _support(lines: _Lines, line: int, first: int, last: int, width: float, parameters: DoorParameters) -> float:
     """Return the length of wall in view beside an opening, m; 0 where it is too short for a wall."""
     wall, along, depth = np.flatnonzero(lines.wall[line]), lines.along[line], lines.depth[line]
     steps = np.diff(along[wall])

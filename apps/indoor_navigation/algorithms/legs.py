@@ -30,7 +30,9 @@ class Legs:
 
     def see(self, stamp: float, rays: Rays) -> None:
         """Add the rays of one scanner, in the order of their angles, at s of any clock."""
-        x, y = slender(rays)
+        x, y = _slender(rays)
+        if not len(x) and not len(self._x):
+            return
         age = stamp - self._at
         is_there = nearest(self._x, self._y, rays.end_x[rays.hits], rays.end_y[rays.hits]) < MAX_SHIFT
         is_in_view = rays.inner(EDGE_RAYS).are_in_view(self._x, self._y)
@@ -51,17 +53,19 @@ def bodies(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return (x[:, None] + points_x).ravel(), (y[:, None] + points_y).ravel()
 
 
-def slender(rays: Rays) -> tuple[Floats, Floats]:
+def _slender(rays: Rays) -> tuple[Floats, Floats]:
     """Return x and y in odom of each slender object that stands alone.
 
     Args:
         rays: Of one scanner, in the order of their angles.
     """
     depth = np.hypot(rays.end_x - rays.origin_x, rays.end_y - rays.origin_y)
-    gaps = np.flatnonzero(np.abs(np.diff(depth)) > MIN_GAP)
+    gaps = np.flatnonzero(np.abs(depth[1:] - depth[:-1]) > MIN_GAP)
     starts, ends = gaps[:-1] + 1, gaps[1:]
     is_inner = (starts >= EDGE_RAYS) & (ends < len(depth) - EDGE_RAYS)
     starts, ends = starts[is_inner], ends[is_inner]
+    if not len(starts):
+        return np.empty(0), np.empty(0)
     # On average an object is one ray wider than the distance between the first and the last ray that hit it.
     wider = (ends - starts + 1) / np.maximum(ends - starts, 1)
     is_slender = rays.hits[starts] & (_apart(rays, starts, ends) * wider < MAX_WIDTH)

@@ -47,12 +47,12 @@ def obstacles(parameters: DetectionParameters, outline: Outline, perceived: Perc
         rays.end_x,
         rays.end_y,
         rays.hits.astype(np.float64),
-        is_dead_end(parameters, outline, x, y),
+        _is_dead_end(parameters, outline, x, y),
         *perceived.people,
     )
 
 
-def is_dead_end(parameters: DetectionParameters, outline: Outline, x: Floats, y: Floats) -> bool:
+def _is_dead_end(parameters: DetectionParameters, outline: Outline, x: Floats, y: Floats) -> bool:
     """Return whether no lane as wide as the robot is free in any direction ahead.
 
     Args:

@@ -39,18 +39,26 @@ class Outline:
 
     def distance(self, x: Lengths, y: Lengths) -> Floats:
         """Return the distance of points in the robot's frame from the outline, m; inside, the negative depth."""
-        middle, half_length = (self.front - self.rear) / 2.0, (self.front + self.rear) / 2.0
-        ahead, aside = np.abs(x - middle) - half_length, np.abs(y) - self.width / 2.0
-        depth = np.minimum(np.maximum(ahead, aside), 0.0)
-        ahead, aside = np.maximum(ahead, 0.0), np.maximum(aside, 0.0)
-        distance: Floats = np.sqrt(ahead * ahead + aside * aside) + depth
-        return distance
+        ahead: Floats = np.subtract(x, (self.front - self.rear) / 2.0)
+        aside: Floats = np.abs(y)
+        np.abs(ahead, out=ahead)  # in place here and below: new arrays take as long as the arithmetic
+        ahead -= (self.front + self.rear) / 2.0
+        aside -= self.width / 2.0
+        depth = np.maximum(ahead, aside)
+        np.minimum(depth, 0.0, out=depth)
+        for each in (ahead, aside):
+            np.maximum(each, 0.0, out=each)
+            each *= each
+        ahead += aside
+        np.sqrt(ahead, out=ahead)
+        ahead += depth
+        return ahead
 
     def distances(self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats) -> Floats:
         """Return the distances of points from the outline for each of some poses of the robot, m.
 
         Args:
-            poses: x, y and heading of the robot, arrays of any one shape.
+            poses: x and y of the robot, arrays of one shape, and heading, which is broadcast with them.
             x, y: The n points, in the frame of the poses.
         Returns:
             Array of the shape of the poses with one more axis, of length n.
@@ -59,14 +67,21 @@ class Outline:
         robot_x, robot_y, heading = (np.asarray(each, np.float32)[..., None] for each in poses)
         c, s = np.cos(heading), np.sin(heading)
         along, across = np.asarray(x, np.float32) - robot_x, np.asarray(y, np.float32) - robot_y
-        return self.distance(c * along + s * across, c * across - s * along)
+        ahead, aside = c * along, c * across
+        part = s * across
+        ahead += part
+        np.multiply(s, along, out=part)
+        aside -= part
+        return self.distance(ahead, aside)
 
     def outside(self, places: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         """Return the places without those inside the robot, which are a sensor's errors."""
         is_outside = self.distance(*places) > -MAX_PENETRATION
         return places[0][is_outside], places[1][is_outside]
 
-    def runs_into(self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats, margin: float) -> Bools:
+    def runs_into(
+        self, poses: tuple[Floats, Floats, Floats], x: Floats, y: Floats, margin: float, now: Floats
+    ) -> Bools:
         """Return at which poses a point is nearer than the margin and nearer than now.
 
         So a robot that is too near already may move along an obstacle and away from it.
@@ -75,27 +90,24 @@ class Outline:
             poses: As for `distances`.
             x, y: Likewise.
             margin: m.
+            now: Present distances of the points, m.
         """
-        return runs_into(self.distances(poses, x, y), self.distance(x, y), margin)
+        return runs_into(self.distances(poses, x, y), now, margin)
 
 
 ROUNDING = 2e-3  # m; smaller changes of a distance come from single precision and arcs of finite length
 
 
 def runs_into(distances: Floats, now: Floats, margin: float) -> Bools:
-    """Return where the last axis of distances has one below the margin and below the present distance; all in m."""
-    return np.asarray(((distances < margin) & (distances < now - ROUNDING)).any(axis=-1))
-
-
-def arc(curvatures: Floats, lengths: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the poses on arcs from the present pose, in the present frame of the robot.
+    """Return where the last axis of distances has one below the margin and below the present distance; all in m.
 
     Args:
-        curvatures: 1/m, shape (n,); positive to the left.
-        lengths: m, shape (m,).
-    Returns:
-        x, y and heading, each of shape (n, m).
+        distances: In single precision.
+        now: In double precision.
+        margin: m.
     """
-    turns = curvatures[:, None] * lengths
-    chords = lengths * np.sinc(turns / (2.0 * np.pi))
-    return chords * np.cos(turns / 2.0), chords * np.sin(turns / 2.0), turns
+    least = np.minimum(now - ROUNDING, float(np.float32(margin)))
+    # A number of single precision is below another number if it is below the next one of single precision.
+    limit = least.astype(np.float32)
+    limit = np.where(limit < least, np.nextafter(limit, np.float32(np.inf)), limit)
+    return np.asarray((distances < limit).any(axis=-1))

@@ -138,7 +138,7 @@ class _Sensor:
             return f"the {self._name} has published nothing yet"
         if now - self.last.stamp > self._parameters.max_age:
             return f"the {self._name} is silent"
-        if np.isfinite(self.last.ranges).sum() >= MIN_RANGES and self._has_moved(self._first.pose, self.last.pose):
+        if self._has_moved(self._first.pose, self.last.pose) and np.isfinite(self.last.ranges).sum() >= MIN_RANGES:
             return f"the {self._name} repeats the same ranges while the robot moves"
         return ""
 

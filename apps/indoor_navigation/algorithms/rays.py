@@ -1,7 +1,7 @@
 """Sonar and laser readings as rays: the origin, how far the ray is free, and whether an obstacle is at its end."""
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, tan
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRea
 
 SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
 HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
+TAN_HALF_CONE = tan(HALF_CONE)
 RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
 RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
 
@@ -66,11 +67,16 @@ class Rays:
         """
         if not len(self.origin_x):
             return self.hits
-        differs = (np.diff(self.origin_x) != 0.0) | (np.diff(self.origin_y) != 0.0)
-        return ~(np.concatenate(([True], differs)) & np.concatenate((differs, [True])))
+        is_same = (self.origin_x[1:] == self.origin_x[:-1]) & (self.origin_y[1:] == self.origin_y[:-1])
+        shares = np.zeros(len(self.origin_x), bool)
+        shares[1:] = is_same
+        shares[:-1] |= is_same
+        return shares
 
     def followed_by(self, other: "Rays") -> "Rays":
         """Return these rays and then the others."""
+        if not len(self.hits) or not len(other.hits):
+            return self if len(self.hits) else other
         return Rays(
             np.concatenate((self.origin_x, other.origin_x)),
             np.concatenate((self.origin_y, other.origin_y)),
@@ -87,12 +93,13 @@ class Rays:
 
     def inner(self, edge: int) -> "Rays":
         """Return the rays without so many of the outermost ones on either side."""
-        chosen = np.zeros(len(self.hits), bool)
-        chosen[edge : max(len(chosen) - edge, edge)] = True
-        return self.where(chosen)
+        inner = slice(edge, max(len(self.hits) - edge, edge))
+        return Rays(self.origin_x[inner], self.origin_y[inner], self.end_x[inner], self.end_y[inner], self.hits[inner])
 
     def are_in_view(self, x: Floats, y: Floats) -> Bools:
         """Return which places a ray ends at or passes through; of what is hidden a ray shows nothing."""
+        if not len(x):
+            return np.zeros(0, bool)
         along_x, along_y = self.end_x - self.origin_x, self.end_y - self.origin_y
         length = np.hypot(along_x, along_y)
         scale = np.where(length > 0.0, length, np.inf)
@@ -116,9 +123,9 @@ class Rays:
         axis = np.arctan2(self.end_y - self.origin_y, self.end_x - self.origin_x)
         x, y = laser.end_x - self.origin_x[:, None], laser.end_y - self.origin_y[:, None]
         c, s = np.cos(axis)[:, None], np.sin(axis)[:, None]
-        is_in_cone = np.abs(np.arctan2(c * y - s * x, c * x + s * y)) <= HALF_CONE
-        is_as_near = np.hypot(x, y) <= length[:, None] + RANGE_TOLERANCE
-        is_seen = (is_in_cone & is_as_near & laser.hits).any(axis=1)
+        is_in_cone = np.abs(c * y - s * x) <= TAN_HALF_CONE * (c * x + s * y)
+        reach = (length + RANGE_TOLERANCE)[:, None]
+        is_seen = (is_in_cone & (x * x + y * y <= reach * reach) & laser.hits).any(axis=1)
         return self.where(~np.where(self.hits, is_seen, is_in_cone.sum(axis=1) > 2))
 
 
@@ -137,4 +144,6 @@ def in_robot(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 def nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
     """Return the distance of each place to the nearest of the others, m; infinite where there is none."""
+    if not len(x):
+        return np.empty(0)
     return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))

@@ -17,6 +17,7 @@ MEMORY_RANGE = 1.2  # m from the sensors within which it is remembered: the long
 EDGE_RAYS = 2  # on either side of the scan; what they hit leaves the view next and must be remembered
 PLACE_SPACING = 0.025  # m between remembered places
 MAX_PLACES = 300
+CELLS_A_ROW = 1 << 32  # more than any odom is wide, so a row and a column make one number
 
 
 class Surroundings:
@@ -29,13 +30,16 @@ class Surroundings:
         """Forget all places, because the origin of odom has changed."""
         self._x = self._y = self._seen_at = np.empty(0)
         self._last = Rays.none()
+        self._is_scanned = self._last.is_of_scanner
         self._people = np.empty(0), np.empty(0)
         self._legs = Legs()
 
     def see(self, perceived: Perceived) -> None:
         """Add what the sensors show, and remove remembered places that they show to be free."""
         stamp, rays = perceived.stamp, perceived.rays
-        is_sure = self._last.hits & self._last.is_of_scanner
+        is_of_scanner = rays.is_of_scanner
+        scanned = rays.where(is_of_scanner)
+        is_sure = self._last.hits & self._is_scanned
         x, y = self._last.end_x[is_sure], self._last.end_y[is_sure]
         x, y = np.concatenate((self._x, x)), np.concatenate((self._y, y))
         seen_at = np.concatenate((self._seen_at, np.full(len(x) - len(self._x), stamp)))
@@ -44,18 +48,15 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < MEMORY_RANGE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~rays.where(rays.is_of_scanner).inner(EDGE_RAYS).are_in_view(x, y)
+            is_kept = ~scanned.inner(EDGE_RAYS).are_in_view(x, y)
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
-        self._last, self._people = self._explained(rays), perceived.people
-        self._legs.see(stamp, self._last.where(self._last.is_of_scanner))
-
-    def _explained(self, rays: Rays) -> Rays:
-        """Return rays without echoes of remembered places: a door frame is beside the axis of a disc, not on it."""
-        seen = rays.where(rays.is_of_scanner)
+        # Without echoes of remembered places: a door frame is beside the axis of a disc, not on it.
         remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
-        echoes = rays.where(~rays.is_of_scanner & rays.hits)
-        return seen.followed_by(echoes.unexplained_by(seen.followed_by(remembered)))
+        echoes = rays.where(~is_of_scanner & rays.hits)
+        self._last = scanned.followed_by(echoes.unexplained_by(scanned.followed_by(remembered)))
+        self._is_scanned, self._people = self._last.is_of_scanner, perceived.people
+        self._legs.see(stamp, self._last.where(self._is_scanned))
 
     def places(self, pose: Pose) -> tuple[Floats, Floats]:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""
@@ -73,6 +74,10 @@ def _thinned(x: Floats, y: Floats, indices: Ints) -> Ints:
 
     When the robot stands, the same places leave the view again and again; they must not replace the others.
     """
-    cells = np.round(x[indices[::-1]] / PLACE_SPACING) + 1j * np.round(y[indices[::-1]] / PLACE_SPACING)
-    last = np.unique(cells, return_index=True)[1]
-    return np.sort(indices[::-1][last])
+    backwards = indices[::-1]
+    rows, columns = (np.round(each[backwards] / PLACE_SPACING).astype(np.int64) for each in (y, x))
+    cells = rows * CELLS_A_ROW + columns
+    order = cells.argsort(kind="stable")
+    is_first = np.ones(len(order), bool)
+    is_first[1:] = np.diff(cells[order]) != 0
+    return np.sort(backwards[order[is_first]])

@@ -37,7 +37,7 @@ class ScanMotion:
     def look(self, scan: LaserRead) -> Moved:
         """Return the places of what moved since the scan before."""
         before, self._before = self._before, scan
-        return moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
+        return _moved(scan, before) if before is not None else (np.empty(0), np.empty(0))
 
 
 class WalkerMemory:
@@ -86,6 +86,8 @@ class StandingPeople:
 
     def see(self, stamp: float, x: Floats, y: Floats) -> None:
         """Add the places that moved in a scan, at s of any clock; there may be none."""
+        if not len(self._x) and not len(x):
+            return
         stays = (stamp - self._at < STANDING_TIME) & (self._at <= stamp)
         stays &= nearest(self._x, self._y, x, y) >= PLACE_SPACING
         self._x, self._y = np.concatenate((self._x[stays], x)), np.concatenate((self._y[stays], y))
@@ -93,6 +95,8 @@ class StandingPeople:
 
     def about(self, stamp: float, rays: Rays) -> Moved:
         """Return the place of each person who is still there, and places on the outline of the body."""
+        if not len(self._x):
+            return self._x, self._y
         hits_x, hits_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
         is_there = (stamp - self._at < STANDING_TIME) & (nearest(self._x, self._y, hits_x, hits_y) < MAX_SHIFT)
         x, y = self._x[is_there], self._y[is_there]
@@ -100,7 +104,7 @@ class StandingPeople:
         return np.concatenate((x, body_x)), np.concatenate((y, body_y))
 
 
-def moved(scan: LaserRead, before: LaserRead) -> Moved:
+def _moved(scan: LaserRead, before: LaserRead) -> Moved:
     """Return the places that a scan shows where beams of the scan before passed.
 
     A swinging leg is such a place while the other leg stands; for a walker a few places in each scan are enough.
@@ -132,6 +136,10 @@ def _distance(x: Floats, y: Floats, place: Place) -> float:
 
 def _least_beside(ranges: Floats) -> Floats:
     """Return the shortest range of each beam and its neighbours."""
-    padded = np.pad(ranges, SIDE_BEAMS, constant_values=np.inf)
-    least: Floats = np.lib.stride_tricks.sliding_window_view(padded, 2 * SIDE_BEAMS + 1).min(axis=1)
+    count = len(ranges)
+    padded = np.full(count + 2 * SIDE_BEAMS, np.inf)
+    padded[SIDE_BEAMS : SIDE_BEAMS + count] = ranges
+    least = ranges
+    for shift in range(2 * SIDE_BEAMS + 1):
+        least = np.minimum(least, padded[shift : shift + count])
     return least

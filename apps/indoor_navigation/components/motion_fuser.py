@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.fusion import Fusion, FusionParameters, InvalidCommand
-from apps.indoor_navigation.component import Component, Role, answers_query, hears, push_key, sources
+from apps.indoor_navigation.component import Component, Role, answers_query, hears, push_key
 from apps.indoor_navigation.components.inbox import Inbox, LastSecond
 from apps.indoor_navigation.data import Data, MotionCmd
 from bus import MessageError, Sample
@@ -49,7 +49,7 @@ class MotionFuser(Component):
 
     def hear(self, kind: type[Data], method: Callable[..., Any]) -> None:
         """Collect commands in the inbox until they are fused: a call for each of a thousand a second costs too much."""
-        for source in sources(self.properties, kind):
+        for source in self.sources(kind):
             self._inbox.open(source)
             key = push_key(self.robot, source, kind)
             self._open.append(self.bus.subscribe(key, partial(self._inbox.take, source), urgent=True))

@@ -26,7 +26,7 @@ CHECK_PERIOD = (
 log = logging.getLogger("navigation")
 
 
-class WheelLease:
+class _WheelLease:
     """A lease for commands to the wheels. token: to attach to each command; empty while there is no lease."""
 
     def __init__(self, agent: Agent, element: str, priority: int, is_wanted: Callable[[], bool]) -> None:
@@ -101,7 +101,7 @@ class RobotBaseServer(Component):
         self._is_there = asyncio.Event()
         self._heard_at = self._commanded_at = self._moved_at = float("-inf")
         self._drives = False  # the last command to the wheels was to move
-        self._lease = WheelLease(self, f"base@{self.robot}", self.parameters.priority, lambda: not self._is_idle)
+        self._lease = _WheelLease(self, f"base@{self.robot}", self.parameters.priority, lambda: not self._is_idle)
         self._wheels = self.bus.publisher(keys.CMD_VEL.key(self.robot), keys.CMD_VEL.type_name)
         self._open.append(self._wheels)
         self.add(Cyclic(self._know_robot), Restart())

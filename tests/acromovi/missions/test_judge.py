@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from acromovi.missions.course import Played, Track
-from acromovi.missions.judge import jerks, judge, length, turned, turns
+from acromovi.missions.judge import judge
 from acromovi.missions.tasks import Case, Condition, Job, Task
 from geometry import Pose2D
 from p2os_emu.world import WorldSpec
@@ -64,15 +64,15 @@ def test_odometry_does_not_excuse_the_wrong_room() -> None:
 
 def test_turns_count_changes_of_sense_and_no_trifles() -> None:
     headings = [0.0, 0.3, 0.6, 0.58, 0.7, 0.2, -0.2, 0.0]
-    path = [Pose2D(0.1 * i, 0.0, heading) for i, heading in enumerate(headings)]
-    assert turns(path) == 3
-    assert turned(path) == pytest.approx(sum(abs(b - a) for a, b in pairwise(headings)))
-    assert length(path) == pytest.approx(0.7)
+    track = Track([Pose2D(0.1 * i, 0.0, heading) for i, heading in enumerate(headings)])
+    assert track.turns == 3
+    assert track.turned == pytest.approx(sum(abs(b - a) for a, b in pairwise(headings)))
+    assert track.length == pytest.approx(0.7)
 
 
 def test_jerk_is_that_of_the_motion() -> None:
     """Of x = sin(t), the third derivative is -cos(t)."""
     track = Track([Pose2D(math.sin(PERIOD * i)) for i in range(round(2 * math.tau / PERIOD))])
-    along, about = jerks(track)
+    along, about = track.jerks
     assert along == pytest.approx(math.sqrt(0.5), rel=0.02)
     assert about == 0.0

@@ -6,7 +6,7 @@ import pytest
 
 from acromovi.missions.matrix import Result
 from acromovi.missions.picture import draw_grid, draw_mission, draw_sheet
-from acromovi.missions.tasks import Case, Condition, Job, prepare
+from acromovi.missions.tasks import Case, Condition, Job, Task
 from geometry import Pose2D
 
 pytest.importorskip("matplotlib", reason="pictures are drawn by an extra")
@@ -17,7 +17,7 @@ LEGEND = ("walls", "furniture", "obstacles", "ways of people", "start", "goal")
 def result() -> Result:
     """A mission with all that there is to see, that nobody has played."""
     job = Job(Case.ROOMS, Condition.ALL, 3, "p3at-sh", "office")
-    task = prepare(job)
+    task = Task.of(job)
     return Result(job, task=task, path=(task.start, Pose2D(*task.goal, 0.0)))
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.navigation.components import descriptions
+from acromovi.navigation.components import RunningNavigation
 from bus import NoAnswer, ZenohBus
 from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import ROOT, alive, run
@@ -39,7 +39,7 @@ class Up:
         return int(answer.value["process"])
 
     def components(self) -> set[str]:
-        return {str(each["name"]) for each in descriptions(self.bus, "happy")}
+        return {str(each["name"]) for each in RunningNavigation(self.bus, "happy").descriptions()}
 
 
 @pytest.fixture(scope="module")

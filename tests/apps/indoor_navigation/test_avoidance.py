@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from apps.indoor_navigation.algorithms.attraction import Attraction
 from apps.indoor_navigation.algorithms.avoidance import avoid
 from apps.indoor_navigation.algorithms.braking import safe_speed
-from apps.indoor_navigation.algorithms.legs import BODY_RADIUS, Legs, slender
+from apps.indoor_navigation.algorithms.legs import BODY_RADIUS, Legs
 from apps.indoor_navigation.algorithms.orientation import turn
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perceived, Perception
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
-from apps.indoor_navigation.algorithms.walkers import WalkerMemory, moved
+from apps.indoor_navigation.algorithms.walkers import ScanMotion, WalkerMemory
 from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead, WorldCoord
 from apps.indoor_navigation.parameters import shipped_parameters
 from geometry import wrap_angle
@@ -154,11 +154,13 @@ def test_for_somebody_who_walks_it_is_slower_than_for_what_stands() -> None:
 def test_only_what_is_where_the_last_scan_saw_through_has_moved() -> None:
     room, with_leg = np.full(361, 3.0), np.full(361, 3.0)
     with_leg[170:180] = 1.5
-    x, _ = moved(scan(with_leg, 0.2), scan(room, 0.0))
+    motion = ScanMotion()
+    motion.look(scan(room, 0.0))
+    x, _ = motion.look(scan(with_leg, 0.2))
     assert len(x) == 10
     assert x == pytest.approx(np.full(10, 1.5), abs=0.1)
-    assert len(moved(scan(with_leg, 0.4), scan(with_leg, 0.2))[0]) == 0
-    assert len(moved(scan(room, 0.4), scan(with_leg, 0.2))[0]) == 0
+    assert len(motion.look(scan(with_leg, 0.4))[0]) == 0
+    assert len(motion.look(scan(room, 0.6))[0]) == 0
 
 
 @pytest.mark.parametrize("step", [0.005, 0.02, 0.05])
@@ -186,14 +188,18 @@ def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
     legs.see(0.0, leg_at(1.5, 176))
     x, y = legs.bodies()
     assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY_RADIUS), abs=0.05)
-    assert len(slender(Rays.of_laser(scan(np.full(361, 4.0)), 120))[0]) == 0
+    nothing = Legs()
+    nothing.see(0.0, Rays.of_laser(scan(np.full(361, 4.0)), 120))
+    assert len(nothing.bodies()[0]) == 0
 
 
 def test_a_leg_half_behind_the_other_one_is_a_leg_as_well() -> None:
     ranges = np.full(361, 4.0)
     ranges[170:190], ranges[190:204] = 0.8, 1.1
-    x, _ = slender(Rays.of_laser(scan(ranges), 120))
-    assert np.sort(x) == pytest.approx([0.8, 1.1], abs=0.1)
+    legs = Legs()
+    legs.see(0.0, Rays.of_laser(scan(ranges), 120))
+    bodies = np.sort(legs.bodies()[0].reshape(2, 8).mean(axis=1))  # eight places about each leg
+    assert bodies == pytest.approx([0.8, 1.1], abs=0.1)
 
 
 def test_what_was_a_leg_is_one_for_a_while_though_it_looks_like_something_else() -> None:

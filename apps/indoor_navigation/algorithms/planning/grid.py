@@ -59,11 +59,12 @@ class Grid:
     def include(self, place: Place, margin: float = 0.0) -> bool:
         """Extend the area to a place with a margin, m; return False, without a change, where it would be too large."""
         area, resolution = self.area, self._parameters.resolution
-        low = np.array(area.cell(place[0] - margin, place[1] - margin))
-        high = np.array(area.cell(place[0] + margin, place[1] + margin)) + 1
-        shape = np.array(area.evidence.shape)
-        if (low >= 0).all() and (high <= shape).all():
+        first = area.cell(place[0] - margin, place[1] - margin)
+        last = area.cell(place[0] + margin, place[1] + margin)
+        height, width = area.evidence.shape
+        if min(first) >= 0 and last[0] < height and last[1] < width:
             return True
+        low, high, shape = np.array(first), np.array(last) + 1, np.array((height, width))
         wide = ceil(MARGIN / resolution)
         if not area.evidence.size:
             before, after = wide - low, high + wide
@@ -132,6 +133,8 @@ class Grid:
 
     def _about(self, x: Floats, y: Floats) -> Ints:
         """Return the cells at these places and their neighbours."""
+        if not len(x):
+            return np.empty(0, np.intp)
         edge = self._parameters.resolution
         beside = [self._flat(x + right * edge, y + up * edge) for right in (-1, 0, 1) for up in (-1, 0, 1)]
         return np.concatenate(beside)
@@ -151,6 +154,8 @@ class Grid:
 
     def _flat(self, x: Floats, y: Floats) -> Ints:
         """Return the indices of the cells at these places, without places outside the area."""
+        if not len(x):
+            return np.empty(0, np.intp)
         area = self.area
         height, width = area.evidence.shape
         columns = np.floor((x - area.x) / area.resolution).astype(np.intp)
@@ -198,7 +203,7 @@ def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """
     if len(x) < 2:
         return x, y
-    near = np.hypot(np.diff(x), np.diff(y)) < MAX_SEAM
+    near = np.hypot(x[1:] - x[:-1], y[1:] - y[:-1]) < MAX_SEAM
     parts = np.linspace(0.0, 1.0, SEAM_PARTS + 1)[1:-1, None]
     from_x, to_x, from_y, to_y = x[:-1][near], x[1:][near], y[:-1][near], y[1:][near]
     return (from_x + parts * (to_x - from_x)).ravel(), (from_y + parts * (to_y - from_y)).ravel()
