@@ -88,7 +88,7 @@ def _names(text: str) -> tuple[str, ...]:
 async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, arguments: argparse.Namespace) -> int:
     from acromovi.team.identities import teams_key
     from acromovi.team.processes import Processes
-    from acromovi.team.team import STARTING_TIME, TeamAtWork
+    from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed
     from bus import ZenohBus
 
     def tell(sentence: str) -> None:
@@ -100,8 +100,12 @@ async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, argument
 
     asked_to_end = signals(ENDINGS)
     with ZenohBus.open(choices.bus_of(teams_key(team.name))) as bus:
-        await _see_that_nobody_is_there(bus, team)
-        processes = await Processes.open(folder)
+        processes = await Processes.open(folder)  # the fork server loads its modules meanwhile
+        try:
+            await _see_that_nobody_is_there(bus, team)
+        except TeamFailed:
+            await processes.end()
+            raise
         at_work = TeamAtWork(team, choices, folder, processes.start, bus, tell, complain)
         with at_work:
             try:

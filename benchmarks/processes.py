@@ -2,6 +2,7 @@
 
 import os
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,6 +19,24 @@ def resident_megabytes(pid: int) -> float:
     """Memory a process holds, MB (2**20 bytes)."""
     rows = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text(encoding="ascii").splitlines())
     return int(rows["VmRSS"].split()[0]) / 1024
+
+
+def shared_out_megabytes(pid: int) -> float:
+    """Memory a process holds, MB (2**20 bytes); what it shares with others counts in equal parts (PSS)."""
+    rows = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii").splitlines()
+    return next(int(row.split()[1]) for row in rows if row.startswith("Pss:")) / 1024
+
+
+def family(root: int) -> list[int]:
+    """A process and all that it and its children have started."""
+    parents = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has just ended
+            parents[int(path.parent.name)] = int(path.read_text(encoding="utf-8").rpartition(")")[2].split()[1])
+    found = [root]
+    for pid in found:
+        found += [child for child, parent in parents.items() if parent == pid]
+    return found
 
 
 class Usage(NamedTuple):

@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from benchmarks.figures import Figure
-from benchmarks.processes import Usage, usage
+from benchmarks.processes import Usage, family, usage
 from benchmarks.soak_visitor import Leaving, visit
 
 TEAM, ROBOT = "bench-soak", "bench-soaked"
@@ -164,23 +164,11 @@ def _sample(root: int, visitors: Visitors, seconds: float) -> list[Row]:
         visitors.tend(now)
         if now >= due:
             due += PERIOD_S
-            for pid in _family(root):
+            for pid in family(root):
                 with suppress(OSError, KeyError):  # it has just ended
                     rows.append(Row(now - begun, visitors.started, _name_of(pid), usage(pid)))
         time.sleep(LOOK_S)
     return rows
-
-
-def _family(root: int) -> list[int]:
-    """A process and all that it and its children have started."""
-    parents = {}
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # it has just ended
-            parents[int(path.parent.name)] = int(path.read_text(encoding="utf-8").rpartition(")")[2].split()[1])
-    found = [root]
-    for pid in found:
-        found += [child for child, parent in parents.items() if parent == pid]
-    return found
 
 
 def _name_of(pid: int) -> str:

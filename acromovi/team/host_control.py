@@ -20,7 +20,7 @@ def alive_key(team: str) -> str:
     return f"{team}/host/alive"
 
 
-class ProcessCommands(Protocol):
+class _ProcessCommands(Protocol):
     """Commands for processes, carried out later in the supervisor's event loop; called on the bus's thread."""
 
     def restart(self, entry: ProcessRow) -> None:
@@ -43,7 +43,7 @@ class HostControl(Closeable):
     Queries come on the bus's thread; what follows from them is handed over to the supervisor's.
     """
 
-    def __init__(self, bus: Bus, team: str, supervisor: Supervisor, hands: ProcessCommands) -> None:
+    def __init__(self, bus: Bus, team: str, supervisor: Supervisor, hands: _ProcessCommands) -> None:
         """Begin to answer, and show the token.
 
         Args:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from acromovi.team.forks import ForkedProcess, ForkServer
 from acromovi.team.plan import PlannedProcess, ProcessKind
 from acromovi.team.reaper import DEADLINES, ReapedProcess
 from acromovi.team.supervisor import Hear
@@ -59,7 +60,10 @@ class _TeamProcess:
     """One process and its output."""
 
     def __init__(
-        self, process: asyncio.subprocess.Process, reading: list[asyncio.Task[None]], kept: ReapedProcess | None
+        self,
+        process: asyncio.subprocess.Process | ForkedProcess,
+        reading: list[asyncio.Task[None]],
+        kept: ReapedProcess | None,
     ) -> None:
         """Take what it is known by.
 
@@ -113,28 +117,22 @@ class _TeamProcess:
 class Processes:
     """All processes of a team."""
 
-    def __init__(self, reaper: asyncio.subprocess.Process) -> None:
+    def __init__(self, reaper: asyncio.subprocess.Process, forks: ForkServer) -> None:
         self._reaper = reaper
+        self._forks = forks
+        self._is_ending = False
 
     @classmethod
     async def open(cls, folder: Path) -> "Processes":
-        """Begin with nothing but the reaper, which removes the folder in the end."""
+        """Begin with nothing but the reaper, which removes the folder in the end, and the fork server."""
         reaper = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "acromovi.team.reaper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
         )
-        return cls(reaper)
+        return cls(reaper, await ForkServer.open(reaper.pid))
 
     async def start(self, program: PlannedProcess, heard: Hear, complained: Hear) -> _TeamProcess:
         """Start a program; Ctrl-C in the terminal does not reach it, since all end in order."""
-        process = await asyncio.create_subprocess_exec(
-            *program.command,
-            # The emulator ends with its standard input; nothing is ever written there.
-            stdin=PIPE if program.stage is ProcessKind.EMULATOR else DEVNULL,
-            stdout=PIPE,
-            stderr=PIPE,
-            limit=LONGEST_LINE,
-            process_group=self._reaper.pid,
-        )
+        process = await self._begin(program)
         assert self._reaper.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None
@@ -144,8 +142,27 @@ class Processes:
             process, [asyncio.ensure_future(each) for each in reading], _kept(program.stage, process.pid)
         )
 
+    async def _begin(self, program: PlannedProcess) -> asyncio.subprocess.Process | ForkedProcess:
+        python, switch, *words = program.command
+        if (python, switch) == (sys.executable, "-m") and program.stage is not ProcessKind.EMULATOR:
+            forked = await self._forks.start(words, LONGEST_LINE)
+            if forked is not None:
+                return forked
+            if self._is_ending:  # the server has ended with all others, and nothing is to be started
+                raise asyncio.CancelledError
+        return await asyncio.create_subprocess_exec(
+            *program.command,
+            # The emulator ends with its standard input; nothing is ever written there.
+            stdin=PIPE if program.stage is ProcessKind.EMULATOR else DEVNULL,
+            stdout=PIPE,
+            stderr=PIPE,
+            limit=LONGEST_LINE,
+            process_group=self._reaper.pid,
+        )
+
     async def end(self) -> None:
         """Let the reaper end all processes in order, and wait for it."""
+        self._is_ending = True
         assert self._reaper.stdin is not None
         self._reaper.stdin.close()
         with suppress(TimeoutError):  # then it is killed
@@ -154,6 +171,7 @@ class Processes:
         with suppress(ProcessLookupError, PermissionError):  # all have ended
             os.killpg(self._reaper.pid, signal.SIGKILL)  # what a reaper that was killed itself has left behind
         await self._reaper.wait()
+        await self._forks.close()
 
 
 def _kept(stage: ProcessKind, pid: int) -> ReapedProcess | None:

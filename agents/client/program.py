@@ -36,7 +36,7 @@ class ProgramNotValid(RobotError):
     """There is no such application, it cannot be loaded, or it does not take these arguments."""
 
 
-class ProgramFailed(RobotError):
+class _ProgramFailed(RobotError):
     """An application raised an error of its own; the message names it and the line."""
 
 
@@ -93,7 +93,7 @@ class RunningApplication:
         except RobotError:
             raise
         except Exception as err:
-            raise ProgramFailed(complaint(err, Path(str(self.module.__file__)))) from err
+            raise _ProgramFailed(complaint(err, Path(str(self.module.__file__)))) from err
 
 
 def find_program(name: str, folders: Sequence[Path] = ()) -> RunningApplication:

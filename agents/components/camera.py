@@ -144,7 +144,8 @@ class CameraAgent(ElementAgent):
     def _hear_pictures(self) -> None:
         """Subscribe to the pictures, and forget earlier ones."""
         if self._hearing is None:
-            self._unread = self._latest = None
+            self._unread.clear()
+            self._latest = None
             self._has_heard.clear()
             self._hearing = self.bus.subscribe(keys.CAMERA.key(self.robot), self._take_sample, urgent=True)
 

@@ -7,37 +7,39 @@
         def result(self, message):
             return {"voltage": message.voltage, ...}
 
-A reading is decoded only if a program subscribes to the results or requests it.
+A reading is decoded only if a program subscribes to the results or requests it, or if a motion follows it.
 """
 
 import asyncio
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from math import isfinite
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, OneShot, Restart, agree, attended, request
-from agents.platform.stream import Stream
+from agents.platform.stream import Stream, decode_shared
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
 from bus.aio import ReplyQueue, hand_over
 from bus.keys import Topic
-from bus.messages import NS_PER_S, decode, stamp_ns
+from bus.messages import NS_PER_S, stamp_ns
 
 COMMAND_TIME = 2.0  # s for the gateway to answer
+MOST_UNREAD = 64  # messages kept where a result is made of several
 
 
 class ElementAgent(Agent):
     """The agent of one element: its local name is the element's, its platform is the robot.
 
     source: the stream from which results are made. None if there is none, or if the class calls `renew` itself.
-    eager: whether every message becomes a result, not only those that are requested or subscribed to.
+    memory: s of messages before the latest one from which a result is made as well.
     fresh: s for which a reading is valid.
     first_within: s that `read` waits for the first reading.
     results: fields of its results beside `stamp`, with units, for the documentation.
     """
 
     source: ClassVar[Topic | None] = None
-    eager: ClassVar[bool] = False
+    memory: ClassVar[float] = 0.0
     fresh: ClassVar[float] = 3.0
     first_within: ClassVar[float] = 2.0
     results: ClassVar[Mapping[str, str]] = {}
@@ -45,7 +47,8 @@ class ElementAgent(Agent):
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
         self._latest: Mapping[str, Any] | None = None
-        self._unread: tuple[Sample, float] | None = None  # newer than the latest result, and not decoded yet
+        # Newer than the latest result, and not decoded yet. The bus's thread appends, the loop takes.
+        self._unread: deque[tuple[Sample, float]] = deque(maxlen=MOST_UNREAD if self.memory else 1)
         self._heard_at = 0.0  # s of the loop's time, when the latest result came
         self._has_heard = asyncio.Event()
         self._stream: Stream | None = None
@@ -104,13 +107,18 @@ class ElementAgent(Agent):
         """The stream from which results are made."""
         return self.source
 
+    @property
+    def is_eager(self) -> bool:
+        """Whether every message becomes a result now, beside those that are requested or subscribed to; any thread."""
+        return False
+
     def result(self, message: Any) -> Mapping[str, Any]:
         """Return the result of a message of the source; SI units and radians, None where nothing was measured."""
         raise NotImplementedError
 
     def renew(self, result: Mapping[str, Any]) -> None:
         """Keep a new result for `read`, and publish it."""
-        self._unread = None
+        self._unread.clear()
         self._latest = result
         self._heard_at = asyncio.get_running_loop().time()
         self._has_heard.set()
@@ -136,13 +144,7 @@ class ElementAgent(Agent):
         Raises:
             Refused: There is none, or it is too old.
         """
-        unread, self._unread = self._unread, None
-        if unread is not None:
-            sample, at = unread
-            try:
-                self._latest, self._heard_at = self._made_of(decode(sample.type_name, sample.payload)), at
-            except MessageError as err:
-                raise failure(f"{self.name} cannot read what it hears: {err}") from err
+        self._read_waiting()
         if self._latest is None:
             raise failure(f"{self.name} has heard nothing yet")
         silence = asyncio.get_running_loop().time() - self._heard_at
@@ -185,6 +187,23 @@ class ElementAgent(Agent):
     def _made_of(self, message: Any) -> dict[str, Any]:
         return {"stamp": stamp_ns(message.header) / NS_PER_S, **self.result(message)}
 
+    def _read_waiting(self) -> None:
+        """Make the result of the messages that were not decoded yet; older ones that cannot be decoded are left out.
+
+        Raises:
+            Refused: The latest one cannot be decoded.
+        """
+        oldest = self._unread[-1][1] - self.memory if self._unread else 0.0
+        while self._unread:
+            sample, at = self._unread.popleft()
+            if at < oldest:
+                continue
+            try:
+                self._latest, self._heard_at = self._made_of(decode_shared(sample)), at
+            except MessageError as err:
+                if not self._unread:
+                    raise failure(f"{self.name} cannot read what it hears: {err}") from err
+
     def _begin_look(self, conversation: Conversation) -> None:
         if self.state is AgentState.SUSPENDED:
             conversation.refuse(f"{self.name} is suspended")
@@ -199,6 +218,9 @@ class ElementAgent(Agent):
                 conversation.refuse(err.why)
 
     async def _hear(self, message: Any) -> None:
+        if self.memory:
+            with suppress(Refused):  # this message is newer
+                self._read_waiting()
         self.renew(self._made_of(message))
 
     def _malformed(self, error: Exception) -> None:
@@ -225,10 +247,10 @@ class ElementAgent(Agent):
         """Take a message of the source."""
         assert self._loop is not None
         assert self._stream is not None  # it has been made before this was subscribed
-        if self.eager or self.is_heard:
+        if self.is_eager or self.is_heard:
             self._stream.take(sample)
         else:
-            self._unread = sample, self._loop.time()
+            self._unread.append((sample, self._loop.time()))
             if not self._has_heard.is_set():
                 hand_over(self._loop, self._has_heard.set)
 

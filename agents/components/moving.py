@@ -12,7 +12,7 @@ from agents.components.component import COMMAND_TIME, ElementAgent
 from agents.components.motions import MotionGoal, Motions, Replaced
 from agents.components.troubles import Troubles
 from agents.platform import AgentName, OneShot, agree, on
-from bus import BusError, Refused, Sample, keys
+from bus import BusError, Refused, keys
 from bus.keys import Topic
 from bus.messages import RobotState
 
@@ -101,10 +101,7 @@ class MovingElementAgent(ElementAgent):
     async def _hear_lease(self, lease: dict[str, Any]) -> None:
         self._troubles.hear_lease(lease, asyncio.get_running_loop().time())
 
-    # On the bus's thread.
-
-    def _take_reading(self, sample: Sample) -> None:
-        if self.motions.are_under_way and self._stream is not None:
-            self._stream.take(sample)
-        else:
-            super()._take_reading(sample)
+    @property
+    def is_eager(self) -> bool:
+        """Whether a motion follows the readings."""
+        return self.motions.are_under_way

@@ -9,7 +9,7 @@ import numpy as np
 from agents.components.component import ElementAgent, every_known, known
 from agents.components.generic import Generic
 from agents.platform import AgentName, request
-from bus import Refused, keys
+from bus import Refused, Sample, keys
 from bus.keys import frame
 from bus.messages import NS_PER_S, BatteryState, Bumpers, InputsOutputs, Joy, LaserScan, RangeArray, stamp_ns
 
@@ -21,7 +21,7 @@ class SonarAgent(ElementAgent):
     """The sonar: the latest ranges of all discs. `bearing` is the direction of the nearest echo from the robot."""
 
     source = keys.SONAR
-    eager = True
+    memory = MEMORY
     results: ClassVar[Mapping[str, str]] = {
         "ranges": "m by the number of the disc, null where no echo came",
         "nearest": "m, null where none came at all",
@@ -153,11 +153,9 @@ class InfraredAgent(ElementAgent):
 class EncodersAgent(Generic):
     """Angles of the driven wheels, rad from the first packet on. They share `joint_states` with arm and gripper."""
 
-    eager = True
-
-    async def _hear(self, message: Any) -> None:
-        if frame(self.robot, "left_wheel") in message.name:
-            await super()._hear(message)
+    def _take_reading(self, sample: Sample) -> None:
+        if frame(self.robot, "left_wheel").encode() in sample.payload:
+            super()._take_reading(sample)
 
 
 class BatteryAgent(ElementAgent):

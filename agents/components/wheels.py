@@ -24,6 +24,7 @@ from geometry import Pose2D
 REPEAT = 0.2  # s; the gateway stops a robot whose stream of velocities has been silent for half a second
 ASK_AGAIN = 0.5  # s between two velocities that are sent as queries
 STANDING = PoseControlLimits(0.01, 0.02)  # m/s and rad/s, below which it stands
+FOLLOWED = 1.0  # s for which poses are still decoded after the last one that a motion waited for
 BLIND = 1.0  # s for which a robot is steered without odometry
 TIME_TO_REST = 2.0  # s
 MOST_TO_START = 0.8  # s until a robot moves after the command, also with a radio modem
@@ -36,7 +37,6 @@ class Wheels(ElementAgent):
     """The part of the base's agent that moves it; `BaseAgent` has the requests."""
 
     source = keys.ODOM
-    eager = True
     results: ClassVar[Mapping[str, str]] = {
         "x": "m in odom",
         "y": "m in odom",
@@ -50,12 +50,19 @@ class Wheels(ElementAgent):
         self._troubles = Troubles("base")
         self._ends: dict[str, dict[str, Any]] = {}  # of motions, by their ids
         self._held_until = -inf  # s of the loop's time; until then a stop holds the robot
+        self._followed_until = -inf  # s of the loop's time; until then every pose is news
         self._news = asyncio.Event()  # a pose, or the end of a motion, has come
 
     async def setup(self) -> None:
         """Subscribe to the odometry."""
         self.moving = OneAtATime(self.bus, self._halt)
         await super().setup()
+
+    @property
+    def is_eager(self) -> bool:
+        """Whether a motion follows the poses."""
+        assert self._loop is not None
+        return self._loop.time() < self._followed_until
 
     def result(self, message: Any) -> dict[str, Any]:
         """Return pose and speed of an odometry message."""
@@ -254,6 +261,7 @@ class Wheels(ElementAgent):
     async def _next(self, within: float) -> None:
         """Wait for a pose or the end of a motion, at most for this time in s."""
         self._news.clear()
+        self._followed_until = self._now + within + FOLLOWED
         with suppress(TimeoutError):  # no news is an answer as well
             async with asyncio.timeout(within):
                 await self._news.wait()

@@ -4,11 +4,14 @@ import asyncio
 import threading
 from collections import deque
 from collections.abc import Awaitable, Callable
+from functools import lru_cache
 from typing import Any
 
 from agents.platform.behaviours import Behaviour, Gate
-from bus import MessageError, Sample
+from bus import JSON, MessageError, Sample
 from bus.aio import hand_over
+
+LARGEST_SHARED = 16384  # bytes; pictures, of which there is one listener, are not kept
 
 
 class Stream(Behaviour):
@@ -67,8 +70,24 @@ class Stream(Behaviour):
 
     async def _hear_one(self, sample: Sample) -> None:
         try:
-            message = sample.decoded()
+            message = decode_shared(sample)
         except MessageError as error:
             self._malformed(error)
             return
         await (self._hear(sample.key, message) if self._keyed else self._hear(message))
+
+
+def decode_shared(sample: Sample) -> Any:
+    """Return the message of a sample. Agents of one process get the same object, decoded once; they must not change it.
+
+    Raises:
+        MessageError: It cannot be decoded.
+    """
+    if sample.encoding == JSON or len(sample.payload) > LARGEST_SHARED:
+        return sample.decoded()
+    return _decode_once(sample.payload, sample.encoding)
+
+
+@lru_cache(maxsize=8)
+def _decode_once(payload: bytes, encoding: str) -> Any:
+    return Sample("", payload, encoding).decoded()

@@ -21,7 +21,7 @@ SEVERITY = {level: number for number, level in enumerate(Level)}  # as diagnosti
 
 
 @dataclass(frozen=True, slots=True)
-class ServiceEvent:
+class _ServiceEvent:
     """An event.
 
     time: s since 1970. what: a sentence without its subject. about: the subject, an agent, a robot or a container.
@@ -49,14 +49,14 @@ class History:
         """
         self._publish = publish
         self._wall_time = wall_time
-        self._events: deque[ServiceEvent] = deque(maxlen=REMEMBERED)
+        self._events: deque[_ServiceEvent] = deque(maxlen=REMEMBERED)
 
     def tell(self, about: object, what: str, level: Level = Level.OK) -> None:
         """Add an event that has just happened."""
-        event = ServiceEvent(self._wall_time(), what, str(about), level)
+        event = _ServiceEvent(self._wall_time(), what, str(about), level)
         self._events.append(event)
         self._publish(event.to_dict())
 
-    def last(self, number: int) -> list[ServiceEvent]:
+    def last(self, number: int) -> list[_ServiceEvent]:
         """Return the newest events, the oldest first."""
         return list(self._events)[-number:] if number > 0 else []

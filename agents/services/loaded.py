@@ -1,6 +1,6 @@
 """Applications that a container starts by the name of their program, as a kind of agents.
 
-    {"do": "start", "name": "patrol@apps", "kind": "agents.services.loaded:LoadedApplication",
+    {"do": "start", "name": "patrol@apps", "kind": "agents.services.loaded:_LoadedApplication",
      "properties": {"program": "patrol", "arguments": {"robot": "happy"}}}
 
 Only names are sent on the bus, never programs: a program is in a folder that the container was given with `--apps`, or
@@ -19,14 +19,14 @@ from agents.client.application import Application
 from agents.client.program import PACKAGE, ProgramNotValid, RunningApplication, find_program
 from agents.platform import AgentError, AgentName
 
-KIND = f"{__name__}:LoadedApplication"
+KIND = f"{__name__}:_LoadedApplication"
 
 
-class NotLoaded(AgentError):
+class _NotLoaded(AgentError):
     """An application cannot be loaded; the message says why in one sentence."""
 
 
-class LoadedApplication(Application):
+class _LoadedApplication(Application):
     """An application whose program is loaded in its container.
 
     Properties: `program`, its name; `arguments`, for its `main`; `sha256`, its digest, if only this text may run.
@@ -36,12 +36,12 @@ class LoadedApplication(Application):
         """Construct it without its program.
 
         Raises:
-            NotLoaded: The properties name none.
+            _NotLoaded: The properties name none.
         """
         given = dict(properties or {})
         program, arguments = given.get("program"), given.get("arguments", {})
         if not isinstance(program, str) or not isinstance(arguments, dict):
-            raise NotLoaded('the properties of an application are like {"program": "patrol", "arguments": {}}')
+            raise _NotLoaded('the properties of an application are like {"program": "patrol", "arguments": {}}')
         super().__init__(RunningApplication(program, ModuleType(program)), name, arguments)
         self.properties = given
 
@@ -49,12 +49,12 @@ class LoadedApplication(Application):
         """Return the program, after checking its arguments.
 
         Raises:
-            NotLoaded: There is none of this name here, it cannot be loaded, or does not take these arguments.
+            _NotLoaded: There is none of this name here, it cannot be loaded, or does not take these arguments.
         """
         try:
             return await asyncio.to_thread(self._load)
         except ProgramNotValid as err:
-            raise NotLoaded(str(err)) from err
+            raise _NotLoaded(str(err)) from err
 
     def _load(self) -> RunningApplication:
         name, folders = str(self.properties["program"]), self.home.folders

@@ -241,7 +241,7 @@ def _without_bytes(value: Mapping[str, Any]) -> dict[str, Any]:
     return {key: base64.b64encode(each).decode() if isinstance(each, bytes) else each for key, each in value.items()}
 
 
-class PicturesNotPossible(RuntimeError):
+class _PicturesNotPossible(RuntimeError):
     """OpenCV is missing, or these bytes are no picture."""
 
 
@@ -249,13 +249,13 @@ def _pixels(picture: bytes, colours: Colours) -> dict[str, Any]:
     """Return arguments for a function: `image` (bytes, row by row from the top left), `width` and `height` in pixels.
 
     Raises:
-        PicturesNotPossible: OpenCV is missing, or these bytes are no picture.
+        _PicturesNotPossible: OpenCV is missing, or these bytes are no picture.
     """
     cv2, numpy = _opencv()
     how = cv2.IMREAD_GRAYSCALE if colours is Colours.GREY else cv2.IMREAD_COLOR
     image = cv2.imdecode(numpy.frombuffer(picture, numpy.uint8), how) if picture else None
     if image is None:
-        raise PicturesNotPossible(f"{len(picture)} bytes are no picture that OpenCV can read")
+        raise _PicturesNotPossible(f"{len(picture)} bytes are no picture that OpenCV can read")
     if colours is Colours.RGB:
         image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
     return {"image": image.tobytes(), "width": image.shape[1], "height": image.shape[0]}
@@ -265,12 +265,12 @@ def _compressed(image: bytes, width: int, height: int) -> bytes:
     """Return a JPEG picture of pixels, grey or in colour by their number.
 
     Raises:
-        PicturesNotPossible: OpenCV is missing, or there are not as many pixels as there should be.
+        _PicturesNotPossible: OpenCV is missing, or there are not as many pixels as there should be.
     """
     cv2, numpy = _opencv()
     channels = len(image) // (width * height) if width * height else 0
     if channels not in (1, 3) or len(image) != width * height * channels:
-        raise PicturesNotPossible(f"{len(image)} bytes are no picture of {width} by {height}, grey or in colour")
+        raise _PicturesNotPossible(f"{len(image)} bytes are no picture of {width} by {height}, grey or in colour")
     array = numpy.frombuffer(image, numpy.uint8).reshape((height, width, channels))
     if channels == 3:
         array = cv2.cvtColor(array, cv2.COLOR_RGB2BGR)
@@ -280,7 +280,7 @@ def _compressed(image: bytes, width: int, height: int) -> bytes:
 
 def _opencv() -> tuple[Any, Any]:
     if missing("vision"):
-        raise PicturesNotPossible(needs("a wrapper with pictures", "vision"))
+        raise _PicturesNotPossible(needs("a wrapper with pictures", "vision"))
     import cv2  # late: only wrappers with pictures need it
     import numpy
 

@@ -37,7 +37,7 @@ class Colours(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class ProgramPart:
+class _ProgramPart:
     """An executable, a server, or both.
 
     command: what to start; a path with a slash is relative to the file. Without it the server is somebody else's.
@@ -62,7 +62,7 @@ class ProgramPart:
 
 
 @dataclass(frozen=True, slots=True)
-class LibraryPart:
+class _LibraryPart:
     """A shared library; its functions are called in a process of their own, which a crash may end. file: its path,
     relative to the wrapper's file where it has a slash, else as the system finds it."""
 
@@ -159,8 +159,8 @@ class WrapperFile:
 
     about: str = ""
     services: tuple[str, ...] = ()
-    program: ProgramPart | None = None
-    library: LibraryPart | None = None
+    program: _ProgramPart | None = None
+    library: _LibraryPart | None = None
     requests: tuple[RequestRow, ...] = ()
     results: tuple[ResultRow, ...] = ()
     functions: tuple[FunctionRow, ...] = ()

@@ -50,7 +50,7 @@ Order = Callable[[Given], Awaitable[dict[str, Any]]]
 READING = ("list", "introspect")  # orders that change nothing
 
 
-class OrderNotValid(AgentError, ValueError):
+class _OrderNotValid(AgentError, ValueError):
     """An order to a container is unknown or incomplete."""
 
 
@@ -151,7 +151,7 @@ class Control:
             near = meant(order, orders)
             advice = f"did you mean {near}?" if near else f"it obeys {', '.join(orders)}"
             where = "" if orders is self._orders else " where it is described"
-            raise OrderNotValid(f"a container does not obey {order!r}{where}; {advice}")
+            raise _OrderNotValid(f"a container does not obey {order!r}{where}; {advice}")
         return await orders[order](given)
 
     async def _list(self, given: Given) -> dict[str, Any]:
@@ -185,14 +185,14 @@ class Control:
     async def _suspend(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(_name_in(given))
         if agent.state is AgentState.SUSPENDED:
-            raise OrderNotValid(f"{agent.name} is suspended already")
+            raise _OrderNotValid(f"{agent.name} is suspended already")
         agent.suspend()
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _resume(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(_name_in(given))
         if agent.state is not AgentState.SUSPENDED:
-            raise OrderNotValid(f"{agent.name} is not suspended; it is {agent.state}")
+            raise _OrderNotValid(f"{agent.name} is not suspended; it is {agent.state}")
         agent.resume()
         return {"name": str(agent.name), "state": str(agent.state)}
 
@@ -228,7 +228,7 @@ def _name_in(given: Given) -> AgentName:
     """Return the name of the agent in an order.
 
     Raises:
-        OrderNotValid: There is none.
+        _OrderNotValid: There is none.
         NameNotValid: It is not the name of an agent.
     """
     return AgentName.parse(_text_of(given, "name"))
@@ -238,11 +238,11 @@ def _text_of(given: Given, field: str) -> str:
     """Return a text that an order must have.
 
     Raises:
-        OrderNotValid: It is missing or of another type.
+        _OrderNotValid: It is missing or of another type.
     """
     value = given.get(field)
     if not isinstance(value, str):
-        raise OrderNotValid(f"this order to a container needs {field!r}, a text")
+        raise _OrderNotValid(f"this order to a container needs {field!r}, a text")
     return value
 
 
@@ -250,9 +250,9 @@ def _table_of(given: Given, field: str) -> dict[str, Any]:
     """Return a JSON object that an order may have.
 
     Raises:
-        OrderNotValid: It is of another type.
+        _OrderNotValid: It is of another type.
     """
     value = given.get(field, {})
     if not isinstance(value, dict):
-        raise OrderNotValid(f"{field!r} in an order to a container is a JSON object")
+        raise _OrderNotValid(f"{field!r} in an order to a container is a JSON object")
     return value

@@ -106,7 +106,7 @@ class TestResults:
 
     def test_what_nobody_wants_to_know_is_never_decoded(self, bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
         decoded: list[str] = []
-        monkeypatch.setattr("agents.components.component.decode", lambda *given: decoded.append(given[0]))
+        monkeypatch.setattr("bus.messages.decode", lambda *given: decoded.append(given[0]))
         for _ in range(3):
             bench.say(keys.BUMPERS, touch(True))
         assert decoded == []
