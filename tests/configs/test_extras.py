@@ -1,16 +1,15 @@
 """Which extras are installed, and the command that installs them from where this installation came."""
 
+import importlib.metadata
 import json
 import sys
 import tomllib
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
 
 from acromovi.doctor import examine
-from configs import extras
 from configs.extras import EXTRAS, ExtraMissing, install_command, missing, require
 from tests.waiting import run
 
@@ -34,7 +33,7 @@ def comes_from(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
             self.read_text = lambda name: None if origin is None else json.dumps(origin)
 
     def set_origin(origin: object) -> None:
-        monkeypatch.setattr(extras, "distribution", lambda name: Found(origin))
+        monkeypatch.setattr(importlib.metadata, "distribution", lambda name: Found(origin))
 
     return set_origin
 
@@ -61,9 +60,9 @@ def test_an_extra_is_installed_from_where_the_distribution_came(
 
 def test_a_checkout_that_is_not_installed_is_what_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     def not_found(name: str) -> None:
-        raise PackageNotFoundError(name)
+        raise importlib.metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr(extras, "distribution", not_found)
+    monkeypatch.setattr(importlib.metadata, "distribution", not_found)
     assert install_command("emu", "plots").endswith(f"pip install -e '{ROOT}[emu,plots]'")
 
 
