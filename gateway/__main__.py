@@ -1,30 +1,20 @@
 """The command `p2os-gateway`: brings a robot on a serial port to the bus."""
 
 import argparse
-import signal
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 
 from configs import ConfigError
 from configs.command_line import CommandParser
 from configs.defaults import VARIABLE, default_bus
-from gateway.bridge import REOPEN_PERIOD, Bridge, steady_clock
-from gateway.cables.cable_thread import CableKind
-from gateway.driver import Driver
 from gateway.elements.all_elements import cable_kinds
-from gateway.errors import GatewayError, NoSuchPort, PortBusy
-from gateway.gateway import Gateway, GatewayOptions, report_event, report_problem
+from gateway.errors import GatewayError, PortBusy
+from gateway.gateway import GatewayOptions, report_error, report_event
 from gateway.line import RADIO_BAUD
-from gateway.link_diagnosis import LinkDiagnosis, LinkReports
-from gateway.local_ports import holders
-from gateway.search import model_finder, rates_to_probe, rates_to_try
-from gateway.serial_port import Port, open_port
+from gateway.robot_service import RobotPlan, serve_robots
 from gateway.settings import Settings, load_settings
 from p2os import BAUD_CODES
 
@@ -32,6 +22,11 @@ EXIT_OK = 0
 EXIT_USAGE = 2
 SWITCH_INTERVAL = 0.001
 """Seconds after which a thread yields to others; the default of Python, 0.005, adds to the latencies."""
+
+FLAGS = ("--help", "--version", "--radio", "--wait", "--force", "--quiet", "--json", "-h")
+"""Options without a value."""
+SHARED_OPTIONS = ("--help", "--version", "--bus", "--wait", "--force", "--quiet", "--json", "-h")
+"""Options that hold for all robots of the process; any other is of the robot whose port it follows."""
 
 EPILOG = """\
 examples:
@@ -42,108 +37,112 @@ examples:
   p2os-gateway /dev/ttyUSB0 --camera http://10.0.0.7/video
                                                        with the pictures of its IP camera
   p2os-gateway /dev/ttyS1 --radio                      a robot behind radio modems
+  p2os-gateway /dev/ttyS0 --name a --laser /dev/ttyS1 /dev/ttyS2 --name b
+                                                       two robots in one process; options follow the port of their
+                                                       robot, and --bus, --wait, --force, --quiet, --json are for all
 
 exit codes: 0 ended by a signal, 2 usage or configuration, 3 no such port, 4 not a port, 5 no permission, 6 port in use,
-7 no robot answers, 8 something else answers, 9 unknown robot model, 11 another gateway has the name"""
+7 no robot answers, 8 something else answers, 9 unknown robot model, 11 another gateway has the name; with several
+ports, that of the first robot that failed if all have failed"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `p2os-gateway`; return its exit code."""
-    parser = _parser()
-    arguments = parser.parse_args(argv)
-    if arguments.radio and arguments.baud not in (None, RADIO_BAUD):
-        parser.error(f"radio modems know {RADIO_BAUD} bit/s only; leave out --baud, or --radio")
+    given = parse_arguments(sys.argv[1:] if argv is None else argv)
     sys.setswitchinterval(SWITCH_INTERVAL)
+    failures: list[int] = []
+
+    def fail(plan: RobotPlan, error: Exception) -> None:
+        failures.append(_report_failure(plan.options, error))
+
     try:
-        settings = Settings() if arguments.config is None else load_settings(arguments.config)
-        settings = replace(settings, radio=settings.radio or arguments.radio)
-        options = GatewayOptions(
-            port=arguments.port,
-            name=arguments.name,
-            bus=arguments.bus,
-            waits=arguments.wait,
-            forces=arguments.force,
-            is_quiet=arguments.quiet,
-            is_json=arguments.json,
+        plans = [_plan(arguments, is_one_of_many=len(given) > 1) for arguments in given]
+        serve_robots(plans, fail)
+    except (ConfigError, GatewayError) as error:  # of the settings, before any robot is served
+        return _fail(error, getattr(error, "exit_code", EXIT_USAGE))
+    return failures[0] if len(failures) == len(plans) else EXIT_OK
+
+
+def parse_arguments(words: Sequence[str]) -> list[argparse.Namespace]:
+    """Return the arguments of each robot; end the program with exit code 2 if they cannot be used."""
+    parser = _parser()
+    given = [parser.parse_args(group) for group in _by_robot(parser, words)]
+    for arguments in given:
+        if arguments.radio and arguments.baud not in (None, RADIO_BAUD):
+            parser.error(f"radio modems know {RADIO_BAUD} bit/s only; leave out --baud, or --radio")
+    for what in "port", "name":
+        values = [value for arguments in given if (value := getattr(arguments, what)) is not None]
+        for value in values:
+            if values.count(value) > 1:
+                parser.error(f"the {what} {value} is given for two robots")
+    return given
+
+
+def _by_robot(parser: argparse.ArgumentParser, words: Sequence[str]) -> list[list[str]]:
+    """Split the command line into one for each robot: a port, the options after it, and those for all robots."""
+    groups: list[list[str]] = []
+    before: list[str] = []  # the first port
+    shared: list[str] = []
+    rest = deque(words)
+    while rest:
+        word = rest.popleft()
+        if not word.startswith("-"):
+            groups.append([word])
+            continue
+        is_flag = any(flag.startswith(word) for flag in FLAGS)
+        option = [word] if is_flag or "=" in word or not rest else [word, rest.popleft()]
+        is_shared = any(name.startswith(word.partition("=")[0]) for name in SHARED_OPTIONS)
+        (shared if is_shared else groups[-1] if groups else before).extend(option)
+    if len(groups) < 2:
+        return [list(words)]
+    if before:
+        parser.error(
+            f"{before[0]} is before the first port; with several ports, an option follows the port of its robot"
         )
-        cables = [(kind, address) for kind in cable_kinds() if (address := getattr(arguments, kind.name)) is not None]
-        for kind, address in cables:
-            kind.check(address)
-            settings = replace(settings, fitted=replace(settings.fitted, **kind.fitted))
-        with _signals(_end):
-            _serve(options, settings, arguments.baud, cables)
-    except _EndedEarly:
-        return EXIT_OK
-    except ConfigError as error:
-        return _fail(error, EXIT_USAGE)
-    except PortBusy as error:
-        held = " and ".join(map(str, holders(arguments.port)))
-        return _fail(f"{error}; it is held by {held}" if held else error, error.exit_code)
-    except GatewayError as error:
-        return _fail(error, error.exit_code)
-    return EXIT_OK
+    return [[*group, *shared] for group in groups]
 
 
-def _serve(
-    options: GatewayOptions,
-    settings: Settings,
-    baud: int | None,
-    addresses: Sequence[tuple[CableKind, str]],
-) -> None:
-    find_model = model_finder(settings)
-    port = _open_first(options)
-    cables = [kind.open(address, settings, options.waits) for kind, address in addresses]
-    rates = rates_to_try(port, RADIO_BAUD if settings.radio else baud)
-    driver = Driver(find_model, rates, settings, probe_rates=rates_to_probe(port, settings, rates))
-    bridge = Bridge(driver, port, lambda: open_port(options.port))
-    gateway = Gateway(options, settings, driver, bridge, steady_clock(), cables)
-    with _signals(lambda *_: bridge.stop()), ExitStack() as leaving:
-        # On leaving, in this order and each even if one fails: stop the elements, stop the robot, leave the bus.
-        leaving.callback(gateway.close)
-        leaving.callback(bridge.close)
-        for cable in cables:
-            leaving.callback(cable.halt)
-        for cable in cables:
-            cable.start()
-        bridge.run(gateway)
+def _plan(arguments: argparse.Namespace, *, is_one_of_many: bool) -> RobotPlan:
+    """Return what the parsed command line says of one robot.
+
+    Raises:
+        ConfigError: The settings cannot be used.
+        GatewayError: The address of an element cannot be one.
+    """
+    settings = Settings() if arguments.config is None else load_settings(arguments.config)
+    settings = replace(settings, radio=settings.radio or arguments.radio)
+    options = GatewayOptions(
+        port=arguments.port,
+        name=arguments.name,
+        bus=arguments.bus,
+        waits=arguments.wait,
+        forces=arguments.force,
+        is_quiet=arguments.quiet,
+        is_json=arguments.json,
+        is_one_of_many=is_one_of_many,
+    )
+    cables = [(kind, address) for kind in cable_kinds() if (address := getattr(arguments, kind.name)) is not None]
+    for kind, address in cables:
+        kind.check(address)
+        settings = replace(settings, fitted=replace(settings.fitted, **kind.fitted))
+    return RobotPlan(options, settings, arguments.baud, cables)
 
 
-class _EndedEarly(BaseException):
-    """A signal ended the program before there was anything to stop; no `Exception`, so that no handler catches it."""
+def _report_failure(options: GatewayOptions, error: Exception) -> int:
+    """Print why a robot cannot be served any more; return the exit code for that."""
+    if not isinstance(error, ConfigError | GatewayError):
+        raise error
+    sentence = str(error)
+    if isinstance(error, PortBusy):
+        from gateway.local_ports import holders  # here and not at the top: rarely needed
 
-
-def _end(number: int, frame: FrameType | None) -> NoReturn:
-    raise _EndedEarly
-
-
-@contextmanager
-def _signals(handler: Callable[[int, FrameType | None], object]) -> Iterator[None]:
-    """Let SIGINT and SIGTERM call this handler meanwhile."""
-    before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, earlier in before.items():
-            signal.signal(number, earlier)
-
-
-def _open_first(options: GatewayOptions) -> Port:
-    """Open the port; wait for it only if asked to."""
-    is_told = False
-    diagnosis, reports = LinkDiagnosis(), LinkReports()
-    while True:
-        try:
-            return open_port(options.port)
-        except NoSuchPort as error:
-            if not options.waits:
-                raise
-            diagnosis.begin(steady_clock())
-            diagnosis.note_no_port(str(error))
-        if not is_told:
-            report_event(options, f"waiting for {options.port}", {"event": "waiting"})
-            is_told = True
-        report_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
-        time.sleep(REOPEN_PERIOD)
+        if held := " and ".join(map(str, holders(options.port))):
+            sentence = f"{sentence}; it is held by {held}"
+    report_error(options, sentence)
+    code = error.exit_code if isinstance(error, GatewayError) else EXIT_USAGE
+    if options.is_one_of_many and options.is_json:
+        report_event(options, sentence, {"event": "ended", "reason": sentence, "exit_code": code})
+    return code
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -151,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="p2os-gateway",
         description="Bring a robot on a port to the bus: odometry, sonar and more under NAME/; NAME/cmd_vel drives it.",
         epilog=EPILOG,
+        usage="%(prog)s PORT [options] [PORT [options] ...]",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_version()

@@ -16,7 +16,7 @@ from math import inf
 from typing import Generic, Protocol, TypeVar
 
 from gateway.cables.cable import CableDriver
-from gateway.errors import GatewayError, PortLost
+from gateway.errors import GatewayError, LineBlocked, PortLost
 from gateway.events import (
     ElementFound,
     ElementLost,
@@ -27,7 +27,7 @@ from gateway.events import (
     SipReceived,
     SweepFailed,
 )
-from gateway.serial_port import Port, SocketPort
+from gateway.serial_port import READ_SIZE, Port, SocketPort
 
 T = TypeVar("T")
 D = TypeVar("D", bound=CableDriver)
@@ -42,6 +42,13 @@ BRAKING_TIME = 1.0
 """Seconds for a robot or an arm to stop before its motors are switched off on leaving."""
 LONGEST_WAIT = 0.25
 """Seconds; often enough that the driver does not take an idle moment for a freeze, on a busy computer either."""
+
+LOCK_PATIENCE = 0.5
+"""Seconds for which a command waits for the bridge's thread: threads of the bus serve other robots as well. A driver
+that was kept for so long begins again with STOP, and refuses commands."""
+FLOOD_PAUSE = 0.01
+"""Seconds until the next read from a port that fills a whole buffer at once: 400 kB/s are far above the fastest line,
+and other robots of the process need the interpreter."""
 
 SIGNS_OF_A_DEAD_LINE = (LinkLost, SweepFailed, ElementLost, ElementSilent)
 SIGNS_OF_LIFE = (SipReceived, ElementFound)
@@ -118,6 +125,7 @@ class Bridge(Generic[D]):
         self._port = port
         self._reopen = reopen
         self._lost: PortLost | None = None
+        self._lost_port: Port | None = None  # closed without the lock: a device may first wait for its last bytes
         self._why_not_open = ""
         self._reopen_at = -inf if port is None else inf
         self._clock = clock
@@ -129,7 +137,7 @@ class Bridge(Generic[D]):
         os.set_blocking(self._wake_writer, False)
         os.set_blocking(self._wake_reader, False)
         self._waits_until = -inf
-        self._is_stopped = self._is_closed = False
+        self._is_stopped = self._is_closed = self._is_blocked = False
         if port is not None:
             with self._lock:
                 driver.port_opened(clock())
@@ -140,14 +148,22 @@ class Bridge(Generic[D]):
 
         Args:
             call: Called with the driver and the steady time, under the lock; what it raises comes through.
+        Raises:
+            LineBlocked: The bridge's thread hangs in its port, so the function was not called.
         """
-        with self._lock:
+        if not self._lock.acquire(timeout=0.0 if self._is_blocked else LOCK_PATIENCE):
+            self._is_blocked = True
+            raise LineBlocked("the port of the robot hangs; the command was not sent")
+        try:
+            self._is_blocked = False
             try:
                 return call(self._driver, self._clock())
             finally:
                 self._flush()
                 if self._driver.deadline < self._waits_until:
                     self.wake()
+        finally:
+            self._lock.release()
 
     def post(self, call: Callable[[D, float], object]) -> None:
         """Call a function with the driver without waiting: now if the lock is free, else on the bridge's thread.
@@ -176,12 +192,21 @@ class Bridge(Generic[D]):
                 data = self._read() if has_bytes else b""
                 stamp_ns = time.time_ns()
                 events = self._work(data, now)
+            self._close_lost_port()
+            self._is_blocked = False
             listener.on_events(events, now, stamp_ns)
+            if len(data) == READ_SIZE:
+                time.sleep(FLOOD_PAUSE)
 
     def stop(self) -> None:
         """Let `run` return; from any thread or signal handler."""
         self._is_stopped = True
         self.wake()
+
+    def _close_lost_port(self) -> None:
+        if self._lost_port is not None:
+            self._lost_port.close()
+            self._lost_port = None
 
     def close(self) -> None:
         """Stop what moves, write the closing bytes and close the port."""
@@ -280,8 +305,7 @@ class Bridge(Generic[D]):
             self._flush()
 
     def _lose_port(self, lost: PortLost, now: float) -> None:
-        if self._port is not None:
-            self._port.close()
+        self._lost_port = self._port
         self._port = self._lost = None
         self._reopen_at = now + REOPEN_PERIOD
         self._driver.port_lost(str(lost), now)

@@ -7,6 +7,7 @@ thread that receives them, so that they wait for no other query. Of velocities o
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, Protocol, TypeVar
 
 from bus import Bus, KeyNotValid, MessageError, Refused, Sample, Subscription, keys
@@ -18,7 +19,7 @@ from gateway.bindings import Binding, MotionBindings
 from gateway.commands import BASE, DETACH, HEARTBEAT, TOKEN, Arguments, CommandRow, check_arguments
 from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter, RobotContext
-from gateway.errors import CommandRefused
+from gateway.errors import CommandRefused, LineBlocked
 from gateway.events import MotionEnd
 from gateway.lease import DEFAULT_SECONDS, ROBOT, Lease, Leases
 from gateway.motion import CMD_VEL_SILENCE
@@ -112,7 +113,8 @@ class CommandServer(Subscription):
 
     def settle(self) -> None:
         """End the leases whose time is over, and the motions whose commander is silent."""
-        self._commander.command(lambda driver, now: self._settle(now))
+        with suppress(LineBlocked):  # it is still due at the next call
+            self._commander.command(lambda driver, now: self._settle(now))
 
     def close(self) -> None:
         """Withdraw the subscribers and queryables."""
@@ -151,7 +153,10 @@ class CommandServer(Subscription):
             except (MessageError, CommandRefused) as refusal:
                 self._count(topic, refusal, now)
 
-        self._commander.command(drive)
+        try:
+            self._commander.command(drive)
+        except LineBlocked:
+            self.refused[topic.suffix] += 1
 
     def _answerer(self, topic: Topic, handle: Handler) -> Callable[[dict[str, Any]], dict[str, Any]]:
         """Wrap a handler for the bus: it runs under the lock, and refusals are counted and replied."""
@@ -164,7 +169,11 @@ class CommandServer(Subscription):
                     self._count(topic, refusal, now)
                     raise Refused(str(refusal)) from refusal
 
-            reply = self._commander.command(call)
+            try:
+                reply = self._commander.command(call)
+            except LineBlocked as blocked:
+                self.refused[topic.suffix] += 1
+                raise Refused(str(blocked)) from blocked
             if topic in STOPPING:
                 self._halt_cables()
             elif HEARTBEAT in given:
@@ -210,7 +219,8 @@ class CommandServer(Subscription):
                 adapter.cable.halt()
 
     def _on_beat(self, key: str) -> None:
-        self._commander.command(lambda driver, now: self.bindings.beat(key, now))
+        with suppress(LineBlocked):  # its motion ends like that of a commander that was silent
+            self._commander.command(lambda driver, now: self.bindings.beat(key, now))
 
     def _abandon(self, binding: Binding, now: float) -> None:
         """Stop a motion whose commander is silent, if it still goes on."""

@@ -14,6 +14,7 @@
      +-- PortLost (ConnectionError)        the port was there and is gone; the bridge waits for it
      +-- CameraNotUsable               2   no camera could be opened in that way
      +-- CommandRefused                    a command that the robot must not be given now, or ever
+          +-- LineBlocked                  the port hangs
 
 Exit code 2 is any other usage or configuration error too, and 0 an end by signal.
 """
@@ -109,3 +110,7 @@ class CameraNotOpened(GatewayError):
 
 class CommandRefused(GatewayError):
     """The command is refused; the message says why."""
+
+
+class LineBlocked(CommandRefused):
+    """The port of the robot, or of one of its elements, hangs."""

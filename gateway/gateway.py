@@ -1,9 +1,10 @@
-"""Searches for the robot, opens the bus meanwhile, brings the robot to the bus, and prints what happens."""
+"""Searches for one robot, brings it to the bus of the process, and prints what happens."""
 
 import gc
 import json
 import sys
 import threading
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
@@ -25,8 +26,12 @@ if TYPE_CHECKING:
 
 BUS_PERIOD = 1.0
 """Seconds between two tries to open the bus."""
-SECOND_LOOK = 1.0
-"""Seconds after the robot has come to the bus; others that came at the same moment are seen by then."""
+FIRST_LOOK = 0.06
+"""Seconds in which another gateway of this name answers, as a rule: measured, 1 to 5 ms after a session is open, and up
+to 50 ms where four programs want each core."""
+LATER_LOOKS = (0.25, 0.5, 1.0, 2.5)
+"""Seconds after the robot has come to the bus; others that came at the same moment, and those that the bus has found
+late, are seen by then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +40,8 @@ class GatewayOptions:
 
     name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
     forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: print errors
-    only. is_json: print events as JSON, one line each.
+    only. is_json: print events as JSON, one line each. is_one_of_many: the process serves other robots as well, so
+    sentences begin with the port.
     """
 
     port: str
@@ -45,6 +51,7 @@ class GatewayOptions:
     forces: bool = False
     is_quiet: bool = False
     is_json: bool = False
+    is_one_of_many: bool = False
 
 
 def report_event(options: GatewayOptions, sentence: str, facts: dict[str, Any]) -> None:
@@ -52,7 +59,13 @@ def report_event(options: GatewayOptions, sentence: str, facts: dict[str, Any]) 
     if options.is_json:
         print(json.dumps({**facts, "port": options.port}), flush=True)
     elif not options.is_quiet:
-        print(sentence, flush=True)
+        print(f"{options.port}: {sentence}" if options.is_one_of_many else sentence, flush=True)
+
+
+def report_error(options: GatewayOptions, sentence: str) -> None:
+    """Print an error on standard error; it begins with the port where several robots are served."""
+    at = f"{options.port}: " if options.is_one_of_many and not sentence.startswith(options.port) else ""
+    print(f"p2os-gateway: {at}{sentence}", file=sys.stderr, flush=True)
 
 
 def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None:
@@ -64,6 +77,38 @@ def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None
     else:
         at = "" if options.port in problem.sentence else f"{options.port}: "
         print(f"p2os-gateway: {at}{problem.sentence}", file=sys.stderr, flush=True)
+
+
+class SharedBus:
+    """The bus session of this process, on which all its robots are; opened when the first one needs it."""
+
+    def __init__(self, profile: str) -> None:
+        self._profile = profile
+        self._bus: Bus | None = None
+        self._opening = threading.Lock()
+
+    def open(self) -> "Bus":
+        """Return the session; open it first if it is not open.
+
+        Raises:
+            BusUnavailable: It cannot be opened now.
+            ConfigError: The profile cannot be used.
+        """
+        with self._opening:
+            if self._bus is None:
+                # Here and not at the top: loading them takes longer than the whole handshake.
+                import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
+                from bus import ZenohBus
+
+                gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
+                self._bus = ZenohBus.open(self._profile)
+            return self._bus
+
+    def close(self) -> None:
+        """Leave the bus."""
+        with self._opening:
+            if self._bus is not None:
+                self._bus.close()
 
 
 class Gateway:
@@ -79,6 +124,7 @@ class Gateway:
         settings: Settings,
         driver: Driver,
         bridge: Bridge[Driver],
+        bus: SharedBus,
         now: float,
         cables: Sequence[ElementThread] = (),
     ) -> None:
@@ -92,7 +138,7 @@ class Gateway:
         self._link_reports = LinkReports()
         self._kept: dict[type[Event], tuple[Event, int]] = {}  # the latest of each kind, with its stamp
         self._last_error = ""
-        self._bus: Bus | None = None
+        self._bus = bus
         self._bus_error: Exception | None = None
         self._joined: RobotOnBus | None = None
         self._robot: RobotOnBus | None = None
@@ -134,7 +180,7 @@ class Gateway:
         self._report_elements(now)
 
     def close(self) -> None:
-        """Let go of the cables and leave the bus."""
+        """Let go of the cables, and take the robot from the bus."""
         for cable in self._cables:
             cable.close()
         self._is_closed.set()
@@ -142,8 +188,6 @@ class Gateway:
         self._opener.join()
         if self._joined is not None:
             self._joined.close()
-        if self._bus is not None:
-            self._bus.close()
 
     def _keep(self, events: Sequence[Event], stamp_ns: int) -> None:
         """Keep what is to be published once the robot is on the bus: nothing that a later event supersedes."""
@@ -156,35 +200,64 @@ class Gateway:
 
     def _open_bus(self) -> None:
         try:
-            # Here and not at the top: loading them takes longer than the whole handshake.
-            import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
-            from bus import BusUnavailable, KeyNotValid, ZenohBus
-            from bus.keys import robot_name
+            bus = self._await_bus()
+            self._is_known.wait()
+            if bus is None or self._is_closed.is_set():
+                return
             from bus.name_holder import BusProgram
 
-            gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
+            own = BusProgram.here()
+            if not self._seems_free(bus):
+                self._await_name(bus)
+            if not self._is_closed.is_set():
+                self._joined = self._join_robot(bus, own)
+                self._bridge.wake()
+                joined_at = time.monotonic()
+                for look in LATER_LOOKS:
+                    if self._is_closed.wait(joined_at + look - time.monotonic()):
+                        break
+                    self._check_name(bus, own)
+        except Exception as error:  # of any kind: the bridge's thread raises it, and the robot is not served any more
+            self._bus_error = error
+        finally:
+            self._bridge.wake()
+
+    def _await_bus(self) -> "Bus | None":
+        """Return the bus once it is open, and the messages of a robot prepared; None while the gateway closes."""
+        while not self._is_closed.is_set():
+            from bus import BusUnavailable, KeyNotValid
+            from bus.keys import robot_name
+
             try:
                 robot_name(self._options.name or "robot")
+                return self._bus.open()
             except KeyNotValid as error:
                 raise RobotNameNotValid(str(error)) from error
-            while self._bus is None and not self._is_closed.is_set():
-                try:
-                    self._bus = ZenohBus.open(self._options.bus)
-                except BusUnavailable as error:
-                    self._report_error(f"{error}; trying again")
-                    self._is_closed.wait(BUS_PERIOD)
-            self._is_known.wait()
-            if self._bus is not None and not self._is_closed.is_set():
-                own = BusProgram.here()
-                self._await_name(self._bus)
-                if not self._is_closed.is_set():
-                    self._joined = self._join_robot(self._bus, own)
-                    self._bridge.wake()
-                    if not self._is_closed.wait(SECOND_LOOK):  # two that started together have found the name free
-                        self._check_name(self._bus, own)
-        except Exception as error:  # of any kind: the bridge's thread raises it, and the program ends
-            self._bus_error = error
-        self._bridge.wake()
+            except BusUnavailable as error:
+                self._report_error(f"{error}; trying again")
+                self._is_closed.wait(BUS_PERIOD)
+        return None
+
+    def _seems_free(self, bus: "Bus") -> bool:
+        """Return whether no other gateway answers to the robot's name within `FIRST_LOOK`; prepare messages meanwhile.
+
+        It is looked for again in `LATER_LOOKS`, since a session that has just been opened may not know all others.
+        """
+        from bus import NoAnswer
+        from bus.keys import DESCRIPTION
+        from gateway.streams import prepare_messages
+
+        errors: list[Exception | None] = []
+        has_ended = threading.Event()
+
+        def on_end(error: Exception | None) -> None:
+            errors.append(error)
+            has_ended.set()
+
+        with bus.ask(DESCRIPTION.key(self._name), None, lambda answer: None, on_end, FIRST_LOOK):
+            prepare_messages()
+            has_ended.wait(2.0 * FIRST_LOOK)
+        return [type(error) for error in errors] == [NoAnswer]  # and not TimedOut: one that is known may be busy
 
     def _await_name(self, bus: "Bus") -> None:
         """Check that no other gateway has the robot's name; wait until it is free if the options say so.
@@ -263,4 +336,4 @@ class Gateway:
         if sentence == self._last_error:
             return
         self._last_error = sentence
-        print(f"p2os-gateway: {sentence}", file=sys.stderr, flush=True)
+        report_error(self._options, sentence)

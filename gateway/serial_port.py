@@ -7,6 +7,7 @@ not have (a pseudo-terminal has none) do not matter.
 import errno
 import grp
 import os
+import queue
 import socket
 import stat
 import termios
@@ -26,6 +27,8 @@ CONNECT_TIMEOUT = 2.0
 """Seconds for a TCP connection to come about."""
 PUMP_TIMEOUT = 0.1
 """Seconds after which the reader of a port without a descriptor looks whether it is to end."""
+MOST_WAITING = 64
+"""Frames that wait to be written to such a port; one that takes no more is dead."""
 
 _RATES = {getattr(termios, name): int(name[1:]) for name in dir(termios) if name[:1] == "B" and name[1:].isdigit()}
 
@@ -174,7 +177,10 @@ class SocketPort(Port):
 
 
 class _PumpedPort(Port):
-    """Any other URL of pyserial's (`rfc2217://`): it has no descriptor, so a thread pumps what it reads into a pipe."""
+    """Any other URL of pyserial's (`rfc2217://`): it has no descriptor, and its calls wait for the server.
+
+    So one thread pumps what it reads into a pipe, and another one writes.
+    """
 
     def __init__(self, url: str) -> None:
         self.name = url
@@ -188,43 +194,59 @@ class _PumpedPort(Port):
             raise NoSuchPort(
                 f"nothing answers at {url} ({err}); start the server there, or correct the address"
             ) from err
-        self.rate = int(self._serial.baudrate)
+        self._rate_set = self.rate = int(self._serial.baudrate)
         self._reader, self._writer = os.pipe()
         self._is_closed = threading.Event()
-        self._pump = threading.Thread(target=self._run, name=f"pump {url}", daemon=True)
-        self._pump.start()
+        self._failure = ""
+        self._outgoing: queue.SimpleQueue[bytes | int | None] = queue.SimpleQueue()  # bytes, a rate, or the end
+        self._threads = [
+            threading.Thread(target=work, name=f"{what} {url}", daemon=True)
+            for what, work in (("reader", self._pump), ("writer", self._send))
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""
         return self._reader
 
     def set_rate(self, rate: int) -> None:
-        """Set the rate at the other end."""
-        if rate != self._serial.baudrate:
-            try:
-                self._serial.baudrate = rate
-            except (OSError, ValueError, serial.SerialException) as err:
-                raise PortLost(f"{self.name} cannot be set to {rate} bit/s: {err}") from err
+        """Set the rate at the other end, before what is written next."""
+        if rate != self._rate_set:
+            self._rate_set = rate
+            self._outgoing.put(rate)
 
     def write(self, data: bytes) -> None:
-        """Send bytes."""
-        try:
-            self._serial.write(data)
-        except (OSError, serial.SerialException) as err:
-            raise PortLost(f"{self.name} is gone: {err}") from err
+        """Send bytes; returns before they have left."""
+        if self._failure or self._outgoing.qsize() >= MOST_WAITING:
+            raise PortLost(f"{self.name} is gone: {self._failure or 'it takes no more bytes'}")
+        self._outgoing.put(data)
 
     def close(self) -> None:
-        """End the thread and close the port."""
+        """End the threads and close the port, after the last bytes have left or `CONNECT_TIMEOUT`."""
         if not self._is_closed.is_set():
+            self._outgoing.put(None)
+            self._threads[1].join(CONNECT_TIMEOUT)
             self._is_closed.set()
-            self._pump.join()
+            self._threads[0].join()
             self._serial.close()
             os.close(self._reader)
 
-    def _run(self) -> None:
+    def _send(self) -> None:
+        """Write what is queued, in its order."""
+        try:
+            while (item := self._outgoing.get()) is not None:
+                if isinstance(item, int):
+                    self._serial.baudrate = item
+                else:
+                    self._serial.write(item)
+        except (OSError, ValueError, serial.SerialException) as err:
+            self._failure = str(err) or type(err).__name__  # the pump ends, and the reader sees the end of the pipe
+
+    def _pump(self) -> None:
         """Copy bytes until the port fails or is closed; the reader sees the end of the pipe."""
         try:
-            while not self._is_closed.is_set():
+            while not (self._is_closed.is_set() or self._failure):
                 data = self._serial.read(1)
                 if data:
                     os.write(self._writer, data + self._serial.read(self._serial.in_waiting))

@@ -20,7 +20,7 @@ LINKING = [*PAGES, *sorted(ROOT.glob("[AGP]*.md")), ROOT / "pty_tests/README.md"
 PARSERS: dict[str, Callable[[list[str]], object]] = {
     "acromovi": lambda given: acromovi._parser().parse_args(given),
     "p2os-emu": parse_emulator,
-    "p2os-gateway": lambda given: gateway._parser().parse_args(given),
+    "p2os-gateway": lambda given: gateway.parse_arguments(given),
 }
 NO_COMMAND_LINE = re.compile(r"\b(?!SIM_)[A-Z]{3,}\b|\.\.\.|…|--help$|^acromovi (agent|navigate) \w+$")
 """What has placeholders such as LASERPORT, ends before it does anything, or is the name of a command."""

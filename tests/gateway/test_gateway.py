@@ -11,7 +11,7 @@ import pytest
 import bus
 from bus import MemoryBus, Sample, keys, messages
 from gateway.events import LinkLost
-from gateway.gateway import Gateway, GatewayOptions
+from gateway.gateway import Gateway, GatewayOptions, SharedBus
 from gateway.settings import Settings
 from tests.waiting import wait_until
 
@@ -34,7 +34,8 @@ class Opening:
         monkeypatch.setattr(bus, "ZenohBus", self)
         self._own = own
         bridge: Any = _Bridge()  # it has the one method that is used
-        self.gateway = Gateway(GatewayOptions("/dev/null", waits=True), Settings(), bench.driver, bridge, bench.now)
+        options = GatewayOptions("/dev/null", waits=True)
+        self.gateway = Gateway(options, Settings(), bench.driver, bridge, SharedBus("local"), bench.now)
 
     def open(self, profile: str) -> MemoryBus:
         """As the session's: return when it is open."""
