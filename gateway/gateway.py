@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
@@ -57,15 +57,20 @@ class GatewayOptions:
 def report_event(options: GatewayOptions, sentence: str, facts: dict[str, Any]) -> None:
     """Print an event, as a sentence or as JSON."""
     if options.is_json:
-        print(json.dumps({**facts, "port": options.port}), flush=True)
+        _print(json.dumps({**facts, "port": options.port}), sys.stdout)
     elif not options.is_quiet:
-        print(f"{options.port}: {sentence}" if options.is_one_of_many else sentence, flush=True)
+        _print(f"{options.port}: {sentence}" if options.is_one_of_many else sentence, sys.stdout)
 
 
 def report_error(options: GatewayOptions, sentence: str) -> None:
     """Print an error on standard error; it begins with the port where several robots are served."""
     at = f"{options.port}: " if options.is_one_of_many and not sentence.startswith(options.port) else ""
-    print(f"p2os-gateway: {at}{sentence}", file=sys.stderr, flush=True)
+    _print(f"p2os-gateway: {at}{sentence}", sys.stderr)
+
+
+def _print(line: str, file: TextIO) -> None:
+    """Print a line in one call, so that lines of several robots do not mix."""
+    print(f"{line}\n", end="", file=file, flush=True)
 
 
 def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None:
@@ -76,7 +81,7 @@ def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None
         report_event(options, "", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
     else:
         at = "" if options.port in problem.sentence else f"{options.port}: "
-        print(f"p2os-gateway: {at}{problem.sentence}", file=sys.stderr, flush=True)
+        _print(f"p2os-gateway: {at}{problem.sentence}", sys.stderr)
 
 
 class SharedBus:
