@@ -142,7 +142,8 @@ class RobotOnBus(Subscription):
                 with self._streams.guarded("events"):
                     self._streams.publish(event, stamp_ns + index * STAMPS_APART)
             self._has_answered |= self._driver.is_connected
-            if self._has_answered:  # a client that finds a token finds a robot that obeys
+            has_news = events or now >= self._streams.due_at  # elements on cables of their own make no events here
+            if self._has_answered and has_news:  # a client that finds a token finds a robot that obeys
                 with self._streams.guarded("elements"):
                     self._elements.follow(self._present())
             if now >= self._server.deadline:

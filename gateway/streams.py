@@ -3,10 +3,10 @@
 import logging
 import threading
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from operator import is_
-from typing import Any
+from typing import Any, ParamSpec
 
 from bus import Bus, BusUnavailable, Publisher, Subscription, keys
 from bus.keys import Topic
@@ -25,6 +25,7 @@ from gateway.health import RobotHealth
 from gateway.telemetry import Telemetry
 from p2os import StandardSip
 
+P = ParamSpec("P")
 log = logging.getLogger("gateway")
 
 PERIOD = 1.0
@@ -53,7 +54,8 @@ def prepare_messages() -> None:
 class RobotPublishers(Subscription):
     """One robot's publishers.
 
-    An error in making or writing a message costs this message only: it is counted, and logged at its first occurrence.
+    A message is made only if a program subscribes to its key. An error in making or writing it costs this message only:
+    it is counted, and logged at its first occurrence.
 
     due_at: when something is to be published even if nothing happens, s.
     unpublished: messages lost to errors, counted by stream and kind of error.
@@ -65,6 +67,11 @@ class RobotPublishers(Subscription):
         self._driver = robot.driver
         self._telemetry = Telemetry(robot.name, robot.model)
         self._adapters = adapters
+        self._takers: dict[type, list[BusAdapter]] = {}  # on the robot's line, by the class of the event
+        for adapter in adapters:
+            if adapter.cable is None:
+                for kind in adapter.events:
+                    self._takers.setdefault(kind, []).append(adapter)
         cables = [adapter.cable for adapter in adapters if adapter.cable is not None]
         self._health = RobotHealth(robot.name, robot.driver, cables)
         self._sip: StandardSip | None = None
@@ -83,9 +90,8 @@ class RobotPublishers(Subscription):
 
     def publish(self, event: Event, stamp: int) -> None:
         """Publish what follows from an event of the robot's line. stamp: wall clock when its last byte came, ns."""
-        for adapter in self._adapters:
-            if adapter.cable is None:
-                self.publish_element(adapter, event, stamp)
+        for adapter in self._takers.get(type(event), ()):
+            self.publish_element(adapter, event, stamp)
         telemetry = self._telemetry
         match event:
             case SipReceived():
@@ -93,12 +99,11 @@ class RobotPublishers(Subscription):
             case ChargeSeen(fraction):
                 telemetry.note_charge(fraction)
             case EncodersReceived():
-                with self.guarded(keys.JOINT_STATES.suffix):
-                    self._streams[keys.JOINT_STATES].put(telemetry.joints(event, stamp))
+                telemetry.note_ticks(event)
+                self._publish(keys.JOINT_STATES, telemetry.joints, stamp)
             case InputsOutputsReceived():
                 self._has_io_packets = True
-                with self.guarded(keys.IO.suffix):
-                    self._streams[keys.IO].put(telemetry.inputs_outputs(event, stamp))
+                self._publish(keys.IO, telemetry.inputs_outputs, event, stamp)
             case MotionEnded(motion_id):
                 with self.guarded(keys.RESULT.suffix):
                     self._bus.put(keys.RESULT.key(self._name, motion_id), dict(event.as_json()))
@@ -109,9 +114,11 @@ class RobotPublishers(Subscription):
 
     def publish_element(self, adapter: BusAdapter, event: Event, stamp: int) -> None:
         """Publish what follows for one element from an event of its line; from any thread. stamp: as in `publish`."""
-        with self.guarded(adapter.name):
-            for topic, message in adapter.messages(event, stamp):
-                self._put(topic, message)
+        if isinstance(event, adapter.events) and self.is_wanted(adapter):
+            with self.guarded(adapter.name):
+                for topic, message in adapter.messages(event, stamp):
+                    with self.guarded(topic.suffix):
+                        self._stream(topic).put(message)
 
     @contextmanager
     def guarded(self, stream: str) -> Iterator[None]:
@@ -125,32 +132,34 @@ class RobotPublishers(Subscription):
         except BusUnavailable:
             raise
         except Exception as error:  # of any kind, since the value that caused it may have come from anyone
-            reason = f"{stream}: {type(error).__name__}"
-            if not self.unpublished[reason]:
-                log.exception("a message on %s was not published; others follow", stream)
-            self.unpublished[reason] += 1
+            self._count_error(stream, error)
+
+    def _count_error(self, stream: str, error: Exception) -> None:
+        reason = f"{stream}: {type(error).__name__}"
+        if not self.unpublished[reason]:
+            log.exception("a message on %s was not published; others follow", stream)
+        self.unpublished[reason] += 1
+
+    def _publish(self, topic: Topic, make: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> None:
+        """Make a message and publish it, if anybody subscribes to it."""
+        publisher = self._streams[topic]
+        if publisher.has_listeners:
+            try:  # as in `guarded`, which takes longer than a short message
+                publisher.put(make(*args, **kwargs))
+            except BusUnavailable:
+                raise
+            except Exception as error:  # of any kind: as in `guarded`
+                self._count_error(topic.suffix, error)
 
     def _publish_sip(self, event: SipReceived, stamp: int) -> None:
-        streams, telemetry, sip = self._streams, self._telemetry, event.sip
-        with self.guarded(keys.ODOM.suffix):
-            streams[keys.ODOM].put(telemetry.odometry(event, stamp))
-        with self.guarded(keys.TF.suffix):
-            streams[keys.TF].put(telemetry.transform(event, stamp))
-        with self.guarded(keys.SONAR.suffix):
-            streams[keys.SONAR].put(telemetry.sonar(sip, stamp))
-        with self.guarded(keys.SONAR_POINTS.suffix):
-            streams[keys.SONAR_POINTS].put(telemetry.sonar_points(sip, stamp))
-        with self.guarded(keys.BUMPERS.suffix):
-            streams[keys.BUMPERS].put(telemetry.bumpers(sip, stamp))
-        self._publish_changes(sip, stamp)
-
-    def _put(self, topic: Topic, message: object) -> None:
-        with self.guarded(topic.suffix):
-            self._stream(topic).put(message)
-
-    def _publish_changes(self, sip: StandardSip, stamp: int) -> None:
+        telemetry, sip = self._telemetry, event.sip
         self._sip = sip
-        self._telemetry.note_wheels(sip)
+        telemetry.note_wheels(sip)
+        self._publish(keys.ODOM, telemetry.odometry, event, stamp)
+        self._publish(keys.TF, telemetry.transform, event, stamp)
+        self._publish(keys.SONAR, telemetry.sonar, sip, stamp)
+        self._publish(keys.SONAR_POINTS, telemetry.sonar_points, sip, stamp)
+        self._publish(keys.BUMPERS, telemetry.bumpers, sip, stamp)
         if (sip.best_battery, sip.charge_state, sip.charger_good) != self._battery_shown:
             self._publish_battery(sip, stamp)
         if (sip.digital_in, sip.digital_out) != self._ports_shown:
@@ -158,14 +167,12 @@ class RobotPublishers(Subscription):
 
     def _publish_battery(self, sip: StandardSip, stamp: int) -> None:
         self._battery_shown = sip.best_battery, sip.charge_state, sip.charger_good
-        with self.guarded(keys.BATTERY.suffix):
-            self._streams[keys.BATTERY].put(self._telemetry.battery(sip, stamp))
+        self._publish(keys.BATTERY, self._telemetry.battery, sip, stamp)
 
     def _publish_user_ports(self, sip: StandardSip, stamp: int) -> None:
         if not self._has_io_packets:
             self._ports_shown = sip.digital_in, sip.digital_out
-            with self.guarded(keys.IO.suffix):
-                self._streams[keys.IO].put(self._telemetry.user_ports(sip, stamp))
+            self._publish(keys.IO, self._telemetry.user_ports, sip, stamp)
 
     def publish_status(self, refused: Mapping[str, int], refusal: str | None, now: float, stamp: int) -> None:
         """Publish the state if it has changed, and everything that is due at 1 Hz.
@@ -186,14 +193,11 @@ class RobotPublishers(Subscription):
         shown = self._driver.is_connected, self._driver.is_estopped, self._sip and self._sip.flags, tuple(found)
         if is_due or shown != self._state_shown:
             self._state_shown = shown
-            with self.guarded(keys.STATE.suffix):
-                self._streams[keys.STATE].put(self._health.state(self._sip, found, stamp))
+            self._publish(keys.STATE, self._health.state, self._sip, found, stamp)
         if is_due:
             self.due_at = now + PERIOD
-            with self.guarded(keys.TF_STATIC.suffix):
-                self._streams[keys.TF_STATIC].put(self._static_transforms(stamp))
-            with self.guarded(keys.DIAGNOSTICS.suffix):
-                self._streams[keys.DIAGNOSTICS].put(self._health.diagnostics(found, refused, self.unpublished, stamp))
+            self._publish(keys.TF_STATIC, self._static_transforms, stamp)
+            self._publish(keys.DIAGNOSTICS, self._health.diagnostics, found, refused, self.unpublished, stamp)
             if self._sip is not None:
                 self._publish_battery(self._sip, stamp)
                 self._publish_user_ports(self._sip, stamp)

@@ -60,6 +60,10 @@ CHARGE_STATES: Mapping[int, int] = {
 """A SIP's charge state to the status of `sensor_msgs/BatteryState`."""
 
 
+_PLANAR = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
+"""Elements of a 6 by 6 covariance that belong to x, y and heading."""
+
+
 class Telemetry:
     """Builds one robot's messages."""
 
@@ -85,7 +89,7 @@ class Telemetry:
         """Return the pose in `<robot>/odom` and the twist in `<robot>/base_link`."""
         xx, xy, xh, _, yy, yh, _, _, hh = event.covariance
         covariance = self._pose_covariance
-        covariance[[0, 1, 5, 6, 7, 11, 30, 31, 35]] = xx, xy, xh, xy, yy, yh, xh, yh, hh
+        covariance[_PLANAR] = xx, xy, xh, xy, yy, yh, xh, yh, hh
         pose = event.pose
         return Odometry(
             header=header(stamp, self._odom),
@@ -198,13 +202,16 @@ class Telemetry:
             header(stamp, self._base), _all_bits(ports.digital_in), _all_bits(ports.digital_out), ports.analog
         )
 
-    def joints(self, event: EncodersReceived, stamp: int) -> JointState:
-        """Return angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
+    def note_ticks(self, event: EncodersReceived) -> None:
+        """Keep how far the driven wheels have rolled since the first packet."""
         ticks = event.encoders.left, event.encoders.right
         last = self._ticks or ticks
         self._ticks = ticks
         for wheel, (now, before) in enumerate(zip(ticks, last, strict=True)):
             self._rolled[wheel] += TICK_RING.fit(now - before)
+
+    def joints(self, stamp: int) -> JointState:
+        """Return angles (rad, from the first packet on) and speeds (rad/s) of the driven wheels."""
         radius = self._model.wheel_diameter / 2.0
         per_tick = 1.0 / (self._model.ticks_per_metre * radius)
         return JointState(

@@ -35,13 +35,15 @@ class BusAdapter:
 
     Commands, `halt` and `is_moving` run under the robot's lock. The rest only reads plain state, and runs without it.
 
-    name: as the robot's description and the agents call it. streams: what it publishes. subscriptions: streams that it
+    name: as the robot's description and the agents call it. streams: what it publishes. events: classes of the events
+    from which it makes messages. subscriptions: streams that it
     obeys. commands: requests that it obeys; each handler is a method. element: the driver's side of an element on the
     robot's line. cable: the element's own cable; None on the robot's line.
     """
 
     name: ClassVar[str]
     streams: ClassVar[tuple[Topic, ...]] = ()
+    events: ClassVar[tuple[type, ...]] = ()
     subscriptions: ClassVar[tuple[Topic, ...]] = ()
     commands: ClassVar[tuple[CommandRow, ...]] = ()
     element: ClassVar[type[Element] | None] = None
@@ -63,7 +65,7 @@ class BusAdapter:
         """Return the messages that follow from an event, with their topics.
 
         Args:
-            event: Of the robot's line, or of the element's own cable.
+            event: Of a class in `events`, of the robot's line or of the element's own cable.
             stamp: Wall clock when its last byte came, ns.
         """
         return ()

@@ -78,21 +78,23 @@ class ArmAdapter(BusAdapter):
 
     name = "arm"
     streams = (keys.ARM, keys.JOINT_STATES)
+    events = (ArmSeen,)
     element = ArmElement
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return two messages for each report of the arm."""
-        if isinstance(event, ArmSeen):
-            base = header(stamp, frame(self._robot, "base_link"))
-            yield keys.ARM, Arm(base, event.powered, event.homed, event.moving)
-            joints = JointState(
-                header=base,
-                name=self._joint_names(len(event.positions)),
-                position=np.array(event.positions),
-                velocity=np.array([]),
-                effort=np.array([]),
-            )
-            yield keys.JOINT_STATES, joints
+        if not isinstance(event, ArmSeen):
+            return
+        base = header(stamp, frame(self._robot, "base_link"))
+        yield keys.ARM, Arm(base, event.powered, event.homed, event.moving)
+        joints = JointState(
+            header=base,
+            name=self._joint_names(len(event.positions)),
+            position=np.array(event.positions),
+            velocity=np.array([]),
+            effort=np.array([]),
+        )
+        yield keys.JOINT_STATES, joints
 
     def describe(self) -> Mapping[str, Any]:
         """Return limits, speed and home of the joints, as the arm reports them."""

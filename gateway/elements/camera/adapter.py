@@ -18,6 +18,7 @@ class CameraAdapter(BusAdapter):
 
     name = "camera"
     streams = (keys.CAMERA,)
+    events = (PictureTaken,)
 
     def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
         super().__init__(robot, cable)
@@ -26,9 +27,10 @@ class CameraAdapter(BusAdapter):
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return every picture, as the camera encoded it."""
-        if isinstance(event, PictureTaken):
-            data = np.frombuffer(event.jpeg, np.uint8)
-            yield keys.CAMERA, CompressedImage(header(stamp, frame(self._robot, "camera")), format="jpeg", data=data)
+        if not isinstance(event, PictureTaken):
+            return
+        data = np.frombuffer(event.jpeg, np.uint8)
+        yield keys.CAMERA, CompressedImage(header(stamp, frame(self._robot, "camera")), format="jpeg", data=data)
 
     def describe(self) -> Mapping[str, Any]:
         """Return the size of the pictures, and the field of view where the settings have it."""

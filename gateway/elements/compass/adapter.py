@@ -16,21 +16,23 @@ class _CompassAdapter(BusAdapter):
     name = "compass"
     element = CompassElement
     streams = (keys.COMPASS,)
+    events = (CompassSeen,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if isinstance(event, CompassSeen):
-            report = event.report
-            message = Compass(
-                header(stamp, frame(self._robot, "base_link")),
-                heading=event.heading,
-                pitch=report.pitch,
-                roll=report.roll,
-                magnetic_field=Vector3(x=report.field_x, y=report.field_y, z=report.field_z),
-                temperature=report.temperature,
-                errors=report.error_bits,
-            )
-            yield keys.COMPASS, message
+        if not isinstance(event, CompassSeen):
+            return
+        report = event.report
+        message = Compass(
+            header(stamp, frame(self._robot, "base_link")),
+            heading=event.heading,
+            pitch=report.pitch,
+            roll=report.roll,
+            magnetic_field=Vector3(x=report.field_x, y=report.field_y, z=report.field_z),
+            temperature=report.temperature,
+            errors=report.error_bits,
+        )
+        yield keys.COMPASS, message
 
 
 ADAPTERS = (_CompassAdapter,)

@@ -23,6 +23,7 @@ class _GripperAdapter(BusAdapter):
     name = "gripper"
     element = GripperElement
     streams = (keys.GRIPPER, keys.JOINT_STATES)
+    events = (GripperSeen, GripperJoints)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return two messages for each SIP; a joint whose position is unknown is left out."""

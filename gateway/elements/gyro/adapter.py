@@ -21,6 +21,7 @@ class _GyroAdapter(BusAdapter):
     name = "gyro"
     element = Gyro
     streams = (keys.IMU,)
+    events = (TurnRateSeen,)
 
     def __init__(self, robot: RobotContext) -> None:
         super().__init__(robot)
@@ -29,18 +30,19 @@ class _GyroAdapter(BusAdapter):
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if isinstance(event, TurnRateSeen):
-            self._covariance[8] = event.variance
-            message = Imu(
-                header=header(stamp, frame(self._robot, "base_link")),
-                orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=1.0),
-                orientation_covariance=self._unknown,
-                angular_velocity=Vector3(x=0.0, y=0.0, z=event.rate),
-                angular_velocity_covariance=self._covariance,
-                linear_acceleration=Vector3(x=0.0, y=0.0, z=0.0),
-                linear_acceleration_covariance=self._unknown,
-            )
-            yield keys.IMU, message
+        if not isinstance(event, TurnRateSeen):
+            return
+        self._covariance[8] = event.variance
+        message = Imu(
+            header=header(stamp, frame(self._robot, "base_link")),
+            orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=1.0),
+            orientation_covariance=self._unknown,
+            angular_velocity=Vector3(x=0.0, y=0.0, z=event.rate),
+            angular_velocity_covariance=self._covariance,
+            linear_acceleration=Vector3(x=0.0, y=0.0, z=0.0),
+            linear_acceleration_covariance=self._unknown,
+        )
+        yield keys.IMU, message
 
 
 class _InnerGyroAdapter(BusAdapter):

@@ -20,13 +20,15 @@ class _InfraredAdapter(BusAdapter):
     name = "ir"
     element = InfraredElement
     streams = (keys.IR,)
+    events = (InfraredSeen,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each reading of the sensors."""
-        if isinstance(event, InfraredSeen):
-            base = header(stamp, frame(self._robot, "base_link"))
-            ranges = [self._range(base, number, near) for number, near in event.near]
-            yield keys.IR, RangeArray(base, ranges)
+        if not isinstance(event, InfraredSeen):
+            return
+        base = header(stamp, frame(self._robot, "base_link"))
+        ranges = [self._range(base, number, near) for number, near in event.near]
+        yield keys.IR, RangeArray(base, ranges)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
         """Return the poses of the sensors, as far as the model has them."""

@@ -22,17 +22,19 @@ class _JoystickAdapter(BusAdapter):
     name = "joystick"
     element = JoystickElement
     streams = (keys.JOYSTICK,)
+    events = (JoystickSeen,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if isinstance(event, JoystickSeen):
-            held = event.report
-            message = Joy(
-                header=header(stamp, frame(self._robot, "base_link")),
-                axes=np.array([-held.x, held.y, held.throttle], np.float32),
-                buttons=np.array([held.button1, held.button2], np.int32),
-            )
-            yield keys.JOYSTICK, message
+        if not isinstance(event, JoystickSeen):
+            return
+        held = event.report
+        message = Joy(
+            header=header(stamp, frame(self._robot, "base_link")),
+            axes=np.array([-held.x, held.y, held.throttle], np.float32),
+            buttons=np.array([held.button1, held.button2], np.int32),
+        )
+        yield keys.JOYSTICK, message
 
     def _let_drive(self, arguments: Arguments, now: float) -> None:
         joystick = self._driver.element(JoystickElement, now)

@@ -30,6 +30,7 @@ class LaserAdapter(BusAdapter):
 
     name = NAME
     streams = (keys.SCAN,)
+    events = (LaserScanned,)
 
     def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
         super().__init__(robot, cable)
@@ -45,8 +46,9 @@ class LaserAdapter(BusAdapter):
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return the scan."""
-        if isinstance(event, LaserScanned):
-            yield keys.SCAN, self._scan(event, stamp)
+        if not isinstance(event, LaserScanned):
+            return
+        yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
         """Return `<robot>/laser` in `<robot>/base_link`."""

@@ -19,11 +19,13 @@ class _PtzAdapter(BusAdapter):
     name = "ptz"
     element = PtzElement
     streams = (keys.PTZ,)
+    events = (HeadSeen,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each report of the head."""
-        if isinstance(event, HeadSeen):
-            yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
+        if not isinstance(event, HeadSeen):
+            return
+        yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
 
     def describe(self) -> Mapping[str, Any]:
         """Return model, limits and widest horizontal field of view."""

@@ -28,22 +28,22 @@ class _SimulatedLaserAdapter(BusAdapter):
     name = "laser"
     element = SimulatedLaserScanner
     streams = (keys.SCAN,)
+    events = (SweepReceived,)
 
     def __init__(self, robot: RobotContext) -> None:
         super().__init__(robot)
         self._frame = frame(robot.name, "laser")
         self._base = frame(robot.name, "base_link")
-        self._is_seen = False
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return a scan for each sweep."""
-        if isinstance(event, SweepReceived):
-            self._is_seen = True
-            yield keys.SCAN, self._scan(event, stamp)
+        if not isinstance(event, SweepReceived):
+            return
+        yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:
         """Return `<robot>/laser` in `<robot>/base_link`."""
-        if self._is_seen:
+        if self.is_present():
             mount = self._model.laser
             yield placed(header(stamp, self._base), self._frame, mount.x, mount.y, mount.heading)
 
