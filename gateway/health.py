@@ -24,6 +24,8 @@ class RobotHealth:
         self._name = name
         self._driver = driver
         self._cables = cables
+        self._claims: tuple[str, ...] = ()  # of the latest SIP
+        self._judged: tuple[object, ...] = ()  # what they follow from
 
     def faults(self, sip: StandardSip | None, refusal: str | None) -> list[str]:
         """Return what is wrong, a sentence each.
@@ -39,7 +41,20 @@ class RobotHealth:
         if driver.is_estopped:
             found.append("the e-stop is latched")
         if sip is not None:
-            low = driver.configuration.low_battery if driver.configuration else 0.0
+            found += self._sip_claims(sip)
+            found += driver.faults
+        for cable in self._cables:
+            found += cable.driver.faults()
+        if refusal is not None:
+            found.append(refusal)
+        return found
+
+    def _sip_claims(self, sip: StandardSip) -> tuple[str, ...]:
+        configuration = self._driver.configuration
+        judged = sip.stall, sip.flags, sip.fault_flags, sip.best_battery, configuration
+        if judged != self._judged:  # one SIP is mostly like the one before
+            self._judged = judged
+            low = configuration.low_battery if configuration else 0.0
             claims = {
                 "the STOP button is pressed": sip.stop_button,
                 "the robot's emergency stop is engaged": sip.e_stalled,
@@ -48,13 +63,8 @@ class RobotHealth:
                 "the gyro has failed": sip.gyro_failed,
                 f"the battery is low, below {low:.1f} V": sip.best_battery < low,
             }
-            found += [claim for claim, is_so in claims.items() if is_so]
-            found += driver.faults
-        for cable in self._cables:
-            found += cable.driver.faults()
-        if refusal is not None:
-            found.append(refusal)
-        return found
+            self._claims = tuple(claim for claim, is_so in claims.items() if is_so)
+        return self._claims
 
     def state(self, sip: StandardSip | None, found: Sequence[str], stamp: int) -> RobotState:
         """Return the robot's state. found: its faults. stamp: wall clock, ns."""

@@ -13,7 +13,6 @@ from bus.keys import frame
 from bus.messages import (
     BatteryState,
     Bumpers,
-    Header,
     InputsOutputs,
     JointState,
     Odometry,
@@ -71,6 +70,7 @@ class Telemetry:
         self._model = model
         self._odom, self._base = frame(robot, "odom"), frame(robot, "base_link")
         self._discs = {disc.number: (disc, frame(robot, f"sonar_{disc.number}")) for disc in model.sonar}
+        self._ranges = {number: _sonar_range(name) for number, (_, name) in self._discs.items()}
         self._pose_covariance = np.diag([0.0, 0.0, *[FIXED_VARIANCE] * 3, 0.0]).reshape(36)
         self._twist_covariance = np.diag(
             [LINEAR_VARIANCE, *[FIXED_VARIANCE] * 4, ANGULAR_VARIANCE],
@@ -114,26 +114,16 @@ class Telemetry:
         )
 
     def sonar(self, sip: StandardSip, stamp: int) -> RangeArray:
-        """Return the new readings; infinite where no echo came back (REP 117)."""
+        """Return the new readings; infinite where no echo came back (REP 117). Valid until the next call."""
         base = header(stamp, self._base)
-        at = base.stamp  # the same for all: one object serves
-        nearest, farthest = SONAR_RANGE
-        return RangeArray(
-            base,
-            [
-                Range(
-                    header=Header(stamp=at, frame_id=self._discs[number][1]),
-                    radiation_type=Range.ULTRASOUND,
-                    field_of_view=SONAR_CONE,
-                    min_range=nearest,
-                    max_range=farthest,
-                    range=distance if distance < farthest else inf,
-                    variance=0.0,
-                )
-                for number, distance in sip.sonar
-                if number in self._discs
-            ],
-        )
+        readings = []
+        for number, distance in sip.sonar:
+            reading = self._ranges.get(number)
+            if reading is not None:
+                reading.header.stamp = base.stamp  # the same for all: one object serves
+                reading.range = distance if distance < reading.max_range else inf
+                readings.append(reading)
+        return RangeArray(base, readings)
 
     def sonar_points(self, sip: StandardSip, stamp: int) -> PointCloud2:
         """Return the echoes among the new readings, on the axes of their discs."""
@@ -233,6 +223,19 @@ class Telemetry:
     def forget_ticks(self) -> None:
         """Forget the counts: the encoders may begin at zero again, and the angles continue."""
         self._ticks = None
+
+
+def _sonar_range(name: str) -> Range:
+    nearest, farthest = SONAR_RANGE
+    return Range(
+        header=header(0, name),
+        radiation_type=Range.ULTRASOUND,
+        field_of_view=SONAR_CONE,
+        min_range=nearest,
+        max_range=farthest,
+        range=inf,
+        variance=0.0,
+    )
 
 
 def _bits(word: int, count: int) -> list[bool]:
