@@ -11,15 +11,14 @@ from configs import ConfigError
 from configs.command_line import CommandParser
 from configs.defaults import VARIABLE, default_bus
 from gateway.elements.all_elements import cable_kinds
-from gateway.errors import GatewayError, PortBusy
-from gateway.gateway import GatewayOptions, report_error, report_event
+from gateway.errors import ExitCode, GatewayError, PortBusy
+from gateway.gateway import GatewayOptions
 from gateway.line import RADIO_BAUD
 from gateway.robot_service import RobotPlan, serve_robots
 from gateway.settings import Settings, load_settings
 from p2os import BAUD_CODES
 
 EXIT_OK = 0
-EXIT_USAGE = 2
 SWITCH_INTERVAL = 0.001
 """Seconds after which a thread yields to others; the default of Python, 0.005, adds to the latencies."""
 
@@ -59,7 +58,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         plans = [_plan(arguments, is_one_of_many=len(given) > 1) for arguments in given]
         serve_robots(plans, fail)
     except (ConfigError, GatewayError) as error:  # of the settings, before any robot is served
-        return _fail(error, getattr(error, "exit_code", EXIT_USAGE))
+        return _fail(error, getattr(error, "exit_code", ExitCode.USAGE))
     return failures[0] if len(failures) == len(plans) else EXIT_OK
 
 
@@ -138,10 +137,10 @@ def _report_failure(options: GatewayOptions, error: Exception) -> int:
 
         if held := " and ".join(map(str, holders(options.port))):
             sentence = f"{sentence}; it is held by {held}"
-    report_error(options, sentence)
-    code = error.exit_code if isinstance(error, GatewayError) else EXIT_USAGE
+    options.report_error(sentence)
+    code = error.exit_code if isinstance(error, GatewayError) else ExitCode.USAGE
     if options.is_one_of_many and options.is_json:
-        report_event(options, sentence, {"event": "ended", "reason": sentence, "exit_code": code})
+        options.report_event(sentence, {"event": "ended", "reason": sentence, "exit_code": code})
     return code
 
 

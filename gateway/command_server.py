@@ -21,7 +21,7 @@ from gateway.driver import Driver
 from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.errors import CommandRefused, LineBlocked
 from gateway.events import MotionEnd
-from gateway.lease import DEFAULT_SECONDS, ROBOT, Lease, Leases
+from gateway.lease import DEFAULT_SECONDS, ROBOT, Leases
 from gateway.motion import CMD_VEL_SILENCE
 
 T = TypeVar("T")
@@ -254,11 +254,11 @@ class CommandServer(Subscription):
                 return self._take(arguments, now)
             case "renew":
                 lease = self.leases.renew(arguments[TOKEN], arguments.get("seconds"), now)
-                return _told(lease, now)
+                return lease.told(now)
             case "release":
                 lease = self.leases.release(arguments[TOKEN])
                 self._change_holders([lease.what], now)
-                return _told(lease, now)
+                return lease.told(now)
             case "show":
                 return self.leases.state(now)
         raise CommandRefused(f"a lease cannot {what!r}; use take, renew, release or show")
@@ -268,7 +268,7 @@ class CommandServer(Subscription):
         what = arguments.get("element", ROBOT)
         lease, token, standing = self.leases.take(what, arguments["holder"], priority, seconds, now)
         self._change_holders(standing, now)
-        return {"token": token, **_told(lease, now)}
+        return {"token": token, **lease.told(now)}
 
     def _handler(self, adapter: BusAdapter, row: CommandRow) -> Handler:
         name = row.topic.suffix.rpartition("/")[2]
@@ -311,8 +311,3 @@ class CommandServer(Subscription):
         if key is not None and duration > 0.0:
             self.bindings.bind(Binding(row.moves, key, reply.get("id"), now))
         return {**reply, "warning": DETACHED} if is_detached and key is None else reply
-
-
-def _told(lease: Lease, now: float) -> dict[str, Any]:
-    """Return the reply to the holder of a lease."""
-    return {"element": lease.what, **lease.state(now)}

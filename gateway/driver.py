@@ -18,9 +18,8 @@ from gateway.connector import CLOSE, STOP, Connector
 from gateway.elements.element import Element
 from gateway.elements.gyro.element import Gyro
 from gateway.elements.standard.element import ControllerConfiguration
-from gateway.errors import CommandRefused, GatewayError, WrongRobot
+from gateway.errors import CommandRefused, ExitCode, GatewayError
 from gateway.events import (
-    ConfigurationReceived,
     Event,
     HandshakeCompleted,
     LinkLost,
@@ -53,7 +52,7 @@ from p2os import (
 LONGEST_SILENCE = 0.5
 """Seconds between two calls after which the driver connects again, and for as long refuses commands of unknown age."""
 ModelFinder = Callable[[Identity], RobotModel]
-"""Says which model a robot is; raises UnknownModel."""
+"""Says which model a robot is; raises GatewayError."""
 
 
 class Driver(RobotCommands):
@@ -276,9 +275,10 @@ class Driver(RobotCommands):
         """Open and configure the robot that has identified itself, if this gateway serves it."""
         try:
             if self.identity is not None and identity != self.identity:
-                raise WrongRobot(
+                raise GatewayError(
                     f"another robot answers, {identity.name} ({identity.subtype}) in place of {self.identity.name} "
-                    f"({self.identity.subtype}); plug the first one in again, or start a new gateway"
+                    f"({self.identity.subtype}); plug the first one in again, or start a new gateway",
+                    ExitCode.WRONG_ROBOT,
                 )
             model = self.model or self._find_model(identity)
         except GatewayError as error:
@@ -323,7 +323,7 @@ class Driver(RobotCommands):
             case Configuration():
                 self.configuration = packet
                 self._limit_speeds()
-                self._events.append(ConfigurationReceived(packet))
+                self._events.append(packet)
                 for element in self._elements.values():
                     element.configure(packet, now)
                 if packet.serial == SIMULATOR_SERIAL:

@@ -1,4 +1,4 @@
-"""Events that drivers report, in their order."""
+"""Events that drivers report, in their order. A packet whose fields say all is an event itself."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -43,25 +43,6 @@ class SipReceived(NamedTuple):
     linear: float
     angular: float
     is_first: bool
-
-
-class ConfigurationReceived(NamedTuple):
-    """Take the robot's CONFIGpac."""
-
-    configuration: Configuration
-
-
-class EncodersReceived(NamedTuple):
-    """Encoder counts, with the model, which has the size of a tick."""
-
-    encoders: Encoders
-    model: RobotModel
-
-
-class InputsOutputsReceived(NamedTuple):
-    """User inputs and outputs."""
-
-    ports: IoReport
 
 
 class GripperSeen(NamedTuple):
@@ -150,12 +131,6 @@ class CompassSeen(NamedTuple):
 
     report: CompassReport
     heading: float
-
-
-class JoystickSeen(NamedTuple):
-    """Position and buttons of the joystick on the robot."""
-
-    report: JoystickReport
 
 
 class InfraredSeen(NamedTuple):
@@ -285,14 +260,14 @@ class MotionEnded(NamedTuple):
 Event = (
     HandshakeCompleted
     | SipReceived
-    | ConfigurationReceived
-    | EncodersReceived
-    | InputsOutputsReceived
+    | Configuration
+    | Encoders
+    | IoReport
     | GripperSeen
     | GripperJoints
     | TurnRateSeen
     | CompassSeen
-    | JoystickSeen
+    | JoystickReport
     | InfraredSeen
     | ChargeSeen
     | HeadSeen

@@ -2,6 +2,7 @@
 
 import gc
 import json
+import re
 import sys
 import threading
 import time
@@ -13,11 +14,12 @@ from typing import TYPE_CHECKING, Any, TextIO
 from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
-from gateway.errors import NameInUse, RobotNameNotValid
+from gateway.errors import ExitCode, GatewayError, NameInUse
 from gateway.events import Event, HandshakeCompleted, LinkLost
 from gateway.link_diagnosis import ElementReports, LinkProblem, LinkReports
-from gateway.search import Search, bus_name
+from gateway.search import Search
 from gateway.settings import Settings
+from p2os import Identity
 
 if TYPE_CHECKING:
     from bus import Bus
@@ -29,6 +31,7 @@ BUS_PERIOD = 1.0
 FIRST_LOOK = 0.06
 """Seconds in which another gateway of this name answers, as a rule: measured, 1 to 5 ms after a session is open, and up
 to 50 ms where four programs want each core."""
+_NOT_IN_A_KEY = re.compile(r"[^\w.+-]", re.ASCII)
 LATER_LOOKS = (0.25, 0.5, 1.0, 2.5)
 """Seconds after the robot has come to the bus; others that came at the same moment, and those that the bus has found
 late, are seen by then."""
@@ -36,7 +39,7 @@ late, are seen by then."""
 
 @dataclass(frozen=True, slots=True)
 class GatewayOptions:
-    """Options of the command line beyond the settings.
+    """Options of the command line beyond the settings, and what is printed by them.
 
     name: on the bus; None for the name that the robot gives itself. bus: profile or file. waits: look for a robot
     forever. forces: wait until another gateway of this name has ended, and take over then. is_quiet: print errors
@@ -53,35 +56,32 @@ class GatewayOptions:
     is_json: bool = False
     is_one_of_many: bool = False
 
+    def report_event(self, sentence: str, facts: dict[str, Any]) -> None:
+        """Print an event, as a sentence or as JSON."""
+        if self.is_json:
+            _print(json.dumps({**facts, "port": self.port}), sys.stdout)
+        elif not self.is_quiet:
+            _print(f"{self.port}: {sentence}" if self.is_one_of_many else sentence, sys.stdout)
 
-def report_event(options: GatewayOptions, sentence: str, facts: dict[str, Any]) -> None:
-    """Print an event, as a sentence or as JSON."""
-    if options.is_json:
-        _print(json.dumps({**facts, "port": options.port}), sys.stdout)
-    elif not options.is_quiet:
-        _print(f"{options.port}: {sentence}" if options.is_one_of_many else sentence, sys.stdout)
+    def report_error(self, sentence: str) -> None:
+        """Print an error on standard error; it begins with the port where several robots are served."""
+        at = f"{self.port}: " if self.is_one_of_many and not sentence.startswith(self.port) else ""
+        _print(f"p2os-gateway: {at}{sentence}", sys.stderr)
 
-
-def report_error(options: GatewayOptions, sentence: str) -> None:
-    """Print an error on standard error; it begins with the port where several robots are served."""
-    at = f"{options.port}: " if options.is_one_of_many and not sentence.startswith(options.port) else ""
-    _print(f"p2os-gateway: {at}{sentence}", sys.stderr)
+    def report_problem(self, problem: LinkProblem | None) -> None:
+        """Print why there is no robot, if that is to be printed: on standard error, or as JSON on standard output."""
+        if problem is None:
+            return
+        if self.is_json:
+            self.report_event("", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
+        else:
+            at = "" if self.port in problem.sentence else f"{self.port}: "
+            _print(f"p2os-gateway: {at}{problem.sentence}", sys.stderr)
 
 
 def _print(line: str, file: TextIO) -> None:
     """Print a line in one call, so that lines of several robots do not mix."""
     print(f"{line}\n", end="", file=file, flush=True)
-
-
-def report_problem(options: GatewayOptions, problem: LinkProblem | None) -> None:
-    """Print why there is no robot, if that is to be printed: on standard error, or as JSON on standard output."""
-    if problem is None:
-        return
-    if options.is_json:
-        report_event(options, "", {"event": "no robot", "cause": problem.cause.value, "reason": problem.sentence})
-    else:
-        at = "" if options.port in problem.sentence else f"{options.port}: "
-        _print(f"p2os-gateway: {at}{problem.sentence}", sys.stderr)
 
 
 class SharedBus:
@@ -171,7 +171,7 @@ class Gateway:
         for event in events:
             self._report_link(event)
         if self._options.waits or self._search.found is not None:
-            report_problem(self._options, self._link_reports.due(self._driver.link_problem, now))
+            self._options.report_problem(self._link_reports.due(self._driver.link_problem, now))
         if self._robot is None:
             self._keep(events, stamp_ns)
             if self._driver.identity is not None:
@@ -237,7 +237,7 @@ class Gateway:
                 robot_name(self._options.name or "robot")
                 return self._bus.open()
             except KeyNotValid as error:
-                raise RobotNameNotValid(str(error)) from error
+                raise GatewayError(str(error), ExitCode.USAGE) from error
             except BusUnavailable as error:
                 self._report_error(f"{error}; trying again")
                 self._is_closed.wait(BUS_PERIOD)
@@ -250,7 +250,8 @@ class Gateway:
         """
         from bus import NoAnswer
         from bus.keys import DESCRIPTION
-        from gateway.streams import prepare_messages
+        from bus.messages import prepare
+        from gateway.streams import STREAMS
 
         errors: list[Exception | None] = []
         has_ended = threading.Event()
@@ -260,7 +261,8 @@ class Gateway:
             has_ended.set()
 
         with bus.ask(DESCRIPTION.key(self._name), None, lambda answer: None, on_end, FIRST_LOOK):
-            prepare_messages()
+            for topic in STREAMS:
+                prepare(topic.type_name)
             has_ended.wait(2.0 * FIRST_LOOK)
         return [type(error) for error in errors] == [NoAnswer]  # and not TimedOut: one that is known may be busy
 
@@ -305,12 +307,13 @@ class Gateway:
                 self._name, bus, self._driver, self._bridge, self._settings, cables=self._cables, process=process
             )
         except NotAllowed as error:
-            raise RobotNameNotValid(f"the robot cannot be {self._name} on this bus: {error}") from error
+            why = f"the robot cannot be {self._name} on this bus: {error}"
+            raise GatewayError(why, ExitCode.USAGE) from error
 
     @property
     def _name(self) -> str:
         assert self._driver.identity is not None  # asked for only once the robot is known
-        return self._options.name or bus_name(self._driver.identity)
+        return self._options.name or _bus_name(self._driver.identity)
 
     def _report_link(self, event: Event) -> None:
         match event:
@@ -334,11 +337,16 @@ class Gateway:
                 self._report_error(f"{'; '.join(reasons)}; looking for it")
 
     def _report(self, sentence: str, facts: dict[str, Any]) -> None:
-        report_event(self._options, sentence, facts)
+        self._options.report_event(sentence, facts)
 
     def _report_error(self, sentence: str) -> None:
         """Print an error once, until another one occurs."""
         if sentence == self._last_error:
             return
         self._last_error = sentence
-        report_error(self._options, sentence)
+        self._options.report_error(sentence)
+
+
+def _bus_name(identity: Identity) -> str:
+    """Return the robot's own name, as one chunk of a key."""
+    return _NOT_IN_A_KEY.sub("_", identity.name) or _NOT_IN_A_KEY.sub("_", identity.subtype) or "robot"

@@ -17,7 +17,7 @@ DEFAULT_SECONDS = 5.0
 LONGEST_SECONDS = 60.0
 
 
-class Lease:
+class _Lease:
     """The right to move one thing. No clock: call `expire` with the steady time before anything else.
 
     what: an element's name, or `ROBOT`. holder: the name it gave, None while the thing is free. priority: of the
@@ -89,6 +89,10 @@ class Lease:
         left = None if self.holder is None else round(max(0.0, self.deadline - now), 3)
         return {"holder": self.holder, "priority": self.priority, "expires_in": left}
 
+    def told(self, now: float) -> dict[str, Any]:
+        """Return the reply to its holder."""
+        return {"element": self.what, **self.state(now)}
+
     @property
     def _held(self) -> str:
         return f"{self.holder} holds the lease on the {self.what}"
@@ -107,15 +111,15 @@ class Leases:
             new_token: Makes one that cannot be guessed.
             elements: What can move.
         """
-        self.robot = Lease(ROBOT, new_token)
-        self._elements = {name: Lease(name, new_token) for name in sorted(elements)}
+        self.robot = _Lease(ROBOT, new_token)
+        self._elements = {name: _Lease(name, new_token) for name in sorted(elements)}
 
     @property
     def deadline(self) -> float:
         """When the next lease ends without renewal, s."""
         return min(lease.deadline for lease in self._all)
 
-    def take(self, what: str, holder: str, priority: int, seconds: float, now: float) -> tuple[Lease, str, list[str]]:
+    def take(self, what: str, holder: str, priority: int, seconds: float, now: float) -> tuple[_Lease, str, list[str]]:
         """Give a lease to a client; return the lease, its token, and what has to stand still.
 
         Args:
@@ -139,7 +143,7 @@ class Leases:
             rival.end()
         return lease, token, [ROBOT] if self.robot in [lease, *ended] else [what]
 
-    def renew(self, token: str, seconds: float | None, now: float) -> Lease:
+    def renew(self, token: str, seconds: float | None, now: float) -> _Lease:
         """Extend a lease by the same duration, or by another, s.
 
         Raises:
@@ -149,7 +153,7 @@ class Leases:
         lease.renew(seconds, now)
         return lease
 
-    def release(self, token: str) -> Lease:
+    def release(self, token: str) -> _Lease:
         """End the lease of a token.
 
         Raises:
@@ -186,10 +190,10 @@ class Leases:
         return {**self.robot.state(now), "elements": held}
 
     @property
-    def _all(self) -> list[Lease]:
+    def _all(self) -> list[_Lease]:
         return [self.robot, *self._elements.values()]
 
-    def _held_with(self, token: str) -> Lease:
+    def _held_with(self, token: str) -> _Lease:
         for lease in self._all:
             if lease.is_held_with(token):
                 return lease

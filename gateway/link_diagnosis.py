@@ -143,7 +143,7 @@ class LinkReports:
         return problem
 
 
-class ElementChange(NamedTuple):
+class _ElementChange(NamedTuple):
     """An element on a cable of its own began to answer, or does not answer.
 
     has_answered: before. reasons: why it does not answer, a sentence each.
@@ -163,7 +163,7 @@ class ElementReports:
         self._reported: dict[str, bool] = {}
         self._since = inf
 
-    def due(self, now: float) -> Iterator[ElementChange]:
+    def due(self, now: float) -> Iterator[_ElementChange]:
         """Return what has changed until now, steady time, s; patience begins with the first call."""
         self._since = min(self._since, now)
         for element in self._elements:
@@ -172,4 +172,4 @@ class ElementReports:
                 continue
             self._reported[element.name] = answers
             reasons = () if answers else element.driver.faults()
-            yield ElementChange(element.name, answers, reported is not None, reasons)
+            yield _ElementChange(element.name, answers, reported is not None, reasons)

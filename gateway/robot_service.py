@@ -16,12 +16,13 @@ from types import FrameType
 from configs import ConfigError
 from gateway.bridge import BRAKING_TIME, REOPEN_PERIOD, Bridge, steady_clock
 from gateway.cables.cable_thread import CableKind
+from gateway.connector import RATES
 from gateway.driver import Driver
 from gateway.errors import GatewayError, NoSuchPort
-from gateway.gateway import Gateway, GatewayOptions, SharedBus, report_event, report_problem
+from gateway.gateway import Gateway, GatewayOptions, SharedBus
 from gateway.line import RADIO_BAUD
 from gateway.link_diagnosis import LinkDiagnosis, LinkReports
-from gateway.search import model_finder, rates_to_probe, rates_to_try
+from gateway.search import model_finder, rates_to_try
 from gateway.serial_port import Port, open_port
 from gateway.settings import Settings
 
@@ -47,7 +48,7 @@ class RobotPlan:
     cables: Sequence[tuple[CableKind, str]] = ()
 
 
-class RobotService:
+class _RobotService:
     """Serves one robot from opening its port until `stop`.
 
     plan: of this robot. has_port: the port was opened, so the robot must be stopped at the end.
@@ -81,7 +82,7 @@ class RobotService:
                 cables.append(kind.open(address, settings, options.waits))
                 leaving.callback(cables[-1].close)
             rates = rates_to_try(port, RADIO_BAUD if settings.radio else plan.baud)
-            driver = Driver(find_model, rates, settings, probe_rates=rates_to_probe(port, settings, rates))
+            driver = Driver(find_model, rates, settings, probe_rates=_rates_to_probe(port, settings, rates))
             bridge = Bridge(driver, port, lambda: open_port(options.port))
             gateway = Gateway(options, settings, driver, bridge, self._bus, steady_clock(), cables)
             leaving.callback(gateway.close)
@@ -119,9 +120,9 @@ class RobotService:
                 diagnosis.begin(steady_clock())
                 diagnosis.note_no_port(str(error))
             if not is_told:
-                report_event(options, f"waiting for {options.port}", {"event": "waiting"})
+                options.report_event(f"waiting for {options.port}", {"event": "waiting"})
                 is_told = True
-            report_problem(options, reports.due(diagnosis.problem(steady_clock()), steady_clock()))
+            options.report_problem(reports.due(diagnosis.problem(steady_clock()), steady_clock()))
             self._is_stopped.wait(REOPEN_PERIOD)
         return None
 
@@ -137,8 +138,8 @@ def serve_robots(plans: Sequence[RobotPlan], on_failure: Callable[[RobotPlan, Ex
         on_failure: Called, on this thread, with each robot that cannot be served any more.
     """
     bus = SharedBus(plans[0].options.bus)
-    services = [RobotService(plan, bus) for plan in plans]
-    ended: queue.SimpleQueue[tuple[RobotService, Exception | None] | None] = queue.SimpleQueue()
+    services = [_RobotService(plan, bus) for plan in plans]
+    ended: queue.SimpleQueue[tuple[_RobotService, Exception | None] | None] = queue.SimpleQueue()
     is_ending = False
 
     def stop(number: int, frame: FrameType | None) -> None:
@@ -148,7 +149,7 @@ def serve_robots(plans: Sequence[RobotPlan], on_failure: Callable[[RobotPlan, Ex
             service.stop()
         ended.put(None)
 
-    def run(service: RobotService) -> None:
+    def run(service: _RobotService) -> None:
         error = _run(service, restarts=len(services) > 1)
         ended.put((service, error))
 
@@ -173,7 +174,7 @@ def serve_robots(plans: Sequence[RobotPlan], on_failure: Callable[[RobotPlan, Ex
             bus.close()
 
 
-def _run(service: RobotService, restarts: bool) -> Exception | None:
+def _run(service: _RobotService, restarts: bool) -> Exception | None:
     """Serve a robot; return why it cannot be served any more. restarts: serve it again after an unexpected error."""
     while True:
         try:
@@ -187,6 +188,13 @@ def _run(service: RobotService, restarts: bool) -> Exception | None:
             log.exception("%s: an unexpected error; the robot is served again", service.plan.options.port)
         if service.wait_for_stop(RESTART_PERIOD):
             return None
+
+
+def _rates_to_probe(port: Port, settings: Settings, rates: Sequence[int]) -> tuple[int, ...]:
+    """Return further rates, bit/s, at which to probe for a robot; none behind a radio modem."""
+    if port.rate is None or settings.radio:
+        return ()
+    return tuple(rate for rate in RATES if rate not in rates)
 
 
 @contextmanager

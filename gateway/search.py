@@ -1,12 +1,11 @@
 """The search for a robot on a port: rates, model, and the error when there is none."""
 
-import re
 from collections.abc import Mapping, Sequence
 
 import configs
 from gateway.connector import AS_IT_IS, RATES
 from gateway.driver import ModelFinder
-from gateway.errors import GatewayError, NoSuchPort, NotARobot, RobotSilent, UnknownModel
+from gateway.errors import ExitCode, GatewayError
 from gateway.events import Event, HandshakeCompleted, RobotRejected, SweepFailed
 from gateway.link_diagnosis import Cause, LinkProblem
 from gateway.serial_port import Port
@@ -19,9 +18,8 @@ SWEEPS = 2
 """Times to try every rate, at the least."""
 NO_SWEEPS = (Cause.NO_PORT, Cause.HANG_UP)
 """Causes for which no rate is tried to the end."""
-FAILURES: Mapping[Cause, type[GatewayError]] = {Cause.NO_PORT: NoSuchPort, Cause.NO_ANSWER: RobotSilent}
-"""The error for a cause; other causes are `NotARobot`."""
-NOT_IN_A_KEY = re.compile(r"[^\w.+-]", re.ASCII)
+FAILURES: Mapping[Cause, ExitCode] = {Cause.NO_PORT: ExitCode.NO_PORT, Cause.NO_ANSWER: ExitCode.NO_ANSWER}
+"""The exit code for a cause; it is `NOT_A_ROBOT` for the others."""
 
 
 def rates_to_try(port: Port, baud: int | None) -> tuple[int, ...]:
@@ -36,13 +34,6 @@ def rates_to_try(port: Port, baud: int | None) -> tuple[int, ...]:
     if baud is not None:
         return (baud,)
     return tuple(sorted(RATES, key=lambda rate: rate != port.rate))
-
-
-def rates_to_probe(port: Port, settings: Settings, rates: Sequence[int]) -> tuple[int, ...]:
-    """Return further rates, bit/s, at which to probe for a robot; none behind a radio modem."""
-    if port.rate is None or settings.radio:
-        return ()
-    return tuple(rate for rate in RATES if rate not in rates)
 
 
 def model_finder(settings: Settings) -> ModelFinder:
@@ -61,18 +52,14 @@ def model_finder(settings: Settings) -> ModelFinder:
         if subtype not in known:
             near = configs.nearest("robots", subtype, 0.0)
             full = ", ".join(configs.described("robots", each) for each in near)
-            raise UnknownModel(
+            raise GatewayError(
                 f"the robot {identity.name!r} is a {identity.subtype!r}, which is no known model; nearest are "
-                f"{full}: name one in a file for --config, as in model = {near[0]!r}"
+                f"{full}: name one in a file for --config, as in model = {near[0]!r}",
+                ExitCode.UNKNOWN_MODEL,
             )
         return configs.load(RobotModel, "robots", subtype)
 
     return find
-
-
-def bus_name(identity: Identity) -> str:
-    """Return the robot's own name, as one chunk of a key."""
-    return NOT_IN_A_KEY.sub("_", identity.name) or NOT_IN_A_KEY.sub("_", identity.subtype) or "robot"
 
 
 class Search:
@@ -95,7 +82,7 @@ class Search:
             problem: Why no robot is connected, as the driver has it.
             now: Steady time, s.
         Raises:
-            GatewayError: There is no robot here: RobotSilent, NotARobot, UnknownModel, NoSuchPort.
+            GatewayError: There is no robot here that could be served.
         """
         for event in events:
             match event:
@@ -108,4 +95,5 @@ class Search:
         if self.found is not None or problem is None or now - self._since < PATIENCE:
             return
         if self._sweeps >= SWEEPS or problem.cause in NO_SWEEPS:
-            raise FAILURES.get(problem.cause, NotARobot)(f"{self._port_name}: {problem.sentence}")
+            code = FAILURES.get(problem.cause, ExitCode.NOT_A_ROBOT)
+            raise GatewayError(f"{self._port_name}: {problem.sentence}", code)

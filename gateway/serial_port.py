@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 
 import serial
 
-from gateway.errors import GatewayError, NoSuchPort, NotAPort, PortBusy, PortForbidden, PortLost
+from gateway.errors import ExitCode, GatewayError, NoSuchPort, PortBusy, PortLost
 
 READ_SIZE = 4096
 SOCKET = "socket"
@@ -92,7 +92,7 @@ def open_port(name: str) -> Port:
     """Open a port by its path or URL.
 
     Raises:
-        GatewayError: One of NoSuchPort, NotAPort, PortForbidden, PortBusy; the message says what to do.
+        GatewayError: NoSuchPort, PortBusy or another; the message says what to do.
     """
     scheme = urlsplit(name).scheme if "://" in name else ""
     if not scheme:
@@ -118,7 +118,7 @@ class _DevicePort(Port):
             self.rate = _RATES.get(termios.tcgetattr(probe)[5], 0)
             self._serial = serial.Serial(path, timeout=0, exclusive=True)
         except termios.error as err:
-            raise NotAPort(f"{path} is no serial port; give the device that the robot is plugged into") from err
+            raise _not_a_port(f"{path} is no serial port") from err
         except serial.SerialException as err:
             raise _explain(path, err.errno) from err
         finally:
@@ -259,7 +259,7 @@ class _PumpedPort(Port):
 def _open_device(path: str) -> int:
     try:
         if stat.S_ISDIR(Path(path).stat().st_mode):
-            raise NotAPort(f"{path} is a directory; give the device that the robot is plugged into")
+            raise _not_a_port(f"{path} is a directory")
         return os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError as err:
         raise _explain(path, err.errno) from err
@@ -272,13 +272,15 @@ def _explain(path: str, code: int | None) -> GatewayError:
                 f"there is no port {path}; plug the robot in, or start p2os-emu, and look at its name again"
             )
         case errno.EACCES | errno.EPERM:
-            return PortForbidden(f"you may not open {path}; {_permission_hint(path)}")
+            return GatewayError(f"you may not open {path}; {_permission_hint(path)}", ExitCode.NO_PERMISSION)
         case errno.EBUSY | errno.EWOULDBLOCK:
             return PortBusy(f"{path} is in use by another program; end that one first")
     reason = os.strerror(code) if code else "pyserial gives no reason"
-    return NotAPort(
-        f"{path} cannot be opened as a serial port: {reason}; give the device that the robot is plugged into"
-    )
+    return _not_a_port(f"{path} cannot be opened as a serial port: {reason}")
+
+
+def _not_a_port(why: str) -> GatewayError:
+    return GatewayError(f"{why}; give the device that the robot is plugged into", ExitCode.NOT_A_PORT)
 
 
 def _permission_hint(path: str) -> str:

@@ -10,20 +10,18 @@ from typing import Any, ParamSpec
 
 from bus import Bus, BusUnavailable, Publisher, Subscription, keys
 from bus.keys import Topic
-from bus.messages import TFMessage, prepare
+from bus.messages import TFMessage
 from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.events import (
     ChargeSeen,
-    EncodersReceived,
     Event,
-    InputsOutputsReceived,
     LinkLost,
     MotionEnded,
     SipReceived,
 )
 from gateway.health import RobotHealth
 from gateway.telemetry import Telemetry
-from p2os import StandardSip
+from p2os import Encoders, IoReport, StandardSip
 
 P = ParamSpec("P")
 log = logging.getLogger("gateway")
@@ -43,12 +41,6 @@ STREAMS = (
     keys.TF_STATIC,
     keys.DIAGNOSTICS,
 )
-
-
-def prepare_messages() -> None:
-    """Compile what writes the messages of every robot, which takes 0.1 s, before the first robot is on the bus."""
-    for topic in STREAMS:
-        prepare(topic.type_name)
 
 
 class RobotPublishers(Subscription):
@@ -98,10 +90,10 @@ class RobotPublishers(Subscription):
                 self._publish_sip(event, stamp)
             case ChargeSeen(fraction):
                 telemetry.note_charge(fraction)
-            case EncodersReceived():
+            case Encoders():
                 telemetry.note_ticks(event)
                 self._publish(keys.JOINT_STATES, telemetry.joints, stamp)
-            case InputsOutputsReceived():
+            case IoReport():
                 self._has_io_packets = True
                 self._publish(keys.IO, telemetry.inputs_outputs, event, stamp)
             case MotionEnded(motion_id):

@@ -30,8 +30,8 @@ from bus.messages import (
     quaternion,
     twist,
 )
-from gateway.events import EncodersReceived, InputsOutputsReceived, SipReceived
-from p2os import RobotModel, StandardSip
+from gateway.events import SipReceived
+from p2os import Encoders, IoReport, RobotModel, StandardSip
 from p2os.packets import TICK_RING
 from p2os.sip import NO_ECHO, ChargeState
 
@@ -185,16 +185,15 @@ class Telemetry:
         """Return the eight digital inputs and outputs that every SIP carries."""
         return InputsOutputs(header(stamp, self._base), _bits(sip.digital_in, 8), _bits(sip.digital_out, 8))
 
-    def inputs_outputs(self, event: InputsOutputsReceived, stamp: int) -> InputsOutputs:
+    def inputs_outputs(self, ports: IoReport, stamp: int) -> InputsOutputs:
         """Return all ports of an I/O packet."""
-        ports = event.ports
         return InputsOutputs(
             header(stamp, self._base), _all_bits(ports.digital_in), _all_bits(ports.digital_out), ports.analog
         )
 
-    def note_ticks(self, event: EncodersReceived) -> None:
+    def note_ticks(self, encoders: Encoders) -> None:
         """Keep how far the driven wheels have rolled since the first packet."""
-        ticks = event.encoders.left, event.encoders.right
+        ticks = encoders.left, encoders.right
         last = self._ticks or ticks
         self._ticks = ticks
         for wheel, (now, before) in enumerate(zip(ticks, last, strict=True)):

@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from gateway.bridge import Bridge
 from gateway.cables.cable import ElementDriver, ElementThread, IsWanted, PublishEvents
-from gateway.errors import CameraNotOpened, NoSuchPort
+from gateway.errors import ExitCode, GatewayError, NoSuchPort
 from gateway.events import Event
 from gateway.serial_port import Port, has_rate, open_port
 from gateway.settings import Settings
@@ -17,7 +17,7 @@ from gateway.settings import Settings
 D = TypeVar("D", bound=ElementDriver)
 
 
-class CableThread(Generic[D]):
+class _CableThread(Generic[D]):
     """Drives one element, and publishes what it reports once the robot is on the bus.
 
     name: of the element, as on the bus. driver: only its plain state may be read by others. bridge: takes commands for
@@ -112,7 +112,7 @@ class SerialCable(CableKind):
     def check(self, address: str) -> None:
         """Do nothing: only opening a port shows whether it is there."""
 
-    def open(self, address: str, settings: Settings, waits: bool) -> CableThread[ElementDriver]:
+    def open(self, address: str, settings: Settings, waits: bool) -> _CableThread[ElementDriver]:
         """Begin to talk to the element."""
         try:
             port: Port | None = open_port(address)
@@ -120,7 +120,7 @@ class SerialCable(CableKind):
             if not waits:
                 raise
             port = None
-        return CableThread(self.name, self.make_driver(has_rate(address), settings), port, lambda: open_port(address))
+        return _CableThread(self.name, self.make_driver(has_rate(address), settings), port, lambda: open_port(address))
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class CameraCable(CableKind):
         try:
             cameras.check_source(address)
         except cameras.CameraNotUsable as error:
-            raise CameraNotOpened(str(error)) from error
+            raise GatewayError(str(error), ExitCode.USAGE) from error
 
     def open(self, address: str, settings: Settings, waits: bool) -> ElementThread:
         """Return the thread, which opens the camera."""

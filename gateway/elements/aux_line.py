@@ -29,7 +29,7 @@ class AuxExchange(NamedTuple):
     patience: float = 0.5
 
 
-class Ask(Protocol):
+class _Ask(Protocol):
     """The type of `Element._ask`."""
 
     def __call__(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
@@ -44,7 +44,7 @@ class AuxLine:
     current: the exchange whose answer is awaited.
     """
 
-    def __init__(self, outbox: Outbox, ask: Ask, accessory_delay: float = 0.0) -> None:
+    def __init__(self, outbox: Outbox, ask: _Ask, accessory_delay: float = 0.0) -> None:
         """Use the robot's line; accessory_delay: as in `LineKind`, s."""
         self.is_one_way = False
         self.current: AuxExchange | None = None

@@ -2,8 +2,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from gateway.events import ConfigurationReceived, HandshakeCompleted, LinkLost, SweepFailed
-from p2os import Command, encode_command
+from gateway.events import HandshakeCompleted, LinkLost, SweepFailed
+from p2os import Command, Configuration, encode_command
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import Bench, MakeBench
@@ -20,7 +20,7 @@ def test_first_bytes_are_stop_and_close_and_a_fresh_robot_is_heard_within_half_a
     assert seconds <= 0.5
     assert bench.of(HandshakeCompleted)[0].identity.name == "happy"
     bench.run(0.3)
-    assert len(bench.of(ConfigurationReceived)) == 1
+    assert len(bench.of(Configuration)) == 1
 
 
 def test_robot_is_configured_in_order_after_the_handshake(bench: "Bench") -> None:

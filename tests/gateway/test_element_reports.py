@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from gateway.cables.camera_thread import CameraThread
-from gateway.link_diagnosis import ELEMENT_PATIENCE, ElementChange, ElementReports
+from gateway.link_diagnosis import ELEMENT_PATIENCE, ElementReports
 
 
 def camera(clock: Callable[[], float] = lambda: 0.0) -> CameraThread:
@@ -18,9 +18,7 @@ def test_element_that_never_answers_is_told_once_and_with_the_reason() -> None:
     element.driver.lose("camera does not answer: refused")
     assert not [*reports.due(0.0), *reports.due(ELEMENT_PATIENCE - 0.1)]
     [first] = reports.due(ELEMENT_PATIENCE)
-    assert first == ElementChange(
-        "camera", False, False, ("the camera gives no pictures: camera does not answer: refused",)
-    )
+    assert first == ("camera", False, False, ("the camera gives no pictures: camera does not answer: refused",))
     assert not list(reports.due(2 * ELEMENT_PATIENCE))
 
 
@@ -43,4 +41,4 @@ def test_element_that_answers_late_is_found_all_the_same() -> None:
     assert not list(reports.due(5.0))
     assert len(list(reports.due(5.0 + ELEMENT_PATIENCE))) == 1
     element.driver.take((4, 3))
-    assert list(reports.due(6.0 + ELEMENT_PATIENCE)) == [ElementChange("camera", True, True, ())]
+    assert list(reports.due(6.0 + ELEMENT_PATIENCE)) == [("camera", True, True, ())]

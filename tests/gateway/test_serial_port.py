@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import serial.rfc2217
 
-from gateway.errors import NoSuchPort, NotAPort, PortBusy, PortForbidden, PortLost
+from gateway.errors import ExitCode, GatewayError, NoSuchPort, PortBusy, PortLost
 from gateway.serial_port import Port, open_port
 from tests.waiting import join
 
@@ -135,26 +135,27 @@ def serve_rfc2217(server: socket.socket) -> None:
         line.close()
 
 
-def refusal(kind: type[Exception], name: str) -> str:
+def refusal(kind: type[GatewayError], name: str, code: ExitCode) -> str:
     with pytest.raises(kind) as caught:
         open_port(name)
+    assert caught.value.exit_code == code
     return str(caught.value)
 
 
 def test_missing_port_a_directory_and_a_file_are_told_apart(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("no port")
-    assert "plug the robot in" in refusal(NoSuchPort, str(tmp_path / "ttyUSB9"))
-    assert "is a directory" in refusal(NotAPort, str(tmp_path))
-    assert "is no serial port" in refusal(NotAPort, str(tmp_path / "notes.txt"))
+    assert "plug the robot in" in refusal(NoSuchPort, str(tmp_path / "ttyUSB9"), ExitCode.NO_PORT)
+    assert "is a directory" in refusal(GatewayError, str(tmp_path), ExitCode.NOT_A_PORT)
+    assert "is no serial port" in refusal(GatewayError, str(tmp_path / "notes.txt"), ExitCode.NOT_A_PORT)
     dangling = tmp_path / "robot"
     dangling.symlink_to("/dev/pts/no-such-one")
-    refusal(NoSuchPort, str(dangling))
+    refusal(NoSuchPort, str(dangling), ExitCode.NO_PORT)
 
 
 def test_port_in_use_says_so() -> None:
     master, slave = pty.openpty()
     fcntl.flock(slave, fcntl.LOCK_EX)
-    assert "in use" in refusal(PortBusy, os.ttyname(slave))
+    assert "in use" in refusal(PortBusy, os.ttyname(slave), ExitCode.PORT_IN_USE)
     os.close(master)
     os.close(slave)
 
@@ -168,7 +169,7 @@ def test_forbidden_port_names_the_group_to_join(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setattr(os, "open", forbid)  # the tests may run as root, whom nothing is forbidden
     group = grp.getgrgid(device.stat().st_gid).gr_name
-    assert f"usermod -aG {group}" in refusal(PortForbidden, str(device))
+    assert f"usermod -aG {group}" in refusal(GatewayError, str(device), ExitCode.NO_PERMISSION)
 
 
 @pytest.mark.parametrize(
@@ -183,4 +184,4 @@ def test_forbidden_port_names_the_group_to_join(tmp_path: Path, monkeypatch: pyt
     ],
 )
 def test_address_where_nothing_answers_is_no_such_port(url: str) -> None:
-    assert url in refusal(NoSuchPort, url)
+    assert url in refusal(NoSuchPort, url, ExitCode.NO_PORT)

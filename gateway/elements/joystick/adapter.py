@@ -10,7 +10,8 @@ from bus.messages import Joy, header
 from gateway.commands import BASE, Arguments, CommandRow
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.joystick.element import JoystickElement
-from gateway.events import Event, JoystickSeen
+from gateway.events import Event
+from p2os import JoystickReport
 
 
 class _JoystickAdapter(BusAdapter):
@@ -22,17 +23,16 @@ class _JoystickAdapter(BusAdapter):
     name = "joystick"
     element = JoystickElement
     streams = (keys.JOYSTICK,)
-    events = (JoystickSeen,)
+    events = (JoystickReport,)
 
     def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if not isinstance(event, JoystickSeen):
+        if not isinstance(event, JoystickReport):
             return
-        held = event.report
         message = Joy(
             header=header(stamp, frame(self._robot, "base_link")),
-            axes=np.array([-held.x, held.y, held.throttle], np.float32),
-            buttons=np.array([held.button1, held.button2], np.int32),
+            axes=np.array([-event.x, event.y, event.throttle], np.float32),
+            buttons=np.array([event.button1, event.button2], np.int32),
         )
         yield keys.JOYSTICK, message
 

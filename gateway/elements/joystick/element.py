@@ -5,7 +5,6 @@ hand has moved the stick, or if the settings know that there is one.
 """
 
 from gateway.elements.asked import AskedElement
-from gateway.events import JoystickSeen
 from p2os import Command, JoystickReport, RobotModel, encode_command
 from p2os.arguments import PacketRequest
 
@@ -35,7 +34,7 @@ class JoystickElement(AskedElement):
         self.is_present = self.is_present or _is_held(packet)
         if self.is_present:
             super().take(packet, now)
-            self._announce(JoystickSeen(packet))
+            self._announce(packet)
         else:
             self._asks_left = self.times
             self.deadline = now + LOOK_PERIOD

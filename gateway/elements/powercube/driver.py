@@ -51,7 +51,7 @@ SWITCH_ON = 'send arm {"do": "power", "on": true}'
 
 
 @dataclass(slots=True)
-class Module:
+class _Module:
     """The state of one module.
 
     answered_at: s. state, position: as last heard. figures: what does not change. speed: rad/s or m/s, set last.
@@ -99,7 +99,7 @@ class PowerCubeDriver:
         self.limits: Sequence[JointLimits] = ()
         self._gripper = len(model.joints) + 1
         self._line = CubeLine(self.damaged)
-        self._modules: dict[int, Module] = {}
+        self._modules: dict[int, _Module] = {}
         self._unanswered: set[int] = set()  # in this round
         self._events: list[Event] = []
         self._last_run: float | None = None
@@ -250,7 +250,7 @@ class PowerCubeDriver:
 
     def _begin(self, now: float) -> None:
         self._line.clear()
-        self._modules = {number: Module(now) for number in range(1, self._gripper + 1)}
+        self._modules = {number: _Module(now) for number in range(1, self._gripper + 1)}
         self._search_until = now + PATIENCE
         self._rounds_at_rest = None
         for number in self._modules:
@@ -282,7 +282,7 @@ class PowerCubeDriver:
             for parameter in (ModuleParameter.STATE, ModuleParameter.POSITION, *missing):
                 self._line.ask(number, ModuleRequest(CubeCommand.GET, parameter))
 
-    def _take(self, heard: ModuleAnswer, module: Module, now: float) -> None:
+    def _take(self, heard: ModuleAnswer, module: _Module, now: float) -> None:
         number, (command, about, outcome, value, state) = heard
         module.answered_at = now
         if state is not None:

@@ -5,13 +5,13 @@ moves and seldom while it rests. One that the settings name and that never answe
 looks is reckoned.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from math import inf
 
 import configs
 from gateway.elements.aux_line import AuxExchange, AuxLine
 from gateway.elements.element import Element
-from gateway.elements.ptz.heads import Declined, Direction, HeadProtocol, HeadReply, Vcc4Protocol, ViscaProtocol, Zoom
+from gateway.elements.ptz.heads import HEAD_PROTOCOLS, Declined, Direction, HeadProtocol, HeadReply, Zoom
 from gateway.elements.ptz.position import HeadPosition, HeadTracker
 from gateway.errors import CommandRefused
 from gateway.events import Event, HeadSeen
@@ -35,11 +35,6 @@ PROBES = 3
 """Times that each kind of head is asked for, since robot or line may drop a frame."""
 MOST_MISSED = 3
 """Answers in a row that may fail to come before the head counts as silent."""
-
-_PROTOCOLS: Mapping[HeadKind, Callable[[HeadModel], HeadProtocol]] = {
-    HeadKind.VCC4: Vcc4Protocol,
-    HeadKind.EVID30: ViscaProtocol,
-}
 
 
 class PtzElement(Element):
@@ -73,7 +68,7 @@ class PtzElement(Element):
         kinds: Sequence[HeadKind] = [kind for kind in HeadKind if choice in (PtzChoice.AUTO, kind.value)]
         if self.is_present and self._protocol is not None:
             kinds = [self._protocol.kind]
-        talks = [_PROTOCOLS[kind](configs.load(HeadModel, "accessories", kind.value)) for kind in kinds]
+        talks = [HEAD_PROTOCOLS[kind](configs.load(HeadModel, "accessories", kind.value)) for kind in kinds]
         self._candidates = talks * PROBES
         self._try_next(now)
         self.watch(now)

@@ -1,6 +1,6 @@
 """The protocols of the two kinds of camera heads: requests, lengths and meanings of the answers."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from gateway.elements.aux_line import AuxExchange
@@ -72,7 +72,7 @@ class HeadProtocol(Protocol):
         ...
 
 
-class Vcc4Protocol:
+class _Vcc4Protocol:
     """The Canon VC-C4; implements `HeadProtocol`."""
 
     kind: HeadKind = HeadKind.VCC4
@@ -126,7 +126,7 @@ def _plain(code: Code, parameters: bytes | tuple[int, ...], patience: float = 0.
     return AuxExchange(vcc4.encode_command(code, parameters), vcc4.PLAIN_LENGTH, vcc4.PLAIN_LENGTH, patience)
 
 
-class ViscaProtocol:
+class _ViscaProtocol:
     """The Sony EVI-D30; implements `HeadProtocol`."""
 
     kind: HeadKind = HeadKind.EVID30
@@ -182,3 +182,10 @@ class ViscaProtocol:
 
 def _command(kind: bytes, *values: int) -> AuxExchange:
     return AuxExchange(encode(kind, *values), visca.ACK_LENGTH, visca.ACK_LENGTH)
+
+
+HEAD_PROTOCOLS: Mapping[HeadKind, Callable[[HeadModel], HeadProtocol]] = {
+    HeadKind.VCC4: _Vcc4Protocol,
+    HeadKind.EVID30: _ViscaProtocol,
+}
+"""Makes the protocol of a kind of head from its model."""

@@ -6,7 +6,7 @@ Source of the battery packet: client libraries.
 from gateway.elements.asked import AskedElement, PolledElement
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused
-from gateway.events import ChargeSeen, EncodersReceived, InputsOutputsReceived
+from gateway.events import ChargeSeen
 from p2os import BatteryReport, Command, Configuration, Encoders, IoReport, RobotModel
 from p2os.accessory_packets import RELATIVE_CHARGE
 from p2os.arguments import EVERY_OUTPUT, PacketRequest
@@ -61,7 +61,7 @@ class UserPorts(PolledElement):
         """Announce the packet."""
         super().take(packet, now)
         assert isinstance(packet, IoReport)
-        self._announce(InputsOutputsReceived(packet))
+        self._announce(packet)
 
     def set_outputs(self, mask: int, value: int) -> None:
         """Set the digital outputs whose bits are set in `mask` to the bits of `value`.
@@ -94,7 +94,7 @@ class WheelEncoders(PolledElement):
         """Announce the packet."""
         super().take(packet, now)
         assert isinstance(packet, Encoders)
-        self._announce(EncodersReceived(packet, self._model))
+        self._announce(packet)
 
 
 class Batteries(AskedElement):

@@ -10,7 +10,7 @@ from gateway.elements.compass.element import CompassElement
 from gateway.elements.element import Element
 from gateway.elements.joystick.element import LOOK_PERIOD, JoystickElement
 from gateway.elements.standard.element import PERIOD, Batteries
-from gateway.events import ChargeSeen, CompassSeen, JoystickSeen
+from gateway.events import ChargeSeen, CompassSeen
 from gateway.settings import Fitted, Settings
 from p2os import BatteryReport, Command, CompassReport, JoystickReport
 
@@ -102,7 +102,7 @@ def test_joystick_is_passed_on_and_is_let_drive(make_stand: "MakeStand") -> None
     stand = make_stand(JoystickElement)
     stand.connect()
     stand.take(HELD)
-    assert stand.announced == [JoystickSeen(HELD)]
+    assert stand.announced == [HELD]
     stand.sent()
     element = stand.element
     assert isinstance(element, JoystickElement)
@@ -123,7 +123,7 @@ def test_stick_at_rest_may_be_an_empty_socket_and_is_looked_at_now_and_then(make
     stand.take(HELD)
     assert stand.has_it()
     stand.take(STILL)
-    assert stand.announced == [JoystickSeen(HELD), JoystickSeen(STILL)]
+    assert stand.announced == [HELD, STILL]
 
 
 def test_joystick_that_the_settings_know_of_is_there_at_rest_too(make_stand: "MakeStand") -> None:
@@ -131,7 +131,7 @@ def test_joystick_that_the_settings_know_of_is_there_at_rest_too(make_stand: "Ma
     stand.connect()
     assert stand.has_it()
     stand.take(STILL)
-    assert stand.announced == [JoystickSeen(STILL)]
+    assert stand.announced == [STILL]
 
 
 def test_charge_is_the_mean_of_all_batteries_and_asked_for_again_after_a_while(make_stand: "MakeStand") -> None:
