@@ -25,6 +25,9 @@ ELSEWHERE = {
     "acromovi navigate wiring happy wiring.svg": "tests/acromovi/navigation",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",
+    "p2os-gateway /dev/ttyS0 --name doc --laser /dev/ttyS1 /dev/ttyS2 --name max --config max.toml --wait": (
+        "tests/gateway/test_many_robots.py, with other ports"
+    ),
     "p2os-gateway /dev/ttyUSB0": IN_TERMINALS,
     "p2os-gateway socket://localhost:8101 --name happy": "tests/gateway, with tests/gateway/simulator_peer.py",
     "pytest tests/agents/faults": SUITE,

@@ -44,6 +44,7 @@ ALLOWED: Mapping[tuple[str, Finding], str] = {
     ("p2os_emu.links.modem", Finding("bytes", r"b'\r'")): "ends the dial string of a modem",
     ("p2os_emu.world.collision", Finding("numbered names", "Group")): "collision groups of the physics engine",
     ("gateway.bridge", Finding("bytes", "b'!'")): "wakes the bridge's own thread",
+    ("gateway.errors", Finding("numbered names", "ExitCode")): "exit codes of the program",
     ("gateway.line", Finding("bytes", "b'onnected to address'")): "what a radio modem says",
     ("gateway.line", Finding("bytes", r"b'WMS2\r'")): "what a radio modem is told",
 }
