@@ -15,8 +15,8 @@ from gateway.events import Event, SipReceived
 from gateway.settings import Settings
 from p2os import Command, Frame, FrameDecoder, Identity, ReceivedCommand, RobotModel, decode_command
 from p2os_emu.microcontroller import Microcontroller
-from p2os_emu.microcontroller.testing import STEP, PlainBody
 from tests.gateway.virtual_time import VirtualTime
+from tests.p2os_emu.microcontroller.bench import STEP, PlainBody
 
 T = TypeVar("T")
 

@@ -14,8 +14,8 @@ from gateway.settings import Settings
 from p2os import RobotModel
 from p2os_emu import fitting
 from p2os_emu.fit import Fit
-from p2os_emu.microcontroller.testing import PlainArm
 from tests.gateway.test_robot_on_bus import Office
+from tests.p2os_emu.microcontroller.bench import PlainArm
 from tests.waiting import wait_until
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from p2os_emu.fit import read_fit
 from p2os_emu.fitting import FittingContext, plug_in
 from p2os_emu.microcontroller import Microcontroller
 from p2os_emu.microcontroller.panel import Stick
-from p2os_emu.microcontroller.testing import PlainGripper
 from tests.gateway.test_robot_on_bus import Office
+from tests.p2os_emu.microcontroller.bench import PlainGripper
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import MakeBench

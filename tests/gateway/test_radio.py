@@ -21,8 +21,8 @@ from p2os_emu.accessories.vcc4 import Vcc4
 from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.microcontroller import Microcontroller
-from p2os_emu.microcontroller.testing import STEP, PlainBody
 from tests.gateway.virtual_time import VirtualTime
+from tests.p2os_emu.microcontroller.bench import STEP, PlainBody
 
 STOP = encode_command(Command.STOP)
 CLOSE = encode_command(Command.CLOSE)

@@ -10,8 +10,8 @@ from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encod
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import FrameSource
 from p2os_emu.checking import RecordingDifference, compare, replay
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.recording import RecordedBytes, Recording, read
+from tests.p2os_emu.flat_world import FlatWorld
 
 CAPTURES = Path(__file__).resolve().parents[3] / "shared" / "captures"
 P3DX = configs.load(RobotModel, "robots", "p3dx-sh")

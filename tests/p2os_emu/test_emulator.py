@@ -6,9 +6,9 @@ import configs
 from geometry import Pose2D
 from p2os import Command, RobotModel, encode_command
 from p2os_emu.emulator import STEP, EmulatedRobot, Emulator
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from tests.p2os_emu.flat_world import FlatWorld
 
 P3DX = configs.load(RobotModel, "robots", "p3dx")
 IDEAL = configs.load(LinkProfile, "links", "ideal")

@@ -9,12 +9,12 @@ import pytest
 from p2os import Command, Frame, FrameDecoder, encode_command
 from p2os_emu.emulator import Emulator
 from p2os_emu.factory import Factory
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.options import MOBILESIM_PORT, parse
 from p2os_emu.ports import Ports
 from p2os_emu.team import EmulatedTeam
+from tests.p2os_emu.flat_world import FlatWorld
 
 
 class Hall:

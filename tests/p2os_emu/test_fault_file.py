@@ -9,11 +9,11 @@ from p2os import RobotModel
 from p2os_emu.emulator import Emulator
 from p2os_emu.fault_spec import FaultError
 from p2os_emu.faults.board import FaultBoard
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.program import ChildFailed
 from p2os_emu.robot_for_tests import start
+from tests.p2os_emu.flat_world import FlatWorld
 
 
 @pytest.fixture

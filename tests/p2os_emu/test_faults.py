@@ -13,10 +13,10 @@ from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import FaultError, parse_fault
 from p2os_emu.faults.board import FAULTS, FaultBoard
 from p2os_emu.fit import read_fit
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.lists import listing
+from tests.p2os_emu.flat_world import FlatWorld
 
 POWERBOT = configs.load(RobotModel, "robots", "powerbot")
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from p2os_emu.faulty_body import HEALTHY_SONAR, FaultyBody, SonarFaults
-from p2os_emu.microcontroller.testing import STEP, PlainBody
+from tests.p2os_emu.microcontroller.bench import STEP, PlainBody
 
 RATIOS = st.floats(0.0, 1.0)
 SPEEDS = st.floats(-1.0, 1.0)

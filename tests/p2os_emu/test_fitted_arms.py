@@ -18,10 +18,10 @@ from p2os.accessories.powercube import (
 from p2os_emu.accessories.powercube import PowerCubeArm
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fit import FitError, read_fit
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.world import World, WorldSpec
+from tests.p2os_emu.flat_world import FlatWorld
 
 IDEAL = configs.load(LinkProfile, "links", "ideal")
 

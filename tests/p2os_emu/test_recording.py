@@ -9,10 +9,10 @@ import configs
 from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encode_frame
 from p2os.wire_log import FrameSource
 from p2os_emu.emulator import STEP, Emulator
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.recording import LineRecorder, RecordedBytes, Recording, RecordingError, ReplayDevice, read
+from tests.p2os_emu.flat_world import FlatWorld
 
 ANSWER = encode_frame(b"\x02happy\0Pioneer\0p3dx-sh\0")
 HANDSHAKE = (Command.SYNC0, Command.SYNC1, Command.SYNC2)

@@ -17,13 +17,13 @@ from p2os_emu.control import RequestError
 from p2os_emu.control_requests import REQUESTS, ControlRequestHandler
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.faults.board import FaultBoard
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.ports import Ports
 from p2os_emu.runner import Runner
 from p2os_emu.team import EmulatedTeam
 from p2os_emu.world import World, load_world
+from tests.p2os_emu.flat_world import FlatWorld
 
 
 @pytest.fixture(scope="module")

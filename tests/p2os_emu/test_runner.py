@@ -7,11 +7,11 @@ from math import inf
 import pytest
 
 from p2os_emu.emulator import STEP, Emulator
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.poller import Poller
 from p2os_emu.pacing import FASTEST, SLOWEST
 from p2os_emu.runner import Runner
+from tests.p2os_emu.flat_world import FlatWorld
 
 
 class VirtualPoller(Poller):

@@ -8,7 +8,6 @@ import pytest
 import configs
 from configs import ConfigError
 from p2os_emu.emulator import EmulatedRobot, Emulator
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.link import PortError
 from p2os_emu.links.memory import MemoryLink
@@ -16,6 +15,7 @@ from p2os_emu.links.poller import Poller
 from p2os_emu.ports import Ports
 from p2os_emu.recording import RecordingError
 from p2os_emu.team import EmulatedTeam
+from tests.p2os_emu.flat_world import FlatWorld
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from gateway.events import Event
 from gateway.settings import LaserSettings
 from p2os import LaserMount
 from p2os_emu.accessories.lms200 import Lms200, ScannerModel
-from p2os_emu.microcontroller.testing import STEP, PlainBody
+from tests.p2os_emu.microcontroller.bench import STEP, PlainBody
 
 T = TypeVar("T")
 

@@ -14,7 +14,7 @@ from gateway.errors import CommandRefused
 from gateway.events import ArmSeen, ElementFound, ElementLost, ElementSilent, Event
 from p2os.accessories.arm_model import ArmModel
 from p2os_emu.accessories.powercube import PowerCubeArm
-from p2os_emu.microcontroller.testing import STEP, PlainArm
+from tests.p2os_emu.microcontroller.bench import STEP, PlainArm
 
 T = TypeVar("T")
 MODEL = load(ArmModel, "accessories", "powercube-arm")

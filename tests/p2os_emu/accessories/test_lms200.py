@@ -18,7 +18,7 @@ from p2os.accessories.lms import (
 from p2os.accessories.lms_framing import Acknowledged, LmsTelegram, LmsTelegramDecoder, encode
 from p2os_emu.accessories.lms200 import Lms200, ScannerModel
 from p2os_emu.body import Echoes, ScanBeams
-from p2os_emu.microcontroller.testing import STEP, PlainBody
+from tests.p2os_emu.microcontroller.bench import STEP, PlainBody
 
 FORWARD = LaserMount("lms2xx", 0.1, 0.0)
 STOP, START = "02 00 02 00 20 25 35 08", "02 00 02 00 20 24 34 08"

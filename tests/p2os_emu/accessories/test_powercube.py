@@ -19,7 +19,7 @@ from p2os.accessories.powercube import (
     MotionKind,
 )
 from p2os_emu.accessories.powercube import PowerCubeArm
-from p2os_emu.microcontroller.testing import STEP, PlainArm
+from tests.p2os_emu.microcontroller.bench import STEP, PlainArm
 
 RAMP = MotionKind.RAMP_ACKNOWLEDGED
 

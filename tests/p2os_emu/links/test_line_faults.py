@@ -7,9 +7,9 @@ import pytest
 import configs
 from p2os import Command, RobotModel, encode_command
 from p2os_emu.emulator import STEP, EmulatedRobot, Emulator
-from p2os_emu.flat_world import FlatWorld
 from p2os_emu.links.line import LINE_FAULTS, EmulatedLine, LinkProfile, Toward
 from p2os_emu.links.memory import MemoryLink
+from tests.p2os_emu.flat_world import FlatWorld
 from tests.p2os_emu.links.test_line import IDEAL, RS232, SYNC0, VEL
 
 EVERY_PROFILE = configs.names("links")

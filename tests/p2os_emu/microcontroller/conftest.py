@@ -7,7 +7,7 @@ import pytest
 
 from configs.loader import load
 from p2os.robot_model import RobotModel
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 
 @cache

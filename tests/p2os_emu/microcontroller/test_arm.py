@@ -9,7 +9,7 @@ import pytest
 from configs import load
 from p2os import ArmInformation, ArmReport, ArmStatus, Command, RobotModel, StandardSip
 from p2os.accessories.arm_model import ArmModel
-from p2os_emu.microcontroller.testing import MicrocontrollerBench, PlainArm, PlainBody
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench, PlainArm, PlainBody
 
 HOME = (128, 28, 28, 128, 128, 28)
 """Counts of configs/accessories/pioneer-arm.toml: 90 degrees are 100 counts, downward from 128 in joints 1 to 3."""

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from p2os.accessory_packets import AuxData
 from p2os.command_table import Command
 from p2os_emu.microcontroller.aux_port import BUFFER, MOST
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

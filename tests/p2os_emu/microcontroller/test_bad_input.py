@@ -12,7 +12,7 @@ from p2os.framing import encode_frame
 from p2os.packets import PacketType
 from p2os.sip import StandardSip
 from p2os_emu.microcontroller import EMULATED, EMULATED_PACKETS
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

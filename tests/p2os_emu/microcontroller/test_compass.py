@@ -12,7 +12,7 @@ from p2os.accessory_packets import CompassReport
 from p2os.arguments import CompassMode
 from p2os.command_table import Command
 from p2os_emu.accessories.tcm2 import FULL_SCORE, Tcm2, Tcm2Spec
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 SPEC = configs.load(Tcm2Spec, "accessories", "tcm2")

@@ -9,7 +9,7 @@ from p2os.command_table import Command
 from p2os.commands import encode_command
 from p2os.errors import LocalProtocolError
 from p2os.sip import StandardSip
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

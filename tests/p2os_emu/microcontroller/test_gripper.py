@@ -14,7 +14,7 @@ from p2os.packets import IoReport
 from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller.gripper import GripperServer
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench, PlainBody, PlainGripper
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench, PlainBody, PlainGripper
 
 BenchOf = Callable[..., MicrocontrollerBench]
 MakeGripper = Callable[..., MicrocontrollerBench]

@@ -13,7 +13,7 @@ from p2os.command_table import Command
 from p2os.configuration import Configuration
 from p2os.sip import StandardSip
 from p2os_emu.accessories.analog_gyro import AnalogGyro, AnalogGyroSpec
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 SPEC = configs.load(AnalogGyroSpec, "accessories", "analog-gyro")

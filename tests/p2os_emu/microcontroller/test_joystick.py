@@ -10,7 +10,7 @@ from p2os.command_table import Command
 from p2os.sip import SipFlag, StandardSip
 from p2os_emu.fit import Fit
 from p2os_emu.microcontroller.panel import Stick
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 JOYSTICK = Fit({"joystick": ""})

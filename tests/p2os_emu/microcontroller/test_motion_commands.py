@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from p2os.command_table import Command
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench, PlainBody
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench, PlainBody
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

@@ -11,7 +11,7 @@ from p2os.command_table import Command
 from p2os.odometry import OdometryUnwrapper
 from p2os.packets import Encoders
 from p2os_emu.microcontroller.odometry import OdometryIntegrator
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

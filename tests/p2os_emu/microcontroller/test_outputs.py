@@ -12,7 +12,7 @@ from p2os.sip import ChargeState, SipFlag
 from p2os_emu.microcontroller import Flash
 from p2os_emu.microcontroller.battery import LOWERING, PATIENCE
 from p2os_emu.microcontroller.outputs import POWER_OUTPUTS
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

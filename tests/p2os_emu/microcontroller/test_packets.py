@@ -10,7 +10,7 @@ from p2os.command_table import Command
 from p2os.configuration import Configuration
 from p2os.packets import Encoders, IoReport
 from p2os.sip import StandardSip
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

@@ -14,9 +14,9 @@ from p2os.configuration import Configuration
 from p2os.simulator_packets import ExtendedLaser, MapChanged, SimulatedLaser, SimulatorState
 from p2os_emu.body import Echoes, ScanBeams
 from p2os_emu.emulator import STEP, Emulator
-from p2os_emu.flat_world import FlatBody, FlatWorld
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
+from tests.p2os_emu.flat_world import FlatBody, FlatWorld
 
 WALL = 4.0
 

@@ -11,7 +11,7 @@ import pytest
 from p2os.command_table import Command
 from p2os.sip import StandardSip
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

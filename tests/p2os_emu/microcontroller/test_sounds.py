@@ -8,7 +8,7 @@ import pytest
 from p2os.accessory_packets import PlaylistEntry
 from p2os.command_table import Command
 from p2os_emu.microcontroller.buzzer import KEPT
-from p2os_emu.microcontroller.testing import MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 

@@ -7,7 +7,7 @@ import pytest
 
 from p2os.command_table import Command
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.testing import STEP, MicrocontrollerBench
+from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
 
