@@ -8,7 +8,7 @@ from pathlib import Path
 from acromovi.missions.command import play_many
 from acromovi.missions.matrix import Result
 from acromovi.missions.page import Results, page
-from acromovi.missions.picture import draw_grid, draw_mission, draw_sheet
+from acromovi.missions.picture import draw_mission
 from acromovi.missions.tasks import Job
 from benchmarks.figures import Figure
 from benchmarks.free_space_block import BlockGoto
@@ -62,6 +62,8 @@ def _figure(name: str, value: float, reach: float, unit: str, samples: int) -> F
 
 def _draw(results: Sequence[Result], out: Path) -> list[str]:
     """The pictures, by their names."""
+    from benchmarks.mission_pages import draw_grid, draw_sheet  # only this benchmark needs matplotlib to be loaded
+
     draw_sheet(out / "missions-house.png", results, "house")
     draw_grid(out / "missions-plans.png", [r for r in results if r.job.world != "house" and r.job.condition == "all"])
     names = ["missions-house.png", "missions-plans.png"]

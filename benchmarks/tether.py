@@ -55,7 +55,7 @@ class TetheredRobot:
     @property
     def pose(self) -> Pose2D:
         """Where the robot truly is."""
-        return self._emulator.truth(NAME).pose
+        return self._world.truth(NAME).pose
 
     def send(self, command: Command, value: CommandValue | None = None) -> None:
         """Give the robot a command; it is heard with the next step."""
