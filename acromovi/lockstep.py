@@ -126,7 +126,7 @@ class Lockstep:
 
     def truth(self, name: str) -> Pose2D:
         """Return the true pose of a robot."""
-        return self._emulator.truth(name).pose
+        return self._world.truth(name).pose
 
     def touches(self, name: str) -> Touches:
         """Return the collisions of a robot: hull or accessory against wall, furniture, door, person or robot."""

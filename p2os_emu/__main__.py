@@ -128,7 +128,7 @@ def _emulate(options: EmulatorOptions) -> None:
 
         def degrade(level: int) -> None:
             cameras.has_stopped = level > STAGES.index("camera images")
-            emulator.economise(people=level > STAGES.index("people"), parked=level == len(STAGES))
+            world.economise(people=level > STAGES.index("people"), parked=level == len(STAGES))
 
         runner.when_degraded.append(degrade)
         factory = _open_factory(options, poller, team, stack)

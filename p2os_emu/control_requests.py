@@ -119,20 +119,20 @@ def _truth(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
 
 def _pose(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     robot = handler.robot(fields)
-    here = handler.emulator.truth(robot.name).pose
+    here = handler.emulator.world.truth(robot.name).pose
     there = Pose2D(fields.get("x", here.x), fields.get("y", here.y), fields.get("heading", here.heading))
     if fields.keys() - {"robot"}:
         try:
             handler.emulator.place(robot.name, there)
         except ValueError as error:
             raise RequestError(str(error)) from error
-    pose = handler.emulator.truth(robot.name).pose
+    pose = handler.emulator.world.truth(robot.name).pose
     return {"robot": robot.name, "x": pose.x, "y": pose.y, "heading": pose.heading}
 
 
 def _door(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     try:
-        handler.emulator.set_door(fields["name"], fields["open"])
+        handler.emulator.world.set_door(fields["name"], fields["open"])
     except ValueError as error:
         raise RequestError(str(error)) from error
     return {"door": fields["name"], "open": fields["open"]}
@@ -288,7 +288,7 @@ def _surroundings(emulator: Emulator) -> dict[str, Any]:
     """Return the places of objects, people and doors."""
     people = {
         name: {"x": x, "y": y, "heading": heading, "walks": walks}
-        for name, (x, y, heading, walks) in emulator.people().items()
+        for name, (x, y, heading, walks) in emulator.world.people().items()
     }
-    doors = {name: {"opening": opening, "width": width} for name, (opening, width) in emulator.doors().items()}
-    return {"objects": emulator.objects(), "people": people, "doors": doors}
+    doors = {name: {"opening": opening, "width": width} for name, (opening, width) in emulator.world.doors().items()}
+    return {"objects": emulator.world.object_places(), "people": people, "doors": doors}

@@ -18,7 +18,7 @@ from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.link import Link
 from p2os_emu.microcontroller import Flash, Microcontroller
 from p2os_emu.microcontroller.simulator import Simulator
-from p2os_emu.surroundings import EmulatedSurroundings, TouchCounter, TrueMotion
+from p2os_emu.surroundings import EmulatedSurroundings
 
 STEP = 1 / 120  # s; the world moves in steps of this size and no other
 FARTHEST = 1e5  # m from the origin for places that robots are put at; larger numbers are typing errors
@@ -104,6 +104,7 @@ def _check_place(pose: Pose2D) -> None:
 class Emulator:
     """Robots in a world.
 
+    world: says where robots, people and doors truly are; nobody else may step it.
     robots: by name, in the order they came.
     before_step: called with emulated time, s, before every step: where faults come and go.
     """
@@ -129,7 +130,7 @@ class Emulator:
         """
         self.robots: dict[str, EmulatedRobot] = {}
         self.before_step: Callable[[float], None] = _nothing
-        self._world = world
+        self.world = world
         self._profile = profile
         self._seed = seed
         self._hangup_stops = hangup_stops
@@ -138,7 +139,7 @@ class Emulator:
     @property
     def time(self) -> float:
         """Emulated time since the start, s."""
-        return self._world.time
+        return self.world.time
 
     @property
     def silence(self) -> float:
@@ -179,16 +180,16 @@ class Emulator:
             _check_place(pose)
         flash = flash or self.flash(model, name)
         controller = Microcontroller(model, name, flash=flash, seed=self._rng(name, "firmware"), fit=fit)
-        body = FaultyBody(self._world.add_robot(name, model, pose, fit), Random(self._rng(name, "faults")))
+        body = FaultyBody(self.world.add_robot(name, model, pose, fit), Random(self._rng(name, "faults")))
         profile = profile or self._profile
         line = EmulatedLine(link, profile, self._rng(name, "line"))
-        robot = EmulatedRobot(name, model, controller, body, line, self._world.truth(name).pose, fit)
+        robot = EmulatedRobot(name, model, controller, body, line, self.world.truth(name).pose, fit)
         if self._as_simulator:
             controller.simulate(
                 Simulator(
                     model,
                     body,
-                    pose=lambda: self._world.truth(name).pose,
+                    pose=lambda: self.world.truth(name).pose,
                     place=partial(self.place, name),
                     restart=partial(self._put_back, robot),
                 )
@@ -224,39 +225,7 @@ class Emulator:
         """Take a robot out of the world and close its ports."""
         robot = self.robots.pop(name)
         robot.close()
-        self._world.remove_robot(name)
-
-    def truth(self, name: str) -> TrueMotion:
-        """Return the true motion of a robot."""
-        return self._world.truth(name)
-
-    def objects(self) -> Mapping[str, tuple[float, float, float, float]]:
-        """Where the middle of each movable object is, m, m, m, and its heading, rad."""
-        return self._world.object_places()
-
-    def held(self, name: str) -> str | None:
-        """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
-        return self._world.held(name)
-
-    def touches(self, name: str) -> TouchCounter:
-        """Return the collisions of a robot since the start."""
-        return self._world.touches(name)
-
-    def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
-        """Where everybody is who walks about, m, m, rad, and whether they walk just now."""
-        return self._world.people()
-
-    def economise(self, *, people: bool, parked: bool) -> None:
-        """Reduce the load or stop reducing it: people stand still, and robots at rest are not simulated."""
-        self._world.economise(people=people, parked=parked)
-
-    def doors(self) -> Mapping[str, tuple[float, float]]:
-        """How far each door with a leaf is open, m, and of how much."""
-        return self._world.doors()
-
-    def set_door(self, name: str, is_open: bool) -> None:
-        """Open or close a door; it no longer moves by itself."""
-        self._world.set_door(name, is_open)
+        self.world.remove_robot(name)
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Move a robot to another pose; its odometry does not change.
@@ -265,24 +234,24 @@ class Emulator:
             ValueError: The place is not free, or farther away than `FARTHEST`.
         """
         _check_place(pose)
-        self._world.place(name, pose)
+        self.world.place(name, pose)
 
     def restart(self, name: str) -> None:
         """Move a robot back to its first pose and reset it: odometry zero, connection closed."""
         robot = self.robots[name]
-        self._world.place(name, robot.start)
+        self.world.place(name, robot.start)
         robot.microcontroller.power_cycle()
 
     def step(self) -> None:
         """Advance everything by `STEP`: lines, firmware, world, lines."""
-        self.before_step(self._world.time)
+        self.before_step(self.world.time)
         if self._hangup_stops:
             self._stop_deserted()
         robots = tuple(self.robots.values())
-        now = self._world.time
+        now = self.world.time
         replies = [robot.think(now) for robot in robots]
-        self._world.step()
-        now = self._world.time
+        self.world.step()
+        now = self.world.time
         for robot, reply in zip(robots, replies, strict=True):
             if reply or not robot.line.is_plain:
                 robot.line.send(reply, now, robot.microcontroller.host_baud)

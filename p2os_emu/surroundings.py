@@ -86,15 +86,6 @@ class EmulatedSurroundings(Protocol):
         """Where everybody is who walks about, m, m, rad, and whether they walk just now."""
         ...
 
-    def economise(self, *, people: bool, parked: bool) -> None:
-        """Save computing time, or stop saving it.
-
-        Args:
-            people: Let people stand still.
-            parked: Do not compute robots that stand, until something moves them.
-        """
-        ...
-
     def doors(self) -> Mapping[str, tuple[float, float]]:
         """How far each door with a leaf is open, m, and of how much."""
         ...

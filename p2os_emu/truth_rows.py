@@ -15,8 +15,8 @@ LAST_TOUCHES = 10
 
 def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
     """Return how one robot is: its truth, its board, its line and its accessories; null for those not fitted."""
-    truth = emulator.truth(robot.name)
-    touches = emulator.touches(robot.name)
+    truth = emulator.world.truth(robot.name)
+    touches = emulator.world.touches(robot.name)
     return {
         "x": truth.pose.x,
         "y": truth.pose.y,
@@ -54,7 +54,7 @@ def _gripper(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any] | None:
         "inner_beam": state.inner_beam,
         "left_contact": state.left_contact,
         "right_contact": state.right_contact,
-        "held": emulator.held(robot.name),
+        "held": emulator.world.held(robot.name),
     }
 
 

@@ -137,9 +137,6 @@ class FlatWorld:
         """There are none."""
         return {}
 
-    def economise(self, *, people: bool, parked: bool) -> None:
-        """Do nothing: there is nothing to save."""
-
     def doors(self) -> Mapping[str, tuple[float, float]]:
         """There are none."""
         return {}

@@ -59,7 +59,7 @@ def test_command_from_the_line_turns_the_wheels_in_the_same_step() -> None:
     rig.connect()
     rig.tell(Command.VEL, 0.2)
     rig.run(STEP)
-    assert rig.emulator.truth("happy").linear > 0
+    assert rig.emulator.world.truth("happy").linear > 0
 
 
 def test_sip_comes_every_tenth_of_a_second() -> None:
@@ -108,12 +108,12 @@ def test_removed_robot_is_gone_from_world_and_line() -> None:
 def test_restart_carries_the_robot_back_and_presses_reset() -> None:
     rig = Rig()
     rig.drive()
-    assert rig.emulator.truth("happy").pose.x > 0.1
+    assert rig.emulator.world.truth("happy").pose.x > 0.1
     rig.emulator.restart("happy")
-    assert rig.emulator.truth("happy").pose == Pose2D()
+    assert rig.emulator.world.truth("happy").pose == Pose2D()
     rig.run(0.1)
     assert not rig.robot.microcontroller.connected
-    assert rig.emulator.truth("happy").linear == 0
+    assert rig.emulator.world.truth("happy").linear == 0
 
 
 @pytest.mark.parametrize(("hangup_stops", "moves"), [(True, False), (False, True)])
@@ -124,7 +124,7 @@ def test_robot_whose_client_left_stops_at_once_only_if_asked_to(hangup_stops: bo
     rig.run(STEP)
     rig.link.unplug()
     rig.run(1.0)
-    assert (rig.emulator.truth("happy").linear > 0) is moves
+    assert (rig.emulator.world.truth("happy").linear > 0) is moves
 
 
 def test_rs232_line_delays_the_answer_by_the_time_of_its_bytes() -> None:
@@ -147,7 +147,7 @@ def test_hostbaud_takes_the_line_to_a_new_rate_that_the_client_must_follow() -> 
     assert rig.run(1.0).count(SIP_BEGIN) >= 9
     rig.tell(Command.VEL, 0.2)
     rig.run(0.5)
-    assert rig.emulator.truth("happy").linear > 0
+    assert rig.emulator.world.truth("happy").linear > 0
 
 
 def test_serial_numbers_differ_between_robots_and_seeds_and_repeat_with_the_seed() -> None:

@@ -46,7 +46,7 @@ class Rig:
 
     @property
     def speed(self) -> float:
-        return self.emulator.truth("happy").linear
+        return self.emulator.world.truth("happy").linear
 
     def fault(self, text: str) -> int:
         return self.board.schedule(parse_fault(text), self.emulator.time).number

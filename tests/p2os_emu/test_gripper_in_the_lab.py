@@ -82,13 +82,13 @@ class Client:
     @property
     def box(self) -> tuple[float, float, float]:
         """Where the box truly is, m."""
-        place = self.emulator.objects()["red box"]
+        place = self.emulator.world.object_places()["red box"]
         return place[0], place[1], place[2]
 
     @property
     def box_seen(self) -> tuple[float, float]:
         """Where its robot would see it: m ahead of the axle and to the left."""
-        return self.emulator.truth("happy").pose.locate(*self.box[:2])
+        return self.emulator.world.truth("happy").pose.locate(*self.box[:2])
 
 
 @pytest.fixture
@@ -124,9 +124,9 @@ def test_a_pioneer_picks_a_box_up_carries_it_and_puts_it_down(client: Client) ->
 
     client.drive(Command.MOVE, -1.0)
     assert stood[0] - client.box[0] == pytest.approx(1.0, abs=0.03)
-    before = client.emulator.truth("happy").pose.heading
+    before = client.emulator.world.truth("happy").pose.heading
     client.drive(Command.DHEAD, pi / 2)
-    turned = wrap_angle(client.emulator.truth("happy").pose.heading - before)
+    turned = wrap_angle(client.emulator.world.truth("happy").pose.heading - before)
     assert degrees(turned) == pytest.approx(90, abs=3)
     assert client.box[1] - stood[1] == pytest.approx(seen[0], abs=0.05)
     assert client.box_seen == pytest.approx(seen, abs=0.01)

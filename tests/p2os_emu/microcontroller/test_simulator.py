@@ -87,7 +87,7 @@ def what_follows(command: bytes, *, as_simulator: bool) -> tuple[Any, ...]:
     client.say(bytes([230, 0x3B, 1, 0]) if as_simulator else UNKNOWN)  # sweeps show the laser's settings
     client.say(command)
     packets = client.hear(0.5)
-    return packets, client.emulator.truth("happy").pose, client.messages
+    return packets, client.emulator.world.truth("happy").pose, client.messages
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -117,7 +117,7 @@ def test_the_serial_number_by_which_clients_recognise_a_simulator_comes_with_the
 def test_set_pose_moves_the_robot_and_not_its_odometry(client: Client) -> None:
     client.say(bytes([224, 0]) + struct.pack("<iii", 1500, -2500, 90))
     sip = client.hear(0.2)[-1]
-    truth = client.emulator.truth("happy").pose
+    truth = client.emulator.world.truth("happy").pose
     assert (truth.x, truth.y, truth.heading) == pytest.approx((1.5, -2.5, pi / 2))
     assert (sip.x, sip.y, sip.heading) == (0.0, 0.0, 0.0)
 
@@ -134,10 +134,10 @@ def test_reset_brings_pose_and_odometry_back(client: Client) -> None:
     client.hear(2.0)
     client.say(bytes([Command.STOP]))
     client.hear(2.0)
-    assert client.emulator.truth("happy").pose.x > 0.3
+    assert client.emulator.world.truth("happy").pose.x > 0.3
     client.say(bytes([225]))
     sip = client.hear(0.2)[-1]
-    assert client.emulator.truth("happy").pose == Pose2D(0.0, 0.0, 0.0)
+    assert client.emulator.world.truth("happy").pose == Pose2D(0.0, 0.0, 0.0)
     assert (sip.x, sip.y) == (0.0, 0.0)
 
 
