@@ -39,6 +39,16 @@ class Topic:
     rate: str
     meaning: str
 
+    @classmethod
+    def stream(cls, suffix: str, type_name: str, rate: str, meaning: str) -> "Topic":
+        """Return a row for what the robot publishes."""
+        return cls(suffix, Kind.STREAM, type_name, rate, meaning)
+
+    @classmethod
+    def query(cls, suffix: str, meaning: str) -> "Topic":
+        """Return a row for what the robot answers, in JSON."""
+        return cls(suffix, Kind.QUERY, JSON, "", meaning)
+
     def key(self, robot: str, varied: str = "*") -> str:
         """Return the topic's key for one robot.
 
@@ -51,117 +61,83 @@ class Topic:
         return f"{robot_name(robot)}/{self.suffix.replace('*', varied)}"
 
 
-ODOM = Topic(
+ODOM = Topic.stream(
     "odom",
-    Kind.STREAM,
     "nav_msgs/msg/Odometry",
     "every SIP",
     "Pose in <robot>/odom, twist in <robot>/base_link; "
     "the origin of odom is where the robot stood when its gateway first connected",
 )
-SONAR = Topic(
-    "sonar", Kind.STREAM, "acromovi_msgs/msg/RangeArray", "every SIP", "Fresh sonar ranges, each in its disc's frame"
+SONAR = Topic.stream(
+    "sonar", "acromovi_msgs/msg/RangeArray", "every SIP", "Fresh sonar ranges, each in its disc's frame"
 )
-SONAR_POINTS = Topic(
-    "sonar/points", Kind.STREAM, "sensor_msgs/msg/PointCloud2", "every SIP", "Valid sonar echoes in <robot>/base_link"
+SONAR_POINTS = Topic.stream(
+    "sonar/points", "sensor_msgs/msg/PointCloud2", "every SIP", "Valid sonar echoes in <robot>/base_link"
 )
-IR = Topic("ir", Kind.STREAM, "acromovi_msgs/msg/RangeArray", "with IOpac", "Infrared ranges")
-SCAN = Topic("scan", Kind.STREAM, "sensor_msgs/msg/LaserScan", "every scan", "Laser ranges")
-BUMPERS = Topic("bumpers", Kind.STREAM, "acromovi_msgs/msg/Bumpers", "every SIP", "Contact segments and wheel stalls")
-BATTERY = Topic("battery", Kind.STREAM, "sensor_msgs/msg/BatteryState", "1 Hz and on change", "Voltage and charging")
-STATE = Topic(
-    "state",
-    Kind.STREAM,
-    "acromovi_msgs/msg/RobotState",
-    "on change and 1 Hz",
-    "Connection, motors, e-stop, sonar, faults",
+IR = Topic.stream("ir", "acromovi_msgs/msg/RangeArray", "with IOpac", "Infrared ranges")
+SCAN = Topic.stream("scan", "sensor_msgs/msg/LaserScan", "every scan", "Laser ranges")
+BUMPERS = Topic.stream("bumpers", "acromovi_msgs/msg/Bumpers", "every SIP", "Contact segments and wheel stalls")
+BATTERY = Topic.stream("battery", "sensor_msgs/msg/BatteryState", "1 Hz and on change", "Voltage and charging")
+STATE = Topic.stream(
+    "state", "acromovi_msgs/msg/RobotState", "on change and 1 Hz", "Connection, motors, e-stop, sonar, faults"
 )
-IO = Topic("io", Kind.STREAM, "acromovi_msgs/msg/InputsOutputs", "with IOpac", "User inputs and outputs")
-IMU = Topic("imu", Kind.STREAM, "sensor_msgs/msg/Imu", "as packets come", "Turn rate of the gyro")
-JOYSTICK = Topic("joystick", Kind.STREAM, "sensor_msgs/msg/Joy", "as packets come", "The joystick on the robot")
-GRIPPER = Topic(
-    "gripper", Kind.STREAM, "acromovi_msgs/msg/Gripper", "as packets come", "Paddles, lift, break-beams, contacts"
+IO = Topic.stream("io", "acromovi_msgs/msg/InputsOutputs", "with IOpac", "User inputs and outputs")
+IMU = Topic.stream("imu", "sensor_msgs/msg/Imu", "as packets come", "Turn rate of the gyro")
+JOYSTICK = Topic.stream("joystick", "sensor_msgs/msg/Joy", "as packets come", "The joystick on the robot")
+GRIPPER = Topic.stream(
+    "gripper", "acromovi_msgs/msg/Gripper", "as packets come", "Paddles, lift, break-beams, contacts"
 )
-ARM = Topic(
-    "arm", Kind.STREAM, "acromovi_msgs/msg/Arm", "as packets come", "Power and motion; the joints are in joint_states"
+ARM = Topic.stream(
+    "arm", "acromovi_msgs/msg/Arm", "as packets come", "Power and motion; the joints are in joint_states"
 )
-PTZ = Topic("ptz", Kind.STREAM, "acromovi_msgs/msg/PanTiltZoom", "10 Hz while moving", "Pan, tilt and zoom")
-COMPASS = Topic("compass", Kind.STREAM, "acromovi_msgs/msg/Compass", "as packets come", "Heading and magnetic field")
-LEASE = Topic("lease", Kind.QUERY, JSON, "", "Take, renew or release the right to move the robot or an element")
-LEASE_STATE = Topic("lease/state", Kind.STREAM, JSON, "on change", "Who holds the leases; a query gives it too")
-JOINT_STATES = Topic(
-    "joint_states", Kind.STREAM, "sensor_msgs/msg/JointState", "with encoders, arm, gripper", "Angles and speeds"
+PTZ = Topic.stream("ptz", "acromovi_msgs/msg/PanTiltZoom", "10 Hz while moving", "Pan, tilt and zoom")
+COMPASS = Topic.stream("compass", "acromovi_msgs/msg/Compass", "as packets come", "Heading and magnetic field")
+LEASE = Topic.query("lease", "Take, renew or release the right to move the robot or an element")
+LEASE_STATE = Topic.stream("lease/state", JSON, "on change", "Who holds the leases; a query gives it too")
+JOINT_STATES = Topic.stream(
+    "joint_states", "sensor_msgs/msg/JointState", "with encoders, arm, gripper", "Angles and speeds"
 )
-CAMERA = Topic(
-    "camera/image/compressed", Kind.STREAM, "sensor_msgs/msg/CompressedImage", "camera rate", "Pictures, JPEG or PNG"
+CAMERA = Topic.stream(
+    "camera/image/compressed", "sensor_msgs/msg/CompressedImage", "camera rate", "Pictures, JPEG or PNG"
 )
-TF = Topic("tf", Kind.STREAM, "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom")
-TF_STATIC = Topic("tf_static", Kind.STREAM, "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
-DIAGNOSTICS = Topic(
-    "diagnostics",
-    Kind.STREAM,
-    "diagnostic_msgs/msg/DiagnosticArray",
-    "1 Hz",
-    "Counters and health of robot, cable and gateway",
+TF = Topic.stream("tf", "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom")
+TF_STATIC = Topic.stream("tf_static", "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
+DIAGNOSTICS = Topic.stream(
+    "diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "1 Hz", "Counters and health of robot, cable and gateway"
 )
-DESCRIPTION = Topic("description", Kind.QUERY, JSON, "", "Model, elements, geometry, versions, emulated or not")
+DESCRIPTION = Topic.query("description", "Model, elements, geometry, versions, emulated or not")
 CMD_VEL = Topic(
     "cmd_vel", Kind.COMMAND, "geometry_msgs/msg/Twist", "≥ 2 Hz while moving", "Drive; stops after 0.5 s of silence"
 )
 CMD_VEL_STAMPED = Topic(
     "cmd_vel_stamped", Kind.COMMAND, "geometry_msgs/msg/TwistStamped", "≥ 2 Hz while moving", "Drive, with a stamp"
 )
-DRIVE = Topic(
-    "command/drive",
-    Kind.QUERY,
-    JSON,
-    "",
-    'One velocity, as on cmd_vel but answered, m/s and rad/s: {"linear": 0.2, "angular": 0.0}',
+DRIVE = Topic.query(
+    "command/drive", 'One velocity, as on cmd_vel but answered, m/s and rad/s: {"linear": 0.2, "angular": 0.0}'
 )
-ENABLE = Topic("command/enable", Kind.QUERY, JSON, "", 'Motor power: {"on": true}')
-STOP = Topic("command/stop", Kind.QUERY, JSON, "", "Stop, and hold until cmd_vel has been silent for 0.5 s: {}")
-ESTOP = Topic(
-    "command/estop", Kind.QUERY, JSON, "", 'Emergency stop, latched until {"on": false} and enable: {"on": true}'
+ENABLE = Topic.query("command/enable", 'Motor power: {"on": true}')
+STOP = Topic.query("command/stop", "Stop, and hold until cmd_vel has been silent for 0.5 s: {}")
+ESTOP = Topic.query("command/estop", 'Emergency stop, latched until {"on": false} and enable: {"on": true}')
+MOVE = Topic.query("command/move", 'Drive a distance in m, backward if negative: {"distance": 1.0}')
+TURN = Topic.query("command/turn", 'Turn by an angle in rad, counter-clockwise: {"angle": 1.57}')
+HEADING = Topic.query("command/heading", 'Turn to a heading in <robot>/odom, rad: {"heading": 0.0}')
+SONAR_POWER = Topic.query("command/sonar", 'Sonar on or off: {"on": true}')
+OUTPUT = Topic.query("command/output", 'Set the digital outputs that mask names: {"mask": 1, "value": 1}')
+GRIP = Topic.query("command/gripper", 'Gripper: {"do": "open"}; close, up, down, stop, store, deploy, halt')
+REACH = Topic.query(
+    "command/arm", 'Arm: {"do": "move", "joints": {"1": 0.5}, "speed": 0.3} in rad; home, park, stop, power with "on"'
 )
-MOVE = Topic("command/move", Kind.QUERY, JSON, "", 'Drive a distance in m, backward if negative: {"distance": 1.0}')
-TURN = Topic("command/turn", Kind.QUERY, JSON, "", 'Turn by an angle in rad, counter-clockwise: {"angle": 1.57}')
-HEADING = Topic("command/heading", Kind.QUERY, JSON, "", 'Turn to a heading in <robot>/odom, rad: {"heading": 0.0}')
-SONAR_POWER = Topic("command/sonar", Kind.QUERY, JSON, "", 'Sonar on or off: {"on": true}')
-OUTPUT = Topic(
-    "command/output", Kind.QUERY, JSON, "", 'Set the digital outputs that mask names: {"mask": 1, "value": 1}'
-)
-GRIP = Topic(
-    "command/gripper", Kind.QUERY, JSON, "", 'Gripper: {"do": "open"}; close, up, down, stop, store, deploy, halt'
-)
-REACH = Topic(
-    "command/arm",
-    Kind.QUERY,
-    JSON,
-    "",
-    'Arm: {"do": "move", "joints": {"1": 0.5}, "speed": 0.3} in rad; home, park, stop, power with "on"',
-)
-LOOK = Topic(
-    "command/ptz", Kind.QUERY, JSON, "", 'Camera head, rad, rad and ratio: {"pan": 0.5, "tilt": 0.1, "zoom": 2.0}'
-)
-SOUND = Topic(
+LOOK = Topic.query("command/ptz", 'Camera head, rad, rad and ratio: {"pan": 0.5, "tilt": 0.1, "zoom": 2.0}')
+SOUND = Topic.query(
     "command/sound",
-    Kind.QUERY,
-    JSON,
-    "",
     'Buzzer or sound: {"notes": [[60, 0.2]]} as MIDI notes and s, {"number": 3}, or {"on": false} to mute',
 )
-CHARGE = Topic("command/charge", Kind.QUERY, JSON, "", 'Put out or draw in the charging contacts: {"on": true}')
-LCD = Topic("command/lcd", Kind.QUERY, JSON, "", 'Write on the display: {"text": "hello"}')
-SERVO = Topic("command/servo", Kind.QUERY, JSON, "", 'Pulse of an RC servo, s: {"port": 1, "pulse": 0.0015}')
-JOYDRIVE = Topic("command/joystick", Kind.QUERY, JSON, "", 'Let the joystick on the robot drive it: {"on": true}')
-POWER = Topic(
-    "command/power",
-    Kind.QUERY,
-    JSON,
-    "",
-    'Switch a power output: {"output": "laser", "on": true}; the answer lists them',
-)
-RESULT = Topic("command/result/*", Kind.STREAM, JSON, "once", "How a long motion ended; * is the id in its answer")
+CHARGE = Topic.query("command/charge", 'Put out or draw in the charging contacts: {"on": true}')
+LCD = Topic.query("command/lcd", 'Write on the display: {"text": "hello"}')
+SERVO = Topic.query("command/servo", 'Pulse of an RC servo, s: {"port": 1, "pulse": 0.0015}')
+JOYDRIVE = Topic.query("command/joystick", 'Let the joystick on the robot drive it: {"on": true}')
+POWER = Topic.query("command/power", 'Switch a power output: {"output": "laser", "on": true}; the answer lists them')
+RESULT = Topic.stream("command/result/*", JSON, "once", "How a long motion ended; * is the id in its answer")
 ALIVE = Topic("alive", Kind.TOKEN, "", "", "There while the robot's gateway lives; how programs list robots")
 ELEMENT_ALIVE = Topic(
     "elements/*/alive",
