@@ -54,13 +54,8 @@ def _gyro(stage: SceneStage) -> None:
 
 
 SCENES = (
-    Scene("wheel-stalled", "something blocks a wheel", ("--robot", "p3dx-sh:{name}"), _stalled),
-    Scene(
-        "sonar-dead",
-        "a sonar disc goes deaf",
-        ("--robot", "p3dx-sh:{name}", "--perfect", "--world", "office"),
-        _dead_disc,
-    ),
-    Scene("stop-pressed", "someone presses the red button", ("--robot", "p3dx-sh:{name}"), _stop_button),
-    Scene("gyro-failed", "the gyro fails for 4 s", ("--robot", "p3dx-sh:{name}", "--fit", "gyro"), _gyro),
+    Scene("wheel-stalled", "something blocks a wheel", "--robot p3dx-sh:{name}", _stalled),
+    Scene("sonar-dead", "a sonar disc goes deaf", "--robot p3dx-sh:{name} --perfect --world office", _dead_disc),
+    Scene("stop-pressed", "someone presses the red button", "--robot p3dx-sh:{name}", _stop_button),
+    Scene("gyro-failed", "the gyro fails for 4 s", "--robot p3dx-sh:{name} --fit gyro", _gyro),
 )

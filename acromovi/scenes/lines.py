@@ -50,15 +50,15 @@ def _noise(stage: SceneStage) -> None:
 
 
 SCENES = (
-    Scene("rs232", "a cable of 9600 baud", ("--robot", "p3dx-sh:{name}", "--link", "rs232"), _rate),
-    Scene("usb-serial", "the same with a USB adapter", ("--robot", "p3dx-sh:{name}", "--link", "usb-serial"), _rate),
+    Scene("rs232", "a cable of 9600 baud", "--robot p3dx-sh:{name} --link rs232", _rate),
+    Scene("usb-serial", "the same with a USB adapter", "--robot p3dx-sh:{name} --link usb-serial", _rate),
     Scene(
         "radio-modem",
         "radio modems between robot and gateway",
-        ("--robot", "p3dx-sh:{name}", "--link", "radio-modem"),
+        "--robot p3dx-sh:{name} --link radio-modem",
         _rate,
-        ("--radio",),
+        "--radio",
     ),
-    Scene("line-cut", "the cable is cut for 3 s", ("--robot", "p3dx-sh:{name}"), _cut),
-    Scene("line-noisy", "bits on the cable turn round", ("--robot", "p3dx-sh:{name}"), _noise),
+    Scene("line-cut", "the cable is cut for 3 s", "--robot p3dx-sh:{name}", _cut),
+    Scene("line-noisy", "bits on the cable turn round", "--robot p3dx-sh:{name}", _noise),
 )

@@ -14,6 +14,7 @@ from p2os import Command, ExtendedLaser, Frame, FrameDecoder, RobotModel, Unknow
 from p2os.wire_log import WireLogEntry
 
 RECORDING = "drive.jsonl"
+RECORDED = "--robot p3dx-sh:{name} --record {folder}/" + RECORDING
 SHOWN = 12
 TURN_S = 0.05
 HEARD_S = 1.0
@@ -103,28 +104,23 @@ def _hear_laser(port: Port) -> tuple[Counter[str], int]:
 
 
 SCENES = (
-    Scene(
-        "wire",
-        "what flows on a cable, in words",
-        ("--robot", "p3dx-sh:{name}", "--record", "{folder}/" + RECORDING),
-        _wire,
-    ),
+    Scene("wire", "what flows on a cable, in words", RECORDED, _wire),
     Scene(
         "cassette",
         "a recorded robot, played to a client",
-        ("--robot", "p3dx-sh:{name}", "--record", "{folder}/" + RECORDING),
+        RECORDED,
         _serve_recording,
     ),
     Scene(
         "check",
         "a recording compared with what the emulator answers to the same commands",
-        ("--robot", "p3dx-sh:{name}", "--world", "empty", "--record", "{folder}/" + RECORDING),
+        RECORDED + " --world empty",
         _check,
     ),
     Scene(
         "mobilesim",
         "its short options, its commands, and a laser in the robot's own line",
-        ("-m", "office", "-r", "p3dx-sh:{name}", "-p", "0", "--as-simulator"),
+        "-m office -r p3dx-sh:{name} -p 0 --as-simulator",
         _mobilesim,
         has_gateway=False,
     ),

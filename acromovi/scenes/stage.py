@@ -35,9 +35,9 @@ class Scene:
 
     name: str
     shows: str
-    emulator: tuple[str, ...]
+    emulator: str
     play: "Callable[[SceneStage], None]"
-    gateway: tuple[str, ...] = ()
+    gateway: str = ""
     has_gateway: bool = True
 
 
@@ -176,14 +176,14 @@ def set_stage(scene: Scene, robot: str, say: Callable[[str], None]) -> Iterator[
     """
     with ExitStack() as stack:
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="acromovi-try-"))
-        arguments = [word.replace("{name}", robot).replace("{folder}", folder) for word in scene.emulator]
+        arguments = [word.replace("{name}", robot).replace("{folder}", folder) for word in scene.emulator.split()]
         robots = stack.enter_context(emulator("--quiet", *arguments))
         say(f"$ p2os-emu {' '.join(arguments)}")
         stage = SceneStage(robot, robots, stack.enter_context(ZenohBus.open()), Path(folder), say)
         stack.callback(stage.close)
         if scene.has_gateway:
             facts = {key: value or "" for key, value in robots.robots[0].items()}
-            options = [word.format_map(facts) for word in scene.gateway]
+            options = [word.format_map(facts) for word in scene.gateway.split()]
             say(f"$ p2os-gateway {' '.join([robots.port, *options])}")
             stack.enter_context(gateway(robots.port, "--quiet", *options))
             stage.see(keys.ODOM, what="odometry")
