@@ -1,7 +1,8 @@
-"""Protocols of a world, as far as the emulator needs it; tests can do without physics."""
+"""The part of a world that the emulator needs, and what is true in it; tests can do without physics."""
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 from geometry import Pose2D
 from p2os import RobotModel
@@ -9,37 +10,27 @@ from p2os_emu.body import Body
 from p2os_emu.fit import BARE, Fit
 
 
-class TrueMotion(Protocol):
-    """The true motion of a robot."""
+class Truth(NamedTuple):
+    """Where a robot truly is: pose in the world; velocity in m/s forward and rad/s counter-clockwise."""
 
-    @property
-    def pose(self) -> Pose2D:
-        """In the world: m, m, rad."""
-        ...
-
-    @property
-    def linear(self) -> float:
-        """Forward speed, m/s."""
-        ...
-
-    @property
-    def angular(self) -> float:
-        """Turning speed, rad/s, counter-clockwise."""
-        ...
+    pose: Pose2D
+    linear: float
+    angular: float
 
 
-class TouchCounter(Protocol):
-    """Collisions of a robot."""
+class Touch(NamedTuple):
+    """A robot has touched something: when, s, and its name."""
 
-    @property
-    def count(self) -> int:
-        """How often since the start."""
-        ...
+    time: float
+    what: str
 
-    @property
-    def last(self) -> Sequence[tuple[float, str]]:
-        """The latest: when, s, and what."""
-        ...
+
+@dataclass(frozen=True, slots=True)
+class Touches:
+    """count: how often since the world began. last: the latest hundred, in order."""
+
+    count: int = 0
+    last: tuple[Touch, ...] = ()
 
 
 class EmulatedSurroundings(Protocol):
@@ -62,7 +53,7 @@ class EmulatedSurroundings(Protocol):
         """Take a robot away."""
         ...
 
-    def truth(self, name: str) -> TrueMotion:
+    def truth(self, name: str) -> Truth:
         """Return the true motion of a robot."""
         ...
 
@@ -78,7 +69,7 @@ class EmulatedSurroundings(Protocol):
         """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
         ...
 
-    def touches(self, name: str) -> TouchCounter:
+    def touches(self, name: str) -> Touches:
         """Collisions of a robot."""
         ...
 

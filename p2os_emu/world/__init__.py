@@ -3,6 +3,7 @@
 `load_world` reads a `WorldSpec`, `World` builds physics from it, and `World.add_robot` returns the `Body` of a robot.
 """
 
+from p2os_emu.surroundings import Touch, Touches, Truth
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.leaves import DoorState
@@ -11,8 +12,6 @@ from p2os_emu.world.moving_doors import MovingDoor
 from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block, WorldSpec
-from p2os_emu.world.touches import Touch, Touches
-from p2os_emu.world.truth import Truth, WorldOutline
 from p2os_emu.world.walkers import PersonPlace
 from p2os_emu.world.world import World
 
@@ -29,7 +28,6 @@ __all__ = [
     "Truth",
     "World",
     "WorldError",
-    "WorldOutline",
     "WorldSpec",
     "load_world",
 ]

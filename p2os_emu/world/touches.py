@@ -3,9 +3,9 @@
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from geometry import Point
+from p2os_emu.surroundings import Touch, Touches
 
 APART = 0.5
 """s without contact after which touching the same thing again counts again."""
@@ -48,21 +48,6 @@ class Bumper:
         on_end, on_side = self.reach + self.width / 2 + left, along if left < 0 else way - along
         walked = on_end if from_end <= from_side else on_side
         return int(min(max(walked / way, 0.0), 1.0 - _EDGE) * self.segments)
-
-
-class Touch(NamedTuple):
-    """A robot has touched something: when, s, and its name."""
-
-    time: float
-    what: str
-
-
-@dataclass(frozen=True, slots=True)
-class Touches:
-    """count: how often since the world began. last: the latest hundred, in order."""
-
-    count: int
-    last: tuple[Touch, ...]
 
 
 class TouchLog:

@@ -11,6 +11,7 @@ from geometry import Pose2D
 from p2os.robot_model import RobotModel
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import gripper_of
+from p2os_emu.surroundings import Touches, Truth
 from p2os_emu.world import window
 from p2os_emu.world.bystanders import Bystanders
 from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
@@ -28,8 +29,7 @@ from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sight import Sight
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block, WorldSpec
-from p2os_emu.world.touches import Touches, TouchLog
-from p2os_emu.world.truth import Truth, WorldOutline
+from p2os_emu.world.touches import TouchLog
 from p2os_emu.world.walkers import PersonPlace, check_routes
 
 LOOK_AT_PARKED = 12
@@ -57,9 +57,6 @@ class World:
         check_routes(spec)
         self.spec = spec
         self.steps = 0
-        self.outline = WorldOutline(
-            tuple(block.footprint for block in spec.walls), tuple(block.footprint for block in spec.furniture)
-        )
         self._seed = seed
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture, *spec.drops))
@@ -225,10 +222,14 @@ class World:
         return self._bystanders.people()
 
     def economise(self, *, people: bool, parked: bool) -> None:
-        """Save computing time, or stop saving it; `Surroundings.economise`.
+        """Save computing time, or stop saving it.
 
         The engine puts parked robots to sleep and wakes them when they are driven or bumped into. They are read ten
         times a second, not at every step.
+
+        Args:
+            people: Let people stand still.
+            parked: Do not compute robots that stand, until something moves them.
         """
         self._bystanders.stop_people(people)
         self._rests_parked = parked

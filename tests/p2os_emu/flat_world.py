@@ -4,31 +4,14 @@ It has the face of `p2os_emu.world.World` as far as the emulator needs it, and s
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import inf
-from typing import NamedTuple
 
 from geometry import Pose2D, Twist2D, integrate
 from p2os import RobotModel
 from p2os_emu.body import ArmMechanism, BodyState, Echoes, GripperMechanism, ScanBeams
 from p2os_emu.emulator import STEP
 from p2os_emu.fit import BARE, Fit
-
-
-class _FlatTruth(NamedTuple):
-    """Where a robot is and how it moves: m, rad, m/s, rad/s."""
-
-    pose: Pose2D
-    linear: float
-    angular: float
-
-
-@dataclass(frozen=True, slots=True)
-class _FlatTouches:
-    """What a robot has bumped into: nothing."""
-
-    count: int = 0
-    last: tuple[tuple[float, str], ...] = ()
+from p2os_emu.surroundings import Touches, Truth
 
 
 class FlatBody:
@@ -116,10 +99,10 @@ class FlatWorld:
         """Take a robot away."""
         del self.bodies[name]
 
-    def truth(self, name: str) -> _FlatTruth:
+    def truth(self, name: str) -> Truth:
         """Where a robot is and how it moves."""
         body = self.bodies[name]
-        return _FlatTruth(body.pose, body.twist.linear, body.twist.angular)
+        return Truth(body.pose, body.twist.linear, body.twist.angular)
 
     def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
         """There are none."""
@@ -129,9 +112,9 @@ class FlatWorld:
         """Return None: there are no objects."""
         return None
 
-    def touches(self, name: str) -> _FlatTouches:
+    def touches(self, name: str) -> Touches:
         """There is nothing to bump into."""
-        return _FlatTouches()
+        return Touches()
 
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
         """There are none."""

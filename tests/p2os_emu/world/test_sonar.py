@@ -21,7 +21,8 @@ HALF_BEAM = radians(15)
 def nearest_in_cone(world: World, pose: Pose2D, disc: SonarDisc, rays: int) -> float:
     """Distance from a disc's face to the nearest edge of the outline within its cone, by brute force."""
     face = pose.compose(Pose2D(disc.x, disc.y, disc.heading))
-    edges = [edge for polygon in (*world.outline.walls, *world.outline.furniture) for edge in polygon_edges(polygon)]
+    blocks = (*world.spec.walls, *world.spec.furniture)
+    edges = [edge for block in blocks for edge in polygon_edges(block.footprint)]
     directions = [face.heading + HALF_BEAM * (2 * i / (rays - 1) - 1) for i in range(rays)]
     return min(edge.hit_by(face.x, face.y, direction) for edge in edges for direction in directions)
 

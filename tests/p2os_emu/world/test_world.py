@@ -83,7 +83,7 @@ def test_twenty_robots_find_room_to_turn(place: str, name: str, model: Models, m
     shape = model(name)
     turning = hypot(max(shape.length_front, shape.length_rear), shape.width / 2)
     assert all(hypot(a.x - b.x, a.y - b.y) > 2 * turning for i, a in enumerate(poses) for b in poses[i + 1 :])
-    blocks = [*world.outline.walls, *world.outline.furniture]
+    blocks = [block.footprint for block in (*world.spec.walls, *world.spec.furniture)]
     square = [((p.x - turning, p.y), (p.x, p.y - turning), (p.x + turning, p.y), (p.x, p.y + turning)) for p in poses]
     assert not any(polygons_overlap(diamond, block) for diamond in square for block in blocks)
 
@@ -158,13 +158,6 @@ def test_a_removed_robot_leaves_its_place(model: Models, make_world: MakeWorld) 
     world.add_robot("first", model("p3dx"), Pose2D())
     world.step()
     assert world.robots == ("first",)
-
-
-def test_the_outline_shows_walls_and_furniture(make_world: MakeWorld) -> None:
-    spec = load_world("office")
-    outline = make_world(spec).outline
-    assert outline.walls == tuple(block.footprint for block in spec.walls)
-    assert outline.furniture == tuple(block.footprint for block in spec.furniture)
 
 
 def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
