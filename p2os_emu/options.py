@@ -3,7 +3,7 @@
 import argparse
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import configs
@@ -109,36 +109,16 @@ def parse(argv: Sequence[str] | None = None) -> EmulatorOptions:
     if (count := len(given.robot) + len(given.tcp_robot)) > MOST_ROBOTS:
         raise configs.ConfigError(f"{count} robots are too many; use at most {MOST_ROBOTS}")
     links = {name: profile for name, _, profile in (text.rpartition("=") for text in given.link)}
-    return EmulatorOptions(
-        robots=(*given.robot, *given.tcp_robot),
-        places=places,
-        factory=given.factory,
-        fits=tuple(given.fit),
-        world=given.world or (WORLD if given.check is None else EMPTY_WORLD),
-        pty=given.pty,
-        tcp=given.tcp,
-        link=links.pop("", LINK),
-        links=links,
-        seed=given.seed,
-        speed=given.speed,
-        faults=tuple(given.fault),
-        fault_files=tuple(given.fault_file),
-        duration=given.duration,
-        control=given.control,
-        flash=given.flash,
-        gui=given.gui,
-        perfect=given.perfect,
-        hangup_stops=given.hangup_stops,
-        as_simulator=given.as_simulator,
-        record=given.record,
-        force=given.force,
-        serve=given.serve,
-        check=given.check,
-        until_stdin_closes=given.until_stdin_closes,
-        json=given.json,
-        quiet=given.quiet,
-        listing=given.listing,
-    )
+    as_given = {each.name: getattr(given, each.name) for each in fields(EmulatorOptions) if hasattr(given, each.name)}
+    as_given |= {name: tuple(value) for name, value in as_given.items() if isinstance(value, list)}
+    changed = {
+        "robots": (*given.robot, *given.tcp_robot),
+        "places": places,
+        "world": given.world or (WORLD if given.check is None else EMPTY_WORLD),
+        "link": links.pop("", LINK),
+        "links": links,
+    }
+    return EmulatorOptions(**as_given | changed)
 
 
 def _add_emulated(given: argparse.Namespace, team: TeamFile) -> dict[str, Pose2D]:
@@ -149,7 +129,7 @@ def _add_emulated(given: argparse.Namespace, team: TeamFile) -> dict[str, Pose2D
             raise configs.ConfigError(f"--only {name}: no emulated robot of {given.team} has this name")
     robots = [robot for robot in robots if given.only is None or robot.name in given.only]
     given.robot += [f"{robot.model}:{robot.name}" for robot in robots]
-    given.fit += [f"{robot.name}={','.join(robot.fit)}" for robot in robots if robot.fit]
+    given.fits += [f"{robot.name}={','.join(robot.fit)}" for robot in robots if robot.fit]
     given.world = given.world or team.world
     own = [f"{robot.name}={robot.link}" for robot in robots if robot.link]
     given.link = [team.link, *own, *given.link]  # what stands later wins
@@ -208,6 +188,7 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--fit",
+        dest="fits",
         action="append",
         default=[],
         metavar="[NAME=]PART,...",
@@ -288,6 +269,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--fault",
+        dest="faults",
         type=_fault,
         action="append",
         default=[],
@@ -296,6 +278,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--fault-file",
+        dest="fault_files",
         type=Path,
         action="append",
         default=[],
