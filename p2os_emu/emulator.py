@@ -61,7 +61,7 @@ class EmulatedRobot:
         """Pass the received bytes to the firmware and advance it by a step; return the bytes that it sends."""
         controller = self.microcontroller
         line = self.line
-        data = line.receive(now, controller.host_baud) if line.link.inbox or not line.is_plain else b""
+        data = line.receive(now, controller.board.host_baud) if line.link.inbox or not line.is_plain else b""
         if self.is_frozen or not self.is_powered:
             return b""
         if data:
@@ -254,7 +254,7 @@ class Emulator:
         now = self.world.time
         for robot, reply in zip(robots, replies, strict=True):
             if reply or not robot.line.is_plain:
-                robot.line.send(reply, now, robot.microcontroller.host_baud)
+                robot.line.send(reply, now, robot.microcontroller.board.host_baud)
         # After the robots, whose packets come by the clock: twenty scans take longer than all the rest.
         for robot in robots:
             for cable in robot.cables.values():

@@ -45,7 +45,7 @@ def _powercube(bench: FittingContext) -> CableDevice:
 
 def _laser(bench: FittingContext) -> CableDevice:
     def has_power() -> bool:
-        return not mount.power_controlled or bench.microcontroller.outputs.power[LASER_POWER]
+        return not mount.power_controlled or bench.microcontroller.board.outputs.power[LASER_POWER]
 
     mount = bench.model.laser
     return Lms200(load(ScannerModel, "accessories", "lms200"), mount, bench.body, has_power)
@@ -61,7 +61,7 @@ CABLED: Mapping[tuple[str, str], Callable[[FittingContext], CableDevice]] = {
 def _wire_gripper(bench: FittingContext) -> None:
     gripper = gripper_of(bench.fit)
     if gripper is not None:
-        bench.microcontroller.fit_gripper(gripper)
+        bench.microcontroller.board.gripper.fit(gripper)
 
 
 def _fit_gyro(bench: FittingContext, inside: bool) -> None:
@@ -79,11 +79,11 @@ PLUGGED: Mapping[tuple[str, str], Callable[[FittingContext], None]] = {
     ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
         Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.rng)
     ),
-    ("ptz", "vcc4"): lambda bench: bench.microcontroller.plug(HEAD_PORT, lambda: Vcc4(_head_model(bench))),
-    ("ptz", "evid30"): lambda bench: bench.microcontroller.plug(HEAD_PORT, lambda: EviD30(_head_model(bench))),
+    ("ptz", "vcc4"): lambda bench: bench.microcontroller.board.plug(HEAD_PORT, lambda: Vcc4(_head_model(bench))),
+    ("ptz", "evid30"): lambda bench: bench.microcontroller.board.plug(HEAD_PORT, lambda: EviD30(_head_model(bench))),
     ("gripper", "pioneer"): _wire_gripper,
     ("gripper", "peoplebot"): _wire_gripper,
-    ("arm", "pioneer"): lambda bench: bench.microcontroller.fit_arm(load(ArmModel, "accessories", "pioneer-arm")),
+    ("arm", "pioneer"): lambda bench: bench.microcontroller.board.arm.fit(load(ArmModel, "accessories", "pioneer-arm")),
 }
 """Part and variant to what plugs the device into the microcontroller."""
 

@@ -26,8 +26,8 @@ def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
         "model": robot.model.name,
         "port": robot.line.link.port,
         "connected": robot.microcontroller.connected,
-        "motors_enabled": robot.microcontroller.motors_enabled,
-        "battery_charge": robot.microcontroller.battery_charge,
+        "motors_enabled": robot.microcontroller.board.motors.enabled,
+        "battery_charge": robot.microcontroller.board.battery.charge,
         "frames_dropped": robot.line.link.dropped,
         "touches": touches.count,
         "touched": [{"time": time, "what": what} for time, what in touches.last[-LAST_TOUCHES:]],
@@ -66,7 +66,7 @@ def _arm(robot: EmulatedRobot) -> dict[str, Any] | None:
     *joints, opening = arm.positions
     *speeds, opening_speed = arm.velocities
     cable = robot.cables.get("arm")
-    has_power = robot.microcontroller.arm_powered if cable is None else cable.is_powered
+    has_power = robot.microcontroller.board.arm.is_powered if cable is None else cable.is_powered
     return {
         "joints": joints,
         "speeds": speeds,
@@ -118,14 +118,14 @@ def _laser(robot: EmulatedRobot) -> dict[str, Any] | None:
 
 def _shown(controller: Microcontroller) -> dict[str, Any]:
     """Return the visible and audible state of the board."""
-    outputs = controller.outputs
+    outputs = controller.board.outputs
     return {
         "notes": [note._asdict() for note in controller.notes],
         "lcd": outputs.lcd,
         "servos": {str(port): pulse for port, pulse in outputs.servos.items()},
         "power": dict(outputs.power),
-        "digital_out": controller.digital_out,
-        "charging": controller.charging.name.lower(),
-        "shutdown_wanted": controller.shutdown_wanted,
+        "digital_out": controller.board.digital_out,
+        "charging": controller.board.battery.charging.name.lower(),
+        "shutdown_wanted": controller.board.shutdown_wanted,
         "simulator_messages": list(controller.simulator_messages),
     }

@@ -1,28 +1,24 @@
 """The firmware of a robot, without port and clock: bytes and time in, bytes out."""
 
-from collections.abc import Callable
 from math import inf
 
-from p2os.accessories.arm_model import ArmModel
 from p2os.accessory_packets import Reset
 from p2os.framing import Frame, FrameDecoder, encode_frame
 from p2os.handshake import ConnectionState, Identity, RobotHandshake
 from p2os.packets import Packet, PacketType, encode_packet
 from p2os.robot_model import RobotModel
-from p2os.sip import ChargeState, SipCodec
+from p2os.sip import SipCodec
 from p2os_emu.accessories.analog_gyro import AnalogGyro
 from p2os_emu.accessories.tcm2 import Tcm2
 from p2os_emu.body import Body, BodyState
 from p2os_emu.device import Device
 from p2os_emu.fit import BARE, Fit
-from p2os_emu.gripper_model import GripperModel
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.buzzer import PlayedNote
 from p2os_emu.microcontroller.commands import execute
 from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.gyro import GyroServer
-from p2os_emu.microcontroller.outputs import Outputs
 from p2os_emu.microcontroller.panel import CENTRED, Panel
 from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, answers, standard_sip
@@ -34,7 +30,7 @@ class Microcontroller:
 
     Its time is the sum of the steps. Commands received take effect at the start of the next step.
 
-    panel: inputs from outside the cable; change them at any time. fit: its accessories.
+    panel: inputs from outside the cable; change them at any time. fit: its accessories. board: all but the connection.
     """
 
     def __init__(
@@ -54,44 +50,19 @@ class Microcontroller:
         """
         self.panel = Panel(joystick=CENTRED if fit.has("joystick") else None)
         self.fit = fit
-        self._board = Board(model, name, flash or Flash.of(model, name, seed), self.panel, seed)
+        self.board = Board(model, name, flash or Flash.of(model, name, seed), self.panel, seed)
         self._handshake = RobotHandshake(Identity(name, model.robot_class, model.name))
         self._codec = SipCodec(model)
-        self._sip_clock = Cadence(self._board.flash.sip_cycle)
+        self._sip_clock = Cadence(self.board.flash.sip_cycle)
         self._decoder = FrameDecoder()
         self._inbox = bytearray()
         self._outbox: list[bytes] = []
-        encode_packet(EXTRAS[PacketType.CONFIGURATION](self._board, BodyState()), model)
+        encode_packet(EXTRAS[PacketType.CONFIGURATION](self.board, BodyState()), model)
 
     @property
     def connected(self) -> bool:
         """A client has opened the connection."""
         return self._handshake.state is ConnectionState.OPEN
-
-    @property
-    def host_baud(self) -> int:
-        """Rate of the host line, bit/s: for the bytes that the last step returned, and for those to come."""
-        return self._board.host_baud
-
-    @property
-    def motors_enabled(self) -> bool:
-        """The motors have power."""
-        return self._board.motors.enabled
-
-    @property
-    def arm_powered(self) -> bool:
-        """The arm that the board drives by itself is there and has power."""
-        return self._board.arm.is_powered
-
-    @property
-    def digital_out(self) -> int:
-        """Levels of the user outputs, bit 0 to 7."""
-        return self._board.digital_out
-
-    @property
-    def battery_charge(self) -> float:
-        """State of charge, 0 to 1."""
-        return self._board.battery.charge
 
     @property
     def silence(self) -> float:
@@ -100,73 +71,41 @@ class Microcontroller:
             return 0.0
         return self._sip_clock.left - TOLERANCE if self.connected else inf
 
-    def fit_arm(self, arm: ArmModel) -> None:
-        """Plug in the arm that its board drives by itself; it is at home, without power."""
-        self._board.arm.fit(arm)
-
-    def fit_gripper(self, gripper: GripperModel) -> None:
-        """Wire a gripper to the inputs and outputs."""
-        self._board.gripper.fit(gripper)
-
-    @property
-    def outputs(self) -> Outputs:
-        """State of the outputs and the display."""
-        return self._board.outputs
-
     @property
     def notes(self) -> tuple[PlayedNote, ...]:
         """Last notes of the buzzer, oldest first."""
-        return tuple(self._board.buzzer.notes)
-
-    @property
-    def shutdown_wanted(self) -> bool:
-        """Whether the robot's computer was told to shut down."""
-        return self._board.shutdown_wanted
-
-    @property
-    def charging(self) -> ChargeState:
-        """State of the charger, as in the SIP."""
-        return self._board.battery.charging
-
-    def plug(self, port: int, make: Callable[[], Device]) -> None:
-        """Plug a device into an AUX port, 1 to 3; one device to a port.
-
-        Args:
-            port: Which.
-            make: Makes the device as it is after the power switch.
-        """
-        self._board.plug(port, make)
+        return tuple(self.board.buzzer.notes)
 
     def power_cycle_aux(self) -> None:
         """Switch the devices on the AUX ports off and on, as the robot's power switch does."""
-        for port in self._board.aux.values():
+        for port in self.board.aux.values():
             port.power_cycle()
 
     def plugged(self, port: int) -> Device | None:
         """Return the device on an AUX port."""
-        return self._board.aux[port].device
+        return self.board.aux[port].device
 
     def fit_gyro(self, gyro: AnalogGyro, inside: bool) -> None:
         """Fit a gyro: for clients to read by packets, or inside the controller, which corrects its heading by it."""
-        self._board.gyro = GyroServer(gyro, inside)
+        self.board.gyro = GyroServer(gyro, inside)
 
     def fit_compass(self, module: Tcm2) -> None:
         """Fit a compass."""
-        self._board.compass = CompassServer(module)
+        self.board.compass = CompassServer(module)
 
     def simulate(self, simulator: Simulator) -> None:
         """Obey a simulator's commands as well."""
-        self._board.simulator = simulator
+        self.board.simulator = simulator
 
     @property
     def simulator_messages(self) -> tuple[str, ...]:
         """Messages of clients to the simulator and its refusals, oldest first."""
-        return tuple(self._board.simulator.messages) if self._board.simulator else ()
+        return tuple(self.board.simulator.messages) if self.board.simulator else ()
 
     def forget_travels(self) -> None:
         """Put the odometry to zero, as SETO does."""
-        self._board.odometry.reset()
-        self._board.motion.forget_heading()
+        self.board.odometry.reset()
+        self.board.motion.forget_heading()
 
     def receive(self, data: bytes) -> None:
         """Take bytes from the line."""
@@ -183,7 +122,7 @@ class Microcontroller:
         self._handshake.reset()
         self._decoder = FrameDecoder()
         self._inbox.clear()
-        self._board.power_on()
+        self.board.power_on()
 
     def step(self, dt: float, body: Body) -> bytes:
         """Take one step.
@@ -194,7 +133,7 @@ class Microcontroller:
         Returns:
             Everything to send now: whole frames.
         """
-        board = self._board
+        board = self.board
         board.host_baud = board.next_baud
         if self._inbox:
             data = bytes(self._inbox)
@@ -219,12 +158,12 @@ class Microcontroller:
         for event in self._decoder.receive(data, now):
             if isinstance(event, Frame):
                 self._handle(event.payload)
-            if self._board.reset_due:
+            if self.board.reset_due:
                 self.power_cycle()
                 return
 
     def _handle(self, payload: bytes) -> None:
-        board, handshake = self._board, self._handshake
+        board, handshake = self.board, self._handshake
         was_open = self.connected
         answer = handshake.receive(payload)
         if answer is not None:
@@ -240,7 +179,7 @@ class Microcontroller:
 
     def _complete_cycle(self, state: BodyState) -> None:
         """Once a SIP cycle: battery, frames begun and never ended, and the packets of the cycle."""
-        board = self._board
+        board = self.board
         board.consume(state, self._sip_clock.period)
         self._handle_frames(b"", board.time)
         if not self.connected or board.in_maintenance:
@@ -257,4 +196,4 @@ class Microcontroller:
             self._say(packet)
 
     def _say(self, packet: Packet) -> None:
-        self._outbox.append(encode_frame(encode_packet(packet, self._board.model)))
+        self._outbox.append(encode_frame(encode_packet(packet, self.board.model)))

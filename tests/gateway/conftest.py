@@ -100,7 +100,7 @@ class Bench(VirtualTime):
         """Start, and run until the motors are on and everything is configured; return the seconds to the first pose."""
         self.start()
         seconds = self.run_until(lambda: self.driver.is_connected)
-        self.run_until(lambda: self.robot.motors_enabled)
+        self.run_until(lambda: self.robot.board.motors.enabled)
         self.run(0.2)
         return seconds
 

@@ -131,7 +131,7 @@ def test_poses_and_configuration_come_soon_after_the_cable_is_back(make_bench: "
     assert not [event for at, event in bench.events if cut_at + 0.01 < at < back and event in bench.sips]
     bench.run(0.5)
     assert {Command.CONFIG, Command.ENABLE, Command.SONAR} <= set(bench.commands(since=back))
-    assert bench.robot.motors_enabled
+    assert bench.robot.board.motors.enabled
 
 
 def test_controller_reset_is_noticed_and_the_robot_connected_and_configured_again(bench: "Bench") -> None:
@@ -141,7 +141,7 @@ def test_controller_reset_is_noticed_and_the_robot_connected_and_configured_agai
     bench.run(1.0)
     assert [event.reason for event in bench.of(LinkLost)] == ["the controller was reset"]
     assert bench.driver.is_connected
-    assert bench.robot.motors_enabled
+    assert bench.robot.board.motors.enabled
     assert {Command.STOP, Command.CLOSE, Command.SYNC0, Command.CONFIG} <= set(bench.commands(since=at))
 
 

@@ -175,7 +175,7 @@ def test_estop_under_a_stream_of_velocities_stays_a_stop_until_off_and_enable(be
     assert bench.commands(since=at - 0.001)[0] is Command.ESTOP
     bench.run(5.0, stream)
     assert not bench.body.is_turning()
-    assert not bench.robot.motors_enabled
+    assert not bench.robot.board.motors.enabled
     assert set(bench.commands(since=at)) <= {Command.ESTOP, Command.ENABLE}
     assert "latched" in refusal(lambda: driver.enable(True, bench.now))
     driver.emergency_stop(False, bench.now)
@@ -192,12 +192,12 @@ def test_an_estop_that_is_released_at_once_still_needs_enable(bench: "Bench") ->
     driver = bench.driver
     driver.emergency_stop(True, bench.now)
     driver.emergency_stop(False, bench.now)
-    has_power = bench.robot.motors_enabled
+    has_power = bench.robot.board.motors.enabled
     assert has_power  # no SIP has come since, so the driver has switched nothing off
     for move in (lambda: driver.set_velocity(0.3, 0.0, bench.now), lambda: driver.move(1.0, bench.now)):
         assert refusal(move) == 'the motors are off; send enable {"on": true}'
     bench.run(1.0)
-    assert not bench.robot.motors_enabled
+    assert not bench.robot.board.motors.enabled
     driver.enable(True, bench.now)
     bench.run(0.2)
     driver.set_velocity(0.3, 0.0, bench.now)
@@ -212,7 +212,7 @@ def test_estop_outlives_the_link(bench: "Bench") -> None:
     bench.robot.power_cycle()
     bench.run(2.0)
     assert bench.driver.is_connected
-    assert not bench.robot.motors_enabled
+    assert not bench.robot.board.motors.enabled
     assert "latched" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))
 
 
@@ -227,7 +227,7 @@ def test_motors_that_the_robot_switched_off_stay_off_over_a_reconnect(bench: "Be
     bench.cut = False
     bench.run(3.0)
     assert bench.driver.is_connected
-    assert not bench.robot.motors_enabled
+    assert not bench.robot.board.motors.enabled
     assert "motors are off" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))
 
 
@@ -235,7 +235,7 @@ def test_motors_stay_off_when_the_settings_say_so(make_bench: "MakeBench") -> No
     bench = make_bench(settings=Settings(enable_motors=False))
     bench.start()
     bench.run(1.0)
-    assert not bench.robot.motors_enabled
+    assert not bench.robot.board.motors.enabled
     assert "enable" in refusal(lambda: bench.driver.move(1.0, bench.now))
 
 
@@ -313,10 +313,10 @@ def test_outputs_and_sonar_are_set_and_set_again_after_a_reset(bench: "Bench") -
     bench.driver.element(UserPorts, bench.now).set_outputs(0b0100, 0b0100)
     bench.driver.element(SonarElement, bench.now).switch(False)
     bench.run(0.3)
-    assert bench.robot.digital_out & 0b0111 == 0b0101
+    assert bench.robot.board.digital_out & 0b0111 == 0b0101
     assert bench.sips[-1].sip.sonar_arrays == 0
     bench.robot.power_cycle()
     bench.run(2.0)
-    assert bench.robot.digital_out & 0b0111 == 0b0101
+    assert bench.robot.board.digital_out & 0b0111 == 0b0101
     assert bench.sips[-1].sip.sonar_arrays == 0
     assert "0 to 255" in refusal(lambda: bench.driver.element(UserPorts, bench.now).set_outputs(256, 0))

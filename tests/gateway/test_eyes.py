@@ -28,7 +28,7 @@ def test_head_is_steered_through_the_firmware_while_the_robot_drives(
 ) -> None:
     bench = make_bench("p3dx-sh", rates=(baud,))
     head = kind(load(HeadModel, "accessories", name))
-    bench.robot.plug(1, lambda: head)
+    bench.robot.board.plug(1, lambda: head)
     bench.connect()
     bench.run_until(lambda: bench.driver.has(PtzElement))
     bench.run(5.0)

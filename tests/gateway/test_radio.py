@@ -72,7 +72,7 @@ class Radio(VirtualTime):
     def connect(self) -> float:
         self.driver.port_opened(self.now)
         seconds = self.run_until(lambda: self.driver.is_connected)
-        self.run_until(lambda: self.robot.motors_enabled)
+        self.run_until(lambda: self.robot.board.motors.enabled)
         return seconds
 
 
@@ -80,7 +80,7 @@ class Radio(VirtualTime):
 def test_camera_head_is_found_and_steered_through_the_modems(kind: type[Vcc4 | EviD30], name: str) -> None:
     radio = Radio()
     device = kind(configs.load(HeadModel, "accessories", name))
-    radio.robot.plug(1, lambda: device)
+    radio.robot.board.plug(1, lambda: device)
     radio.connect()
     radio.run_until(lambda: radio.driver.has(PtzElement))
     radio.run(15.0)

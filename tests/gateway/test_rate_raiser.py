@@ -24,7 +24,7 @@ class SlowBench(Bench):
 
     @property
     def _same_rate(self) -> bool:
-        return self.driver.baud == (self.robot_baud if self.stays else self.robot.host_baud)
+        return self.driver.baud == (self.robot_baud if self.stays else self.robot.board.host_baud)
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def test_rate_stays_as_it_is_unless_the_settings_want_another(make_slow: "MakeBe
     bench.connect()
     bench.run(2.0)
     assert Command.HOSTBAUD not in bench.commands()
-    assert bench.driver.baud == bench.robot.host_baud == 9600
+    assert bench.driver.baud == bench.robot.board.host_baud == 9600
 
 
 @pytest.mark.parametrize("wanted", [19200, 38400, 57600, 115200])
@@ -49,9 +49,9 @@ def test_robot_is_told_the_rate_and_goes_on_at_it_without_being_lost(make_slow: 
     bench = make_slow(Settings(raise_baud_to=wanted))
     bench.connect()
     bench.run(3.0)
-    assert bench.driver.baud == bench.robot.host_baud == wanted
+    assert bench.driver.baud == bench.robot.board.host_baud == wanted
     assert bench.of(LinkLost) == []
-    assert bench.robot.motors_enabled
+    assert bench.robot.board.motors.enabled
     bench.driver.set_velocity(0.2, 0.0, bench.now)
     bench.run(0.3)
     assert bench.body.is_turning()
@@ -93,7 +93,7 @@ def test_cut_in_mid_change_ends_with_a_sweep_that_finds_the_robot(make_slow: "Ma
     bench.run_until(lambda: bench.driver.is_connected)
     bench.run(2.0)
     assert bench.driver.is_connected
-    assert bench.driver.baud == bench.robot.host_baud
+    assert bench.driver.baud == bench.robot.board.host_baud
     assert bench.commands().count(Command.HOSTBAUD) == 1
 
 

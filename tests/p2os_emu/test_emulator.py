@@ -141,7 +141,7 @@ def test_hostbaud_takes_the_line_to_a_new_rate_that_the_client_must_follow() -> 
     rig.connect()
     rig.tell(Command.HOSTBAUD, 2)
     rig.run(0.2)
-    assert rig.robot.microcontroller.host_baud == 38400
+    assert rig.robot.microcontroller.board.host_baud == 38400
     assert SIP_BEGIN not in rig.run(1.0), "the client still listens at 9600"
     rig.link.client_rate = 38400
     assert rig.run(1.0).count(SIP_BEGIN) >= 9

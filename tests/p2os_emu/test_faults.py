@@ -114,7 +114,7 @@ def test_pressed_stop_button_stops_the_robot_and_leaves_it_without_motors(rig: R
     rig.fault("stop-pressed@0+1")
     rig.run(2.0)
     assert rig.speed == 0
-    assert not rig.happy.microcontroller.motors_enabled
+    assert not rig.happy.microcontroller.board.motors.enabled
 
 
 def test_low_battery_shows_what_it_is_told_to_show(rig: Rig) -> None:
@@ -144,7 +144,7 @@ def test_robot_at_its_dock_charges_once_its_contacts_are_down(rig: Rig) -> None:
     charges = []
     for seconds in (4.0, 4.0, 5.0):
         rig.run(seconds)
-        charges.append(rig.happy.microcontroller.charging is not ChargeState.NOT_CHARGING)
+        charges.append(rig.happy.microcontroller.board.battery.charging is not ChargeState.NOT_CHARGING)
     assert charges == [False, True, False]
 
 

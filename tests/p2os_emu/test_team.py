@@ -107,7 +107,7 @@ def test_flash_parameter_that_does_not_exist_is_reported_with_its_file(poller: P
 def test_flash_parameters_reach_the_robot(poller: Poller) -> None:
     emulator = Emulator(FlatWorld(), LinkProfile("ideal"))
     robot = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {"host_baud": 38400}, "my.toml").add("p3dx")
-    assert robot.microcontroller.host_baud == 38400
+    assert robot.microcontroller.board.host_baud == 38400
     emulator.close()
 
 

@@ -140,7 +140,7 @@ def test_robot_stays_at_the_rate_that_a_client_set_who_is_gone() -> None:
     assert SYNC0 in talk.say(Command.SYNC0)
     talk.say(Command.SYNC1, Command.SYNC2, Command.OPEN)
     talk.say(Command.HOSTBAUD, value=4)
-    assert talk.robot.microcontroller.host_baud == 115200
+    assert talk.robot.microcontroller.board.host_baud == 115200
     talk.link.client_rate = 115200
     talk.say(Command.CLOSE)
     talk.link.client_rate = 9600  # the next client, who begins as they all do

@@ -24,7 +24,7 @@ class ArmedBench(MicrocontrollerBench):
         body = PlainBody()
         self.arm = body.arm = PlainArm(6)
         super().__init__(model, body=body)
-        self.controller.fit_arm(load(ArmModel, "accessories", "pioneer-arm"))
+        self.controller.board.arm.fit(load(ArmModel, "accessories", "pioneer-arm"))
         self.connect()
 
     def powered(self) -> "ArmedBench":
@@ -245,7 +245,7 @@ def test_gripper_goes_home_when_nobody_has_told_it_anything_for_a_while(bench: A
 
 def test_manual_order_of_the_bytes_can_be_asked_for(model: RobotModel) -> None:
     bench = ArmedBench(model)
-    bench.controller.fit_arm(replace(load(ArmModel, "accessories", "pioneer-arm"), manual_order=True))
+    bench.controller.board.arm.fit(replace(load(ArmModel, "accessories", "pioneer-arm"), manual_order=True))
     bench.powered()
     bench.send(Command.ARM_POS, (1, 28))
     assert bench.report[:2] == (0b11, 0b1)

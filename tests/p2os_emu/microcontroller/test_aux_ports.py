@@ -46,7 +46,7 @@ def device() -> Echo:
 def port(request: pytest.FixtureRequest, robot: MicrocontrollerBench, device: Echo) -> int:
     """A port with the device in it."""
     number: int = request.param
-    robot.controller.plug(number, device.itself)
+    robot.controller.board.plug(number, device.itself)
     return number
 
 
@@ -131,7 +131,7 @@ def test_noise_is_the_same_for_the_same_seed(bench_of: BenchOf) -> None:
     for seed in (1, 1, 2):
         device = Echo(38400)
         robot = bench_of("powerbot-sh", seed=seed).connect()
-        robot.controller.plug(1, device.itself)
+        robot.controller.board.plug(1, device.itself)
         robot.send(Command.TTY2, b"hello device")
         robot.step()
         heard.append(bytes(device.heard))
@@ -140,7 +140,7 @@ def test_noise_is_the_same_for_the_same_seed(bench_of: BenchOf) -> None:
 
 def test_a_rate_survives_the_client_and_not_the_power_switch(robot: MicrocontrollerBench) -> None:
     device = Echo(38400)
-    robot.controller.plug(1, device.itself)
+    robot.controller.board.plug(1, device.itself)
     robot.send(Command.AUX1BAUD, 2)
     robot.send(Command.CLOSE)
     robot.step()
@@ -159,7 +159,7 @@ def test_a_rate_survives_the_client_and_not_the_power_switch(robot: Microcontrol
 def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_reset(
     robot: MicrocontrollerBench,
 ) -> None:
-    robot.controller.plug(1, Echo)
+    robot.controller.board.plug(1, Echo)
     first = robot.controller.plugged(1)
     robot.controller.power_cycle()
     assert robot.controller.plugged(1) is first
@@ -170,7 +170,7 @@ def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_
 
 def test_what_a_client_asked_for_is_forgotten_when_it_goes(robot: MicrocontrollerBench) -> None:
     device = Echo()
-    robot.controller.plug(1, device.itself)
+    robot.controller.board.plug(1, device.itself)
     robot.send(Command.GETAUX, 4)
     robot.send(Command.CLOSE)
     robot.step()
@@ -189,7 +189,7 @@ def test_empty_ports_swallow_everything(robot: MicrocontrollerBench) -> None:
 def test_transcript_of_a_camera_on_aux1_byte_by_byte(robot: MicrocontrollerBench) -> None:
     """Source: fact sheet section 11."""
     device = Echo()
-    robot.controller.plug(1, device.itself)
+    robot.controller.board.plug(1, device.itself)
     robot.controller.receive(bytes.fromhex("FA FB 06 2B 3B 00 00 2B 3B"))
     robot.controller.receive(bytes.fromhex("FA FB 0C 2A 2B 07 FF 30 30 00 A0 31 EF 94 E9"))
     robot.step()
@@ -204,7 +204,7 @@ def test_transcript_of_a_camera_on_aux1_byte_by_byte(robot: MicrocontrollerBench
 def test_answers_are_the_stream_in_order(bench_of: BenchOf, pieces: list[bytes], sizes: list[int]) -> None:
     robot = bench_of("powerbot-sh").connect()
     device = Echo()
-    robot.controller.plug(2, device.itself)
+    robot.controller.board.plug(2, device.itself)
     for piece in pieces:
         device.says = piece
         robot.step()

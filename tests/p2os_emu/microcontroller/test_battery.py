@@ -57,7 +57,7 @@ def test_driving_empties_the_battery_faster_than_standing(bench_of: BenchOf) -> 
     driving.send(Command.VEL, 0.5)
     for robot in (standing, driving):
         robot.run(60.0)
-    assert driving.controller.battery_charge < standing.controller.battery_charge
+    assert driving.controller.board.battery.charge < standing.controller.board.battery.charge
 
 
 def test_a_plugged_charger_shows_in_flags_and_charge_state(robot: MicrocontrollerBench) -> None:

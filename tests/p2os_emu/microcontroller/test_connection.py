@@ -71,8 +71,8 @@ def test_commands_before_open_are_ignored(bench_of: BenchOf) -> None:
     for command, value in ((Command.ENABLE, 1), (Command.CONFIG, None), (Command.HOSTBAUD, 2), (Command.RESET, None)):
         bench.send(command, value)
     assert bench.run(1.0) == []
-    assert not bench.controller.motors_enabled
-    assert bench.controller.host_baud == 9600
+    assert not bench.controller.board.motors.enabled
+    assert bench.controller.board.host_baud == 9600
 
 
 @pytest.mark.parametrize("opening", [SYNC1, OPEN_WITH_ARGUMENT], ids=["plain", "with argument"])

@@ -34,7 +34,7 @@ def make(bench_of: BenchOf) -> MakeGripper:
         bench = bench_of(subtype, body=body)
         gripper = gripper_of(Fit({"gripper": wiring}))
         assert gripper is not None
-        bench.controller.fit_gripper(gripper)
+        bench.controller.board.gripper.fit(gripper)
         return bench.connect()
 
     return make
@@ -271,7 +271,7 @@ def test_a_gripper_that_is_wired_and_not_there_ends_in_an_error(bench_of: BenchO
     bench = bench_of("p3dx-sh")
     gripper = gripper_of(Fit({"gripper": "pioneer"}))
     assert gripper is not None
-    bench.controller.fit_gripper(gripper)
+    bench.controller.board.gripper.fit(gripper)
     order(bench.connect(), GripperOrder.UP)
     bench.run(9.0)
     assert bench.sip().gripper_state & LIFT_ERROR

@@ -66,7 +66,7 @@ class TestWithoutClient:
         assert alone.body.velocity == pytest.approx(1.0, abs=0.01), "FLASH's JOYVEL"
         hold(alone, Stick(y=1.0), 3.0)
         assert not alone.body.is_turning()
-        assert not alone.controller.motors_enabled
+        assert not alone.controller.board.motors.enabled
 
     def test_left_is_counter_clockwise_and_the_throttle_scales(self, alone: MicrocontrollerBench) -> None:
         hold(alone, Stick(x=-1.0, throttle=0.5, button1=True), 2.0)
@@ -79,7 +79,7 @@ class TestWithoutClient:
         alone.controller.panel.stop_button = True
         alone.run(1.0)
         assert not alone.body.is_turning()
-        assert not alone.controller.motors_enabled
+        assert not alone.controller.board.motors.enabled
 
     def test_a_client_that_comes_takes_over(self, alone: MicrocontrollerBench) -> None:
         hold(alone, FORWARD, 1.0)
@@ -98,7 +98,7 @@ class TestWithClient:
         led.send(Command.JOYDRIVE, 0)
         led.run(4.0)
         assert not led.body.is_turning()
-        assert led.controller.motors_enabled
+        assert led.controller.board.motors.enabled
 
     def test_it_overrides_what_the_client_commands(self, led: MicrocontrollerBench) -> None:
         led.send(Command.JOYDRIVE, 1)
@@ -112,7 +112,7 @@ class TestWithClient:
         led.send(Command.JOYDRIVE, 1)
         led.send(Command.ENABLE, 0)
         hold(led, FORWARD, 1.0)
-        assert not led.controller.motors_enabled
+        assert not led.controller.board.motors.enabled
         assert not led.body.is_turning()
 
     def test_leave_goes_with_the_client(self, led: MicrocontrollerBench) -> None:

@@ -37,25 +37,25 @@ class TestPower:
     def test_a_command_switches_its_output_and_no_other(self, robot: MicrocontrollerBench, command: Command) -> None:
         robot.send(command, 0)
         robot.step()
-        assert [name for name, on in robot.controller.outputs.power.items() if not on] == [POWER[command]]
+        assert [name for name, on in robot.controller.board.outputs.power.items() if not on] == [POWER[command]]
         robot.send(command, 1)
         robot.step()
-        assert all(robot.controller.outputs.power.values())
+        assert all(robot.controller.board.outputs.power.values())
 
     def test_a_power_port_is_switched_by_its_number_and_11_is_the_lasers(self, robot: MicrocontrollerBench) -> None:
         for number, state in ((3, 0), (11, 0), (8, 0), (8, 1), (200, 0)):
             robot.send(Command.SETPBIOPORT, (number, state))
         robot.step()
-        power = robot.controller.outputs.power
+        power = robot.controller.board.outputs.power
         assert {name for name, on in power.items() if not on} == {"port3", "lrf"}
 
     def test_everything_is_on_after_the_power_switch(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.POWER_LRF, 0)
         robot.send(Command.CLOSE)
         robot.step()
-        assert not robot.controller.outputs.power["lrf"], "it survives the client"
+        assert not robot.controller.board.outputs.power["lrf"], "it survives the client"
         robot.controller.power_cycle()
-        assert all(robot.controller.outputs.power.values())
+        assert all(robot.controller.board.outputs.power.values())
 
 
 class TestServosDisplayLamp:
@@ -63,23 +63,23 @@ class TestServosDisplayLamp:
         robot.send(Command.PTUPOS, (2, 150))
         robot.send(Command.PTUPOS, (5, 150))
         robot.step()
-        assert robot.controller.outputs.servos == {2: pytest.approx(1.5e-3)}
+        assert robot.controller.board.outputs.servos == {2: pytest.approx(1.5e-3)}
         robot.send(Command.PTUPOS, (2, 0))
         robot.step()
-        assert robot.controller.outputs.servos == {}
+        assert robot.controller.board.outputs.servos == {}
 
     def test_the_display_shows_twenty_characters(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.LCDWRITE, b"low battery, going home\0")
         robot.step()
-        assert robot.controller.outputs.lcd == "low battery, going h"
+        assert robot.controller.board.outputs.lcd == "low battery, going h"
         robot.send(Command.LCDWRITE, b"ok\0rest")
         robot.step()
-        assert robot.controller.outputs.lcd == "ok"
+        assert robot.controller.board.outputs.lcd == "ok"
 
     def test_the_lamp(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.MOVINGBLINK, 0)
         robot.step()
-        assert not robot.controller.outputs.lamp
+        assert not robot.controller.board.outputs.lamp
 
 
 class TestBatteryPacket:
@@ -87,7 +87,7 @@ class TestBatteryPacket:
         robot.controller.receive(bytes.fromhex("FA FB 06 3E 3B 01 00 3F 3B"))  # source: transcript
         sent = robot.run(1.0)
         (report,) = (each for each in sent if isinstance(each.packet, BatteryReport))
-        percent = round(100 * robot.controller.battery_charge)
+        percent = round(100 * robot.controller.board.battery.charge)
         assert report.packet == BatteryReport(((0, 0, 0, percent, percent),))
         assert report.payload == bytes([0xFA, 1, 5, 0, 0, 0, percent, percent])
 
@@ -144,7 +144,7 @@ class TestCharger:
         robot.controller.panel.charger_plugged = True
         robot.run(3.0)
         assert robot.body.is_turning() is not stands
-        assert robot.controller.motors_enabled
+        assert robot.controller.board.motors.enabled
 
 
 class TestShutdown:
@@ -154,10 +154,10 @@ class TestShutdown:
         send(robot, "FA FB 06  FA 3B 01 00  FB 3B")
         assert robot.sip().battery == pytest.approx(10.9)
         send(robot, "FA FB 06  FA 3B 02 00  FC 3B")
-        assert robot.controller.shutdown_wanted
+        assert robot.controller.board.shutdown_wanted
         send(robot, "FA FB 06  FA 3B 00 00  FA 3B")
         assert robot.sip().battery == pytest.approx(real, abs=0.1)
-        assert not robot.controller.shutdown_wanted
+        assert not robot.controller.board.shutdown_wanted
 
     def test_p2os_knows_neither(self, bench_of: BenchOf) -> None:
         robot = bench_of("p2dx").connect()
@@ -234,11 +234,11 @@ class TestAutoBaud:
 
     def test_the_dance(self, robot: MicrocontrollerBench) -> None:
         controller = robot.controller
-        assert controller.host_baud == 9600
+        assert controller.board.host_baud == 9600
         controller.receive(bytes.fromhex("FA FB 06 32 3B 02 00 34 3B"))  # source: transcript
         robot.run(0.01)
         robot.run(0.01)
-        assert controller.host_baud == 38400
+        assert controller.board.host_baud == 38400
         robot.send(Command.PULSE)
         assert len(robot.sips(1.0)) == 10
 
@@ -249,10 +249,10 @@ class TestAutoBaud:
         robot.run(0.1)
         robot.pulsing = False
         robot.run(10.0)
-        assert robot.controller.host_baud == 38400, "a client that died says nothing"
+        assert robot.controller.board.host_baud == 38400, "a client that died says nothing"
         robot.controller.receive(bytes.fromhex("FA FB 06 02 3B 01 00 03 3B"))  # ARIA's CLOSE, at 38400 among others
         robot.run(0.1)
-        assert robot.controller.host_baud == 9600
+        assert robot.controller.board.host_baud == 9600
 
     def test_without_autobaud_the_rate_survives_the_client_and_its_death(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.HOSTBAUD, 4)
@@ -261,15 +261,15 @@ class TestAutoBaud:
         robot.run(10.0)
         robot.send(Command.CLOSE)
         robot.run(0.1)
-        assert robot.controller.host_baud == 115200
+        assert robot.controller.board.host_baud == 115200
         robot.connect()
-        assert robot.controller.host_baud == 115200
+        assert robot.controller.board.host_baud == 115200
         robot.send(Command.RESET)
         robot.run(0.1)
-        assert robot.controller.host_baud == 9600
+        assert robot.controller.board.host_baud == 9600
 
     def test_p2os_keeps_its_rate(self, bench_of: BenchOf) -> None:
         robot = bench_of("p2dx").connect()
         robot.send(Command.HOSTBAUD, 4)
         robot.run(0.1)
-        assert robot.controller.host_baud == 9600
+        assert robot.controller.board.host_baud == 9600

@@ -239,7 +239,7 @@ class TestInputsAndOutputs:
         robot.send(Command.DIGOUT, (0xF0, 0xFF))
         robot.send(Command.DIGOUT, (0x81, 0x01))
         assert robot.sip().digital_out == 0x71
-        assert robot.controller.digital_out == 0x71
+        assert robot.controller.board.digital_out == 0x71
 
     @pytest.mark.parametrize("port", [-1, 8, 255])
     def test_an_analog_port_that_does_not_exist_is_not_selected(self, robot: MicrocontrollerBench, port: int) -> None:

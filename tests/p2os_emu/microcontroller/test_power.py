@@ -44,7 +44,7 @@ class TestReset:
         robot.run(5.0)
         reset(robot)
         robot.run(0.1)
-        assert robot.controller.host_baud == 9600
+        assert robot.controller.board.host_baud == 9600
         sip = robot.connect().sip()
         assert (sip.x, sip.y, sip.heading, sip.digital_out, sip.motors_enabled) == (0.0, 0.0, 0.0, 0, False)
 
@@ -88,15 +88,15 @@ class TestHostBaud:
     ) -> None:
         robot.send(Command.HOSTBAUD, code)
         robot.step()
-        assert robot.controller.host_baud == 9600
+        assert robot.controller.board.host_baud == 9600
         robot.step()
-        assert robot.controller.host_baud == baud
+        assert robot.controller.board.host_baud == baud
 
     @pytest.mark.parametrize("code", [-1, 5, 9600])
     def test_a_code_without_a_rate_is_ignored(self, robot: MicrocontrollerBench, code: int) -> None:
         robot.send(Command.HOSTBAUD, code)
         robot.run(0.1)
-        assert robot.controller.host_baud == 9600
+        assert robot.controller.board.host_baud == 9600
 
     def test_the_rate_survives_the_client(self, robot: MicrocontrollerBench) -> None:
         robot.send(Command.HOSTBAUD, 4)
@@ -104,14 +104,14 @@ class TestHostBaud:
         robot.send(Command.CLOSE)
         robot.run(0.1)
         robot.connect()
-        assert robot.controller.host_baud == 115200
+        assert robot.controller.board.host_baud == 115200
 
     def test_flash_holds_the_rate_at_power_on(self, bench_of: BenchOf) -> None:
         model = bench_of("p3dx-sh").model
         robot = bench_of("p3dx-sh", flash=replace(Flash.of(model, "x"), host_baud=38400)).connect()
-        assert robot.controller.host_baud == 38400
+        assert robot.controller.board.host_baud == 38400
         robot.send(Command.HOSTBAUD, 0)
         robot.run(0.1)
         robot.controller.power_cycle()
         robot.step()
-        assert robot.controller.host_baud == 38400
+        assert robot.controller.board.host_baud == 38400
