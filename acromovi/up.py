@@ -3,11 +3,10 @@
 import argparse
 import asyncio
 import json
-import shutil
 import signal
 import sys
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,10 @@ from acromovi.options import add_apps, add_bus, seconds
 from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
+    from acromovi.navigation.at_work import NavigationAtWork
     from acromovi.team.plan import TeamOptions, TeamPlan
+    from acromovi.team.processes import Processes
+    from acromovi.team.team import TeamAtWork
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
@@ -71,14 +73,12 @@ def _run(arguments: argparse.Namespace) -> int:
         require("a team with emulated robots", "emu")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
     choices = TeamOptions(arguments.bus, arguments.seed, tuple(arguments.apps), keys)
-    folder = Path(tempfile.mkdtemp(prefix=FOLDER))
-    try:
-        return asyncio.run(_hold(team, choices, folder, arguments))
-    except TeamFailed as err:
-        print(f"acromovi up: {err}", file=sys.stderr)
-        return TIMED_OUT if isinstance(err, TeamTimedOut) else 1
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix=FOLDER, ignore_cleanup_errors=True) as folder:
+        try:
+            return asyncio.run(_hold(team, choices, Path(folder), arguments))
+        except TeamFailed as err:
+            print(f"acromovi up: {err}", file=sys.stderr)
+            return TIMED_OUT if isinstance(err, TeamTimedOut) else 1
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -107,26 +107,39 @@ async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, argument
             await processes.end()
             raise
         at_work = TeamAtWork(team, choices, folder, processes.start, bus, tell, complain)
-        with at_work:
-            try:
-                at_work.begin()
-                coming_up = asyncio.ensure_future(at_work.come_up(arguments.timeout or STARTING_TIME))
-                either: list[asyncio.Future[Any]] = [coming_up, asked_to_end]
-                await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
-                if coming_up.done():
-                    robots = coming_up.result()
-                    if at_work.control is not None:
-                        tell(f"faults and truth of the emulated ones: {at_work.control}")
-                    tell(_greeting(team, robots))
-                    if arguments.json:
-                        shown = {"console": None, "robots": robots, "control": at_work.control}
-                        print(json.dumps(shown), flush=True)
-                coming_up.cancel()
-                return 128 + await asked_to_end
-            finally:
-                at_work.supervisor.rest()
-                await processes.end()
-                await at_work.supervisor.end()
+
+        async def come_up() -> None:
+            robots = await at_work.come_up(arguments.timeout or STARTING_TIME)
+            if at_work.control is not None:
+                tell(f"faults and truth of the emulated ones: {at_work.control}")
+            tell(_greeting(team, robots))
+            if arguments.json:
+                print(json.dumps({"console": None, "robots": robots, "control": at_work.control}), flush=True)
+
+        return 128 + await keep_up(at_work, processes, come_up, asked_to_end)
+
+
+async def keep_up(
+    at_work: "TeamAtWork | NavigationAtWork",
+    processes: "Processes",
+    come_up: Callable[[], Awaitable[None]],
+    asked_to_end: "asyncio.Future[int]",
+) -> int:
+    """Run processes until a signal, end them in order, and return it. `come_up` waits until they run, and says so."""
+    with at_work:
+        try:
+            at_work.begin()
+            coming_up = asyncio.ensure_future(come_up())
+            either: list[asyncio.Future[Any]] = [coming_up, asked_to_end]
+            await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
+            if coming_up.done():
+                coming_up.result()
+            coming_up.cancel()
+            return await asked_to_end
+        finally:
+            at_work.supervisor.rest()
+            await processes.end()
+            await at_work.supervisor.end()
 
 
 def _greeting(team: "TeamPlan", robots: Sequence[str]) -> str:

@@ -3,7 +3,6 @@
 import argparse
 import asyncio
 import json
-import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -14,7 +13,6 @@ from acromovi.options import add_bus
 from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
-    from acromovi.navigation.at_work import NavigationAtWork
     from bus.bus import Bus
 
 FOLDER = "acromovi-"
@@ -60,14 +58,12 @@ def _run(arguments: argparse.Namespace) -> int:
 
     robot_name(arguments.robot)
     chosen = of_names(processes(arguments), arguments.only)
-    folder = Path(tempfile.mkdtemp(prefix=FOLDER))
-    try:
-        return asyncio.run(_hold(arguments, chosen, folder))
-    except NotUp as err:
-        print(f"acromovi navigate up: {err}", file=sys.stderr)
-        return 1
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix=FOLDER, ignore_cleanup_errors=True) as folder:
+        try:
+            return asyncio.run(_hold(arguments, chosen, Path(folder)))
+        except NotUp as err:
+            print(f"acromovi navigate up: {err}", file=sys.stderr)
+            return 1
 
 
 def of_names(known: Processes, wanted: list[str]) -> Processes:
@@ -88,7 +84,7 @@ async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) 
     from acromovi.navigation.at_work import NavigationAtWork
     from acromovi.team.plan import navigation_process
     from acromovi.team.processes import Processes as RealProcesses
-    from acromovi.up import ENDINGS, signals
+    from acromovi.up import ENDINGS, keep_up, signals
     from bus.session import ZenohBus
 
     def tell(sentence: str) -> None:
@@ -104,26 +100,13 @@ async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) 
     with ZenohBus.open(arguments.bus) as bus:
         await _look_round(bus, robot, chosen, tell)
         real = await RealProcesses.open(folder)
-        with NavigationAtWork(programs, real.start, bus, complain) as at_work:
-            try:
-                at_work.begin()
-                await _come_up(at_work, asked_to_end)
-                if not asked_to_end.done():
-                    _announce(arguments, chosen, tell)
-                return 128 + await asked_to_end
-            finally:
-                at_work.supervisor.rest()
-                await real.end()
-                await at_work.supervisor.end()
+        at_work = NavigationAtWork(programs, real.start, bus, complain)
 
+        async def come_up() -> None:
+            await at_work.come_up()
+            _announce(arguments, chosen, tell)
 
-async def _come_up(at_work: "NavigationAtWork", asked_to_end: "asyncio.Future[int]") -> None:
-    coming_up = asyncio.ensure_future(at_work.come_up())
-    either: list[asyncio.Future[Any]] = [coming_up, asked_to_end]
-    await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
-    if coming_up.done():
-        coming_up.result()
-    coming_up.cancel()
+        return 128 + await keep_up(at_work, real, come_up, asked_to_end)
 
 
 def _announce(arguments: argparse.Namespace, chosen: Processes, tell: Any) -> None:
