@@ -79,16 +79,6 @@ class Wiring:
         """The processes, in the order of the file."""
         return tuple(dict.fromkeys(part.process for part in self.parts))
 
-    def of_process(self, process: str) -> tuple[ComponentSpec, ...]:
-        """Return the components of a process.
-
-        Raises:
-            ConfigError: There is no such process.
-        """
-        if process not in self.processes:
-            raise self._error(f"there is no process {process!r}; {_choose(process, self.processes)}")
-        return tuple(part for part in self.parts if part.process == process)
-
     def _class(self, name: str, entry: _ComponentEntry, kinds: Kinds) -> type[Component]:
         try:
             found = kinds.find(entry.kind)

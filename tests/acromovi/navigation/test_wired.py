@@ -24,7 +24,7 @@ def names(*given: str) -> dict[str, list[str]]:
 
 def test_components_run_where_the_file_says() -> None:
     wiring = load_wiring()
-    assert list(names()) == list(dict.fromkeys(part.process for part in wiring.parts))
+    assert list(names()) == list(wiring.processes)
     assert names()["hardware"] == ["robot_base_server", "laser_server"]
 
 

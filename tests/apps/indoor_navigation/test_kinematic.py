@@ -32,7 +32,7 @@ def site() -> Iterator[Site]:
     """The kinematic pair, as the wiring has it."""
     loop = VirtualTimeLoop()
     site = Site(loop)
-    for part in load_wiring(KINEMATIC).of_process("hardware"):
+    for part in (part for part in load_wiring(KINEMATIC).parts if part.process == "hardware"):
         component = Kinds().make(part.kind, part.agent(ROBOT), part.properties)
         assert isinstance(component, Component)
         site.start(component)

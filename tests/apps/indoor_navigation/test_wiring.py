@@ -75,7 +75,7 @@ def file_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], 
 
 def test_a_component_is_given_its_part_of_the_wiring(file_of: Callable[[str], Path]) -> None:
     wiring = load_wiring(file_of(FILE))
-    (steering,) = wiring.of_process("reactive")
+    (steering,) = (part for part in wiring.parts if part.process == "reactive")
     assert str(steering.agent("happy")) == "steering@happy"
     assert steering.properties == {
         "hears": [["base", "Odometry"]],
@@ -124,8 +124,3 @@ def test_what_does_not_fit_is_told(file_of: Callable[[str], Path], old: str, new
         load_wiring(path)
     assert why in str(caught.value)
     assert str(path) in str(caught.value)
-
-
-def test_a_process_that_is_not_there_is_told(file_of: Callable[[str], Path]) -> None:
-    with pytest.raises(ConfigError, match="there is no process 'reactve'; did you mean reactive"):
-        load_wiring(file_of(FILE)).of_process("reactve")
