@@ -8,13 +8,11 @@ from typing import Any
 
 from p2os_emu.emulator import STEP, EmulatedRobot
 from p2os_emu.fault_spec import FaultError, FaultSpec, parse_fault
-from p2os_emu.faults import accessories, lines, machine, power
+from p2os_emu.faults import lines, machine, power
 from p2os_emu.faults.kind import Arguments, FaultKind
 from p2os_emu.hints import nearest
 
-FAULTS: Mapping[str, FaultKind] = {
-    kind.name: kind for kind in (*machine.KINDS, *power.KINDS, *accessories.KINDS, *lines.KINDS)
-}
+FAULTS: Mapping[str, FaultKind] = {kind.name: kind for kind in (*machine.KINDS, *power.KINDS, *lines.KINDS)}
 """All faults, by name."""
 
 _ROUNDING = 1e-9  # s; times are sums of steps

@@ -1,11 +1,14 @@
-"""Faults of the controller and of what feeds it: buttons, battery, charger, power, firmware."""
+"""Faults of the controller, of what feeds it, and of accessories: buttons, battery, charger, power, gyro, laser."""
 
 from collections.abc import Sequence
 
+from p2os_emu.accessories.lms200 import Lms200
 from p2os_emu.emulator import EmulatedRobot
-from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, number
+from p2os_emu.faults.kind import Arguments, FaultKind, FaultParameter, Requirement, number
 
 _LOW = 0.9  # of the nominal voltage: a lead-acid battery that should be charged
+_GYRO = Requirement("gyro", lambda robot: robot.fit.has("gyro"))
+_LASER = Requirement("laser", lambda robot: robot.fit.has("laser"))
 
 
 def _volts(text: str, robot: EmulatedRobot) -> float:
@@ -40,6 +43,16 @@ def _cut_power(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
 
 def _freeze(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
     robot.is_frozen = bool(active)
+
+
+def _break_gyro(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    robot.microcontroller.panel.gyro_failed = bool(active)
+
+
+def _soil_laser(robot: EmulatedRobot, active: Sequence[Arguments]) -> None:
+    scanner = robot.cables["laser"].device
+    assert isinstance(scanner, Lms200)
+    scanner.dirt = max((each["dirt"] for each in active), default=0.0)
 
 
 KINDS = (
@@ -80,5 +93,20 @@ KINDS = (
         "the firmware hangs: it hears and says nothing, and the wheels keep their last speed",
         "the firmware goes on where it stood; what was sent to it meanwhile is lost",
         _freeze,
+    ),
+    FaultKind(
+        "gyro-failed",
+        "the gyro gives nothing any more",
+        "it measures again",
+        _break_gyro,
+        needs=_GYRO,
+    ),
+    FaultKind(
+        "laser-dirty",
+        "dirt on the window of the laser scanner",
+        "somebody wipes it",
+        _soil_laser,
+        {"dirt": FaultParameter("the part of the light that it takes, 0 to 1", number(1.0), "0.5")},
+        _LASER,
     ),
 )
