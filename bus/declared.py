@@ -18,7 +18,6 @@ class Undeclarable(Protocol):
 
     def undeclare(self) -> object:
         """Withdraw it."""
-        ...
 
 
 class Declared(Subscription):

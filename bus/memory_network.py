@@ -37,7 +37,6 @@ class _PendingQuery(Protocol):
 
     def time_out(self) -> None:
         """End it, since the deadline has come."""
-        ...
 
 
 class MemoryNetwork:

@@ -72,11 +72,9 @@ class GripperMechanism(Protocol):
     @property
     def state(self) -> GripperMechanismState:
         """The gripper after the last physics step."""
-        ...
 
     def drive(self, paddles: float, lift: float) -> None:
         """Command the motors, at their own speed: -1 closes or lowers, 0 holds where it is, 1 opens or lifts."""
-        ...
 
 
 class ArmMechanism(Protocol):
@@ -85,20 +83,16 @@ class ArmMechanism(Protocol):
     @property
     def positions(self) -> Sequence[float]:
         """Of each joint after the last physics step, rad (m for a joint that slides)."""
-        ...
 
     @property
     def velocities(self) -> Sequence[float]:
         """Of each joint, rad/s (m/s)."""
-        ...
 
     def move(self, joint: int, position: float, speed: float) -> None:
         """Let a joint, counted from 0, go to a position, rad (m), no faster than `speed`, rad/s (m/s)."""
-        ...
 
     def release(self, joint: int) -> None:
         """Take the power off a joint: it sinks as its friction lets it."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,25 +140,20 @@ class Body(Protocol):
     @property
     def state(self) -> BodyState:
         """The machine after the last physics step."""
-        ...
 
     @property
     def gripper(self) -> GripperMechanism | None:
         """The gripper, where one is fitted."""
-        ...
 
     @property
     def arm(self) -> ArmMechanism | None:
         """The arm, where one is fitted."""
-        ...
 
     def drive(self, left: float, right: float) -> None:
         """Command the wheel rims, m/s; the motors follow as far as their torque allows."""
-        ...
 
     def release(self) -> None:
         """Take the power off both motors; the wheels turn as gears and friction let them."""
-        ...
 
     def ping(self, discs: Sequence[int]) -> Sequence[float]:
         """Fire sonar discs.
@@ -174,8 +163,6 @@ class Body(Protocol):
         Returns:
             One range per disc, m from the disc's face; `inf` where no echo came back.
         """
-        ...
 
     def scan(self, beams: ScanBeams) -> Echoes:
         """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""
-        ...

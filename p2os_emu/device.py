@@ -13,11 +13,9 @@ class Device(Protocol):
     @property
     def baud(self) -> int:
         """Rate of its port, bit/s: for the bytes that the last step returned, and for those to come."""
-        ...
 
     def receive(self, data: bytes) -> None:
         """Take bytes from the line."""
-        ...
 
     def step(self, dt: float) -> bytes:
         """Let time pass, s.
@@ -25,7 +23,6 @@ class Device(Protocol):
         Returns:
             Everything to send now.
         """
-        ...
 
 
 class CableDevice(Device, Protocol):
@@ -34,7 +31,6 @@ class CableDevice(Device, Protocol):
     @property
     def silence(self) -> float:
         """Time in which it sends nothing unless it or the robot receives something, s."""
-        ...
 
 
 class Cable:

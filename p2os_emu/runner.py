@@ -26,16 +26,13 @@ class _Stepped(Protocol):
     @property
     def time(self) -> float:
         """Emulated time since the start, s."""
-        ...
 
     @property
     def silence(self) -> float:
         """Time in which nothing is sent unless something is received, s of emulated time; may be inf."""
-        ...
 
     def step(self) -> None:
         """Move on by `STEP`."""
-        ...
 
 
 class Runner:

@@ -39,48 +39,36 @@ class EmulatedSurroundings(Protocol):
     @property
     def time(self) -> float:
         """Emulated time since the start, s."""
-        ...
 
     def step(self) -> None:
         """Advance everything by `STEP`."""
-        ...
 
     def add_robot(self, name: str, model: RobotModel, pose: Pose2D | None = None, fit: Fit = BARE) -> Body:
         """Put a robot down, on a free place unless one is given."""
-        ...
 
     def remove_robot(self, name: str) -> None:
         """Take a robot away."""
-        ...
 
     def truth(self, name: str) -> Truth:
         """Return the true motion of a robot."""
-        ...
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Move a robot to another pose; its odometry does not change."""
-        ...
 
     def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
         """Where the middle of each movable object is, m, m, m, and its heading, rad."""
-        ...
 
     def held(self, name: str) -> str | None:
         """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
-        ...
 
     def touches(self, name: str) -> Touches:
         """Collisions of a robot."""
-        ...
 
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
         """Where everybody is who walks about, m, m, rad, and whether they walk just now."""
-        ...
 
     def doors(self) -> Mapping[str, tuple[float, float]]:
         """How far each door with a leaf is open, m, and of how much."""
-        ...
 
     def set_door(self, name: str, is_open: bool) -> None:
         """Open or shut a door."""
-        ...

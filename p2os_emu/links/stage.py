@@ -15,4 +15,3 @@ class LinkStage(Protocol):
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """Take the bytes that enter now and return those that leave now; called every step, also without bytes."""
-        ...

@@ -29,7 +29,6 @@ class Steering(Protocol):
 
     def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
         """Return the speeds; places are the x and y of obstacles in the robot's frame, m."""
-        ...
 
 
 class Goto(Embodied):
