@@ -27,7 +27,7 @@ from p2os_emu.faults.board import FaultBoard
 from p2os_emu.fit import read_fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.world import DoorState, PersonPlace, Touches, World, WorldSpec
+from p2os_emu.world import World, WorldSpec
 
 T = TypeVar("T")
 
@@ -39,6 +39,8 @@ class Lockstep:
     """A team of robots in a world, each with its driver, on a bus in memory.
 
     Everything happens in `run`; the same arguments and the same calls call the same bytes and messages.
+
+    world: says what is true of robots, people and doors; nobody else may step it.
     """
 
     def __init__(
@@ -66,8 +68,8 @@ class Lockstep:
             WorldError: There is no room for a robot.
         """
         self._network = MemoryNetwork()
-        self._world = World(world, seed=seed, perfect=perfect)
-        self._emulator = Emulator(self._world, LinkProfile("ideal"), seed=seed)
+        self.world = World(world, seed=seed, perfect=perfect)
+        self._emulator = Emulator(self.world, LinkProfile("ideal"), seed=seed)
         self._faults = FaultBoard(self._emulator.robots)
         self._emulator.before_step = self._faults.advance
         self._hosts: dict[str, _Host] = {}
@@ -126,27 +128,7 @@ class Lockstep:
 
     def truth(self, name: str) -> Pose2D:
         """Return the true pose of a robot."""
-        return self._world.truth(name).pose
-
-    def touches(self, name: str) -> Touches:
-        """Return the collisions of a robot: hull or accessory against wall, furniture, door, person or robot."""
-        return self._world.touches(name)
-
-    def people(self) -> Mapping[str, PersonPlace]:
-        """Return the true poses of the people."""
-        return self._world.people()
-
-    def doors(self) -> Mapping[str, DoorState]:
-        """How far each door with a leaf is open."""
-        return self._world.doors()
-
-    def set_door(self, name: str, is_open: bool) -> None:
-        """Open or close a door; it no longer moves by itself.
-
-        Raises:
-            WorldError: There is no such door.
-        """
-        self._world.set_door(name, is_open)
+        return self.world.truth(name).pose
 
     def wire(self, name: str) -> bytes:
         """Every byte the robot has sent so far."""
@@ -156,7 +138,7 @@ class Lockstep:
         """End the world and the bus."""
         for host in self._hosts.values():
             host.close()
-        self._world.close()
+        self.world.close()
 
     def __enter__(self) -> Self:
         return self

@@ -18,14 +18,11 @@ log = logging.getLogger("bus")
 PERIOD = 1.0  # s between two Scouts
 LOOPBACK = "127.0.0.1"
 VERSION = 9  # of Zenoh's protocol
-SCOUT, HELLO, WITH_LOCATORS = 0x01, 0x02, 0x20
+HELLO, WITH_LOCATORS = 0x02, 0x20
 PEER, ANY_PEER = 0b01, 0b010  # in a Hello, and as what a Scout asks for
 MOST_BYTES = 2048
-
-
-def scout() -> bytes:
-    """Return the datagram that asks peers for their identity."""
-    return bytes((SCOUT, VERSION, ANY_PEER))
+SCOUT = bytes((0x01, VERSION, ANY_PEER))
+"""The datagram that asks peers for their identity."""
 
 
 def hello(zid: str, locator: str) -> bytes:
@@ -101,7 +98,7 @@ class Scouting(Closeable):
             if self._is_hurried or time.monotonic() >= next_scout:
                 self._is_hurried = False
                 next_scout = time.monotonic() + PERIOD
-                self._send(scout(), self._group)
+                self._send(SCOUT, self._group)
             self._socket.settimeout(max(next_scout - time.monotonic(), 0.001))
             try:
                 datagram, sender = self._socket.recvfrom(MOST_BYTES)

@@ -203,7 +203,7 @@ class Course:
                 break
         seconds = self.time - self._told_at
         self.run(SETTLE)
-        touched = tuple(touch.what for touch in self.lockstep.touches(ROBOT).last)
+        touched = tuple(touch.what for touch in self.lockstep.world.touches(ROBOT).last)
         said = tuple(f"{each.stamp - self._told_at:.1f} s {each.component}: {each.what}" for each in self.told)
         return Played(state, seconds, self.track, said, tuple(self.reports), touched)
 

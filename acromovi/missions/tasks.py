@@ -114,7 +114,7 @@ class Task:
         """Choose start and goal, put obstacles and people into the world: the same for the same job.
 
         Raises:
-            NoTask: The world has no room for such a mission.
+            ValueError: The world has no room for such a mission.
             WorldError, ConfigError: There is no such world or robot.
         """
         chooser, start, goal, way = _ends(job.case, job.world, job.robot, job.seed)
@@ -130,10 +130,6 @@ class Task:
     def start(self) -> Pose2D:
         """Where the robot begins."""
         return self.world.starts[0]
-
-
-class NoTask(ValueError):
-    """A world has no room for a mission."""
 
 
 @lru_cache(maxsize=16)  # all conditions of a few seeds, which are played one after the other
@@ -175,7 +171,7 @@ class _Chooser:
                 if way is None or way.length < least or (case is Case.ROOMS and not self._passes_corridor(way)):
                     continue
                 return Pose2D(*start, round(chance.uniform(-math.pi, math.pi), 3)), goal, way
-        raise NoTask(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
+        raise ValueError(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
 
     def _way_to(self, goal: Point, start: Point) -> Path | None:
         """The shortest way, if the robot has room to turn at both ends."""

@@ -16,10 +16,6 @@ S = TypeVar("S", bound=str)
 E = TypeVar("E", bound=str)
 
 
-class TransitionMissing(LookupError):
-    """The table has no transition for an event in the present state."""
-
-
 @dataclass(frozen=True, slots=True)
 class Change(Generic[S, E]):
     """A change of state. at: s. why: the reason in words."""
@@ -61,10 +57,10 @@ class StateMachine(Generic[S, E]):
         """Change to the next state, and return it; an event that leads to the same state changes nothing.
 
         Raises:
-            TransitionMissing: There is no transition; the state stays.
+            LookupError: There is no transition; the state stays.
         """
         if not self.knows(event):
-            raise TransitionMissing(f"the state {_word(self.state)!r} has no transition for {_word(event)!r}")
+            raise LookupError(f"the state {_word(self.state)!r} has no transition for {_word(event)!r}")
         before, after = self.state, self._transitions[self.state, event]
         if after != before:
             self.state, self.since, self.why = after, now, why

@@ -2,40 +2,25 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from geometry import Pose2D, Twist2D
 
 HALT = Twist2D(0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class FollowerLimits:
-    """Limits and gains of a follower.
-
-    linear: m/s along a leg. angular: rad/s. braking: m/s² with which it slows down towards a waypoint.
-    reach: m from a waypoint at which it counts as passed. look_ahead: m along the leg of the point it steers for.
-    turn_from, turn_until: rad of heading error beyond which it stops to turn on the spot, and at which it drives on.
-    gain: rad/s of turn per rad of heading error.
-    """
-
-    linear: float = 0.5
-    angular: float = 0.8
-    braking: float = 0.2
-    reach: float = 0.06
-    look_ahead: float = 0.5
-    turn_from: float = 0.6
-    turn_until: float = 0.05
-    gain: float = 1.6
+LINEAR = 0.5  # m/s along a leg, at most
+ANGULAR = 0.8  # rad/s, at most
+BRAKING = 0.2  # m/s² with which it slows down towards a waypoint
+REACH = 0.06  # m from a waypoint at which it counts as passed
+LOOK_AHEAD = 0.5  # m along the leg of the point it steers for
+TURN_FROM, TURN_UNTIL = 0.6, 0.05  # rad of heading error beyond which it turns on the spot, and at which it drives on
+GAIN = 1.6  # rad/s of turn per rad of heading error
 
 
 class Follower:
     """Drives a robot from waypoint to waypoint along straight legs, and turns it on the spot at the corners."""
 
-    def __init__(self, waypoints: Sequence[tuple[float, float]], limits: FollowerLimits | None = None) -> None:
-        """waypoints: (x, y) in m, in the frame of the poses for `steer`. limits: the defaults if None."""
+    def __init__(self, waypoints: Sequence[tuple[float, float]]) -> None:
+        """waypoints: (x, y) in m, in the frame of the poses for `steer`."""
         self._waypoints = list(waypoints)
-        self._limits = limits or FollowerLimits()
         self._leg_start: tuple[float, float] | None = None
         self._is_turning = True
         self.passed = 0
@@ -55,19 +40,18 @@ class Follower:
         """
         if self._leg_start is None:
             self._leg_start = (pose.x, pose.y)
-        while not self.is_done and self._remaining(pose) < self._limits.reach:
+        while not self.is_done and self._remaining(pose) < REACH:
             self._leg_start = self._waypoints[self.passed]
             self.passed += 1
             self._is_turning = True
         if self.is_done:
             return HALT
-        limits = self._limits
         error = pose.bearing_to(*self._aim(pose))
-        self._is_turning = abs(error) > (limits.turn_until if self._is_turning else limits.turn_from)
-        angular = max(-limits.angular, min(limits.angular, limits.gain * error))
+        self._is_turning = abs(error) > (TURN_UNTIL if self._is_turning else TURN_FROM)
+        angular = max(-ANGULAR, min(ANGULAR, GAIN * error))
         if self._is_turning:
             return Twist2D(0.0, angular)
-        speed = min(limits.linear, math.sqrt(2 * limits.braking * self._remaining(pose)))
+        speed = min(LINEAR, math.sqrt(2 * BRAKING * self._remaining(pose)))
         return Twist2D(speed * math.cos(error), angular)
 
     def _leg(self) -> tuple[float, float, float]:
@@ -91,5 +75,5 @@ class Follower:
         """Return the point to steer to: ahead on the line of the leg, also beyond its end."""
         assert self._leg_start is not None
         _, ux, uy = self._leg()
-        ahead = self._along(pose) + self._limits.look_ahead
+        ahead = self._along(pose) + LOOK_AHEAD
         return self._leg_start[0] + ahead * ux, self._leg_start[1] + ahead * uy

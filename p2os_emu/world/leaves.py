@@ -28,7 +28,7 @@ class DoorState(NamedTuple):
     width: float
 
 
-class Leaf:
+class _Leaf:
     """One leaf. opening: how far it is open, m."""
 
     def __init__(self, client: PhysicsClient, door: MovingDoor, random: Random) -> None:
@@ -93,7 +93,7 @@ class Leaves:
     """All doors with a leaf in one world."""
 
     def __init__(self, client: PhysicsClient, doors: Sequence[MovingDoor], seed: int) -> None:
-        self._leaves = {door.name: Leaf(client, door, Random(f"{seed} {door.name} door")) for door in doors}
+        self._leaves = {door.name: _Leaf(client, door, Random(f"{seed} {door.name} door")) for door in doors}
         self._busy = [leaf for leaf in self._leaves.values() if not leaf.is_still]
 
     @property

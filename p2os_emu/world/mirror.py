@@ -33,26 +33,26 @@ GRAPHICS = (Path("/dev/dri"), Path("/dev/nvidia0"))
 EGL = "eglRenderer"
 
 
-class Renderer(Enum):
+class _Renderer(Enum):
     """What draws."""
 
     SOFTWARE = engine.ER_TINY_RENDERER
     HARDWARE = engine.ER_BULLET_HARDWARE_OPENGL
 
 
-def choose_renderer() -> Renderer:
+def choose_renderer() -> _Renderer:
     """Return the renderer of this machine: hardware where it is present and works."""
     if not any(device.exists() for device in GRAPHICS) or find_spec(EGL) is None:
-        return Renderer.SOFTWARE
+        return _Renderer.SOFTWARE
     child = os.fork()
     if child == 0:  # whatever happens here, the parent goes on
         os._exit(0 if _draws_with_hardware() else 1)
     _, status = os.waitpid(child, 0)
-    return Renderer.HARDWARE if status == 0 else Renderer.SOFTWARE
+    return _Renderer.HARDWARE if status == 0 else _Renderer.SOFTWARE
 
 
 def _draws_with_hardware() -> bool:
-    mirror = Mirror(Renderer.HARDWARE)
+    mirror = Mirror(_Renderer.HARDWARE)
     cube = (ShapePart(Form.BOX, (1.0, 1.0, 1.0), (1.0, 0.0, 0.0, 1.0)),)
     mirror.apply(SceneChanges({0: (cube, Placed((2.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)))}))
     drawn = mirror.draw(View(0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 32, 24)
@@ -62,11 +62,11 @@ def _draws_with_hardware() -> bool:
 class Mirror:
     """Things by their numbers, each part a body without mass."""
 
-    def __init__(self, renderer: Renderer = Renderer.SOFTWARE) -> None:
+    def __init__(self, renderer: _Renderer = _Renderer.SOFTWARE) -> None:
         self._renderer = renderer
         self._client = PhysicsClient(engine.connect(engine.DIRECT))
         self._things: dict[int, list[tuple[int, ShapePart]]] = {}
-        if renderer is Renderer.HARDWARE:
+        if renderer is _Renderer.HARDWARE:
             plugin = find_spec(EGL)
             assert plugin is not None  # or it would not have been chosen
             self._client.loadPlugin(plugin.origin, f"_{EGL}Plugin")

@@ -20,7 +20,7 @@ class Placed(NamedTuple):
     turn: Quaternion
 
 
-class Thing(NamedTuple):
+class _SeenBody(NamedTuple):
     """Something to be drawn. is_fixed: it never moves."""
 
     body: int
@@ -53,12 +53,12 @@ class Sight:
     def __init__(self, client: PhysicsClient) -> None:
         self._client = client
         self._numbers = itertools.count()
-        self._things: dict[int, Thing] = {}
+        self._things: dict[int, _SeenBody] = {}
 
     def add(self, body: int, looks: Mapping[int, Look], *, is_fixed: bool = False) -> None:
         """A body has come, with the looks of its links."""
         for link, look in looks.items():
-            self._things[next(self._numbers)] = Thing(body, link, look, is_fixed)
+            self._things[next(self._numbers)] = _SeenBody(body, link, look, is_fixed)
 
     def remove(self, body: int) -> None:
         """Remove a body."""
@@ -73,7 +73,7 @@ class Sight:
             {n: self._placed(thing) for n, thing in self._things.items() if n in known and not thing.is_fixed},
         )
 
-    def _placed(self, thing: Thing) -> Placed:
+    def _placed(self, thing: _SeenBody) -> Placed:
         if thing.link == HULL:
             return Placed(*self._client.getBasePositionAndOrientation(thing.body))
         return Placed(*self._client.getLinkState(thing.body, thing.link)[:2])

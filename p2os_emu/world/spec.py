@@ -139,7 +139,7 @@ class WallEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class FurnitureEntry:
+class _FurnitureEntry:
     """A box: centre, size (length, width, height) and heading of its length."""
 
     at_m: tuple[float, float]
@@ -158,7 +158,7 @@ class FurnitureEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class DropEntry:
+class _DropEntry:
     """An area without floor: centre, size (length, width) and heading of its length."""
 
     at_m: tuple[float, float]
@@ -174,7 +174,7 @@ class DropEntry:
 
 
 @dataclass(frozen=True, slots=True)
-class StartEntry:
+class _StartEntry:
     """Where a robot may begin."""
 
     at_m: tuple[float, float]
@@ -187,12 +187,12 @@ class WorldFile:
 
     about: str = ""
     walls: tuple[WallEntry, ...] = ()
-    furniture: tuple[FurnitureEntry, ...] = ()
+    furniture: tuple[_FurnitureEntry, ...] = ()
     objects: tuple[ObjectEntry, ...] = ()
-    drops: tuple[DropEntry, ...] = ()
+    drops: tuple[_DropEntry, ...] = ()
     magnets: tuple[MagnetEntry, ...] = ()
     floor: Floor = field(default_factory=Floor)
-    starts: tuple[StartEntry, ...] = (StartEntry((0.0, 0.0)),)
+    starts: tuple[_StartEntry, ...] = (_StartEntry((0.0, 0.0)),)
     routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
     places_m: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     people: tuple[PersonEntry, ...] = ()
@@ -206,9 +206,9 @@ class WorldFile:
         """
         try:
             walls = _made("walls", self.walls, lambda wall: tuple(wall.blocks()))
-            furniture = _made("furniture", self.furniture, FurnitureEntry.block)
+            furniture = _made("furniture", self.furniture, _FurnitureEntry.block)
             objects = _made("objects", self.objects, ObjectEntry.movable, apart=True)
-            drops = _made("drops", self.drops, DropEntry.block)
+            drops = _made("drops", self.drops, _DropEntry.block)
             people = _made("people", self.people, PersonEntry.person, apart=True)
             moving_doors = _made("moving_doors", self.moving_doors, MovingDoorEntry.door, apart=True)
         except ValueError as err:

@@ -184,9 +184,9 @@ def test_scans_of_a_seed_are_always_the_same() -> None:
 
 def test_touches_people_and_doors_are_known_for_a_judge() -> None:
     with Lockstep(load_world("people-lab"), {ROBOT: "p3dx-sh"}, seed=1) as lockstep:
-        lockstep.set_door("door", False)
-        began = lockstep.people()["Anna"]
+        lockstep.world.set_door("door", False)
+        began = lockstep.world.people()["Anna"]
         lockstep.run(4.0)
-        assert lockstep.touches(ROBOT).count == 0
-        assert lockstep.doors()["door"].opening == 0.0
-        assert lockstep.people()["Anna"].x > began.x + 1.0
+        assert lockstep.world.touches(ROBOT).count == 0
+        assert lockstep.world.doors()["door"].opening == 0.0
+        assert lockstep.world.people()["Anna"].x > began.x + 1.0

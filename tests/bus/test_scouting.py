@@ -8,7 +8,7 @@ from contextlib import ExitStack
 import pytest
 
 from bus import ZenohBus
-from bus.scouting import Scouting, hello, is_hello, scout
+from bus.scouting import SCOUT, Scouting, hello, is_hello
 from tests.plain_zenoh import plain_session
 
 Until = Callable[..., None]
@@ -35,29 +35,29 @@ def scouting(group: socket.socket) -> Iterator[Scouting]:
 
 
 def test_datagrams_are_those_of_zenohs_protocol() -> None:
-    assert scout() == bytes((0x01, 9, 0x02))
+    assert bytes((0x01, 9, 0x02)) == SCOUT
     assert hello(ZID, LOCATOR) == HELLO
     assert is_hello(HELLO)
-    assert not any(map(is_hello, (b"", scout(), HELLO[:2], bytes((0x22, 9, 0x20, 1)))))  # the last is a router's
+    assert not any(map(is_hello, (b"", SCOUT, HELLO[:2], bytes((0x22, 9, 0x20, 1)))))  # the last is a router's
 
 
 @pytest.mark.usefixtures("scouting")
 def test_whoever_answers_a_scout_is_told_where_the_session_listens(group: socket.socket) -> None:
     datagram, sender = group.recvfrom(100)
-    assert datagram == scout()
+    assert datagram == SCOUT
     assert sender[0] == "127.0.0.1"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain:
         plain.settimeout(20.0)
-        for nonsense in (b"", b"\xff" * 2000, scout()):
+        for nonsense in (b"", b"\xff" * 2000, SCOUT):
             plain.sendto(nonsense, sender)
         plain.sendto(HELLO, sender)
         assert plain.recvfrom(100) == (HELLO, sender)
 
 
 def test_it_asks_again_and_at_once_when_somebody_was_lost(group: socket.socket, scouting: Scouting) -> None:
-    assert group.recv(100) == group.recv(100) == scout()
+    assert group.recv(100) == group.recv(100) == SCOUT
     scouting.hurry()
-    assert group.recv(100) == scout()
+    assert group.recv(100) == SCOUT
 
 
 def test_it_ends_when_it_is_closed(scouting: Scouting) -> None:

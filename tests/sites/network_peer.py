@@ -16,7 +16,7 @@ import zenoh
 
 from bus import ZenohBus
 from bus.loopback import LocalBus
-from bus.scouting import hello, scout
+from bus.scouting import SCOUT, hello
 
 TCP_LISTENS, UDP = "0A", "07"
 IGNORED = 0x0806, 0x86DD  # ARP and IPv6, of which the kernel sends some by itself
@@ -54,7 +54,7 @@ def attack(session: zenoh.Session, address: str, ports: list[int], seconds: floa
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
         line.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(sys.argv[3]))
         while time.monotonic() < until:
-            for datagram in (*datagrams, scout()):
+            for datagram in (*datagrams, SCOUT):
                 for port in ports:
                     line.sendto(datagram, (address, port))
                 line.sendto(datagram, LocalBus().scouting_address)

@@ -17,7 +17,7 @@ GO, BACK, REST = "go", "back", "rest"
 
 
 @dataclass(frozen=True, slots=True)
-class GotoParameters:
+class _GotoParameters:
     """max_age: s between pose and obstacles beyond which the robot stands."""
 
     max_age: float
@@ -36,7 +36,7 @@ class Goto(Embodied):
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    parameters_type = GotoParameters
+    parameters_type = _GotoParameters
 
     async def setup(self) -> None:
         """Begin without target and readings."""

@@ -18,7 +18,7 @@ MAX_BURST = 4  # pushes that may follow one another without a pause, after a res
 
 
 @dataclass(frozen=True, slots=True)
-class FuserParameters:
+class _FuserParameters:
     """When it pushes, and how it fuses.
 
     period: s after which it pushes without a new command. soonest: minimum s between two pushes on average; commands
@@ -35,7 +35,7 @@ class MotionFuser(Component):
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
-    parameters_type = FuserParameters
+    parameters_type = _FuserParameters
 
     async def setup(self) -> None:
         """Begin to fuse; the first command is to stop."""

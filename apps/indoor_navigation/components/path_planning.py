@@ -83,7 +83,7 @@ class PathPlanning(Component):
     @hears(DLEData)
     async def see_doors(self, data: DLEData) -> None:
         """Take the doors of a scan."""
-        self._navigator.see_doors(data)
+        self._navigator.memory.doors.see(data)
 
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:

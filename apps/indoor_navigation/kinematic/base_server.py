@@ -18,7 +18,7 @@ STEP = 0.02  # s between two simulation steps
 
 
 @dataclass(frozen=True, slots=True)
-class KinematicBaseParameters(BaseParameters):
+class _KinematicBaseParameters(BaseParameters):
     """The parameters of every base, and those of the robot.
 
     map: an ARIA map; empty for the built-in room. period: s between two odometries, and two readings of the sonar.
@@ -37,7 +37,7 @@ class KinematicBaseServer(Component):
 
     role = Role.HARDWARE
     gives = (RobotOdometry, SonarRead)
-    parameters_type = KinematicBaseParameters
+    parameters_type = _KinematicBaseParameters
 
     async def setup(self) -> None:
         """Place the robot at the home of its map."""

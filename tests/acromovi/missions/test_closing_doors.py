@@ -20,7 +20,7 @@ def course() -> Iterator[Course]:
 def test_door_that_closes_leads_to_another_way(course: Course) -> None:
     course.tell(STUDY)
     course.run(2.0)
-    course.lockstep.set_door("door between living room and study", False)
+    course.lockstep.world.set_door("door between living room and study", False)
     played = course.wait()
     assert played.state == "done", played.told
     assert not played.touched

@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 
 import configs
-from acromovi.missions.tasks import ROBOTS, Case, Condition, Job, NoTask, Task
+from acromovi.missions.tasks import ROBOTS, Case, Condition, Job, Task
 from p2os import RobotModel
 from p2os_emu.world.free_space import FreeSpace
 
@@ -55,5 +55,5 @@ def test_command_of_a_job_names_what_is_unusual() -> None:
 
 
 def test_world_without_rooms_is_refused_in_a_sentence() -> None:
-    with pytest.raises(NoTask, match="choose another world"):
+    with pytest.raises(ValueError, match="choose another world"):
         Task.of(Job.of(Case.ROOM, Condition.STATIC, 0, world="empty"))

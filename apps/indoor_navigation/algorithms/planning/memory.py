@@ -12,7 +12,7 @@ from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapPa
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
 from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, Hints, Strip, Terrain, terrain
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
-from apps.indoor_navigation.data import DLEData, ObstRead, Place, Pose
+from apps.indoor_navigation.data import ObstRead, Place, Pose
 from geometry import wrap_angle
 
 CRUMB_SPACING = 0.1  # m
@@ -118,10 +118,6 @@ class Memory:
         self._stamp = reading.stamp
         self.grid.see(reading)
         return jumped
-
-    def see_doors(self, data: DLEData) -> None:
-        """Take the doors of a scan."""
-        self.doors.see(data)
 
     def forget(self) -> None:
         """Forget all places."""

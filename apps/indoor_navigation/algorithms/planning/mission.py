@@ -13,7 +13,7 @@ from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
-from apps.indoor_navigation.data import DLEData, GoalPoint, ObstRead
+from apps.indoor_navigation.data import GoalPoint, ObstRead
 
 MAX_CHANGES = 8  # of state in one step; no sequence without an order is as long
 
@@ -88,10 +88,6 @@ class Navigator:
                     MissionEvent.POSE_JUMPED, now, "the robot's pose was set anew, and all that was seen is forgotten"
                 )
         situation.progress.see(reading, now)
-
-    def see_doors(self, data: DLEData) -> None:
-        """Take the doors of a scan."""
-        self.memory.see_doors(data)
 
     # Outputs.
 

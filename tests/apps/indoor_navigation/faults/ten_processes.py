@@ -216,7 +216,7 @@ class House:
     @property
     def touched(self) -> tuple[str, ...]:
         """What the robot has bumped into."""
-        return tuple(touch.what for touch in self.lockstep.touches(ROBOT).last)
+        return tuple(touch.what for touch in self.lockstep.world.touches(ROBOT).last)
 
     def close(self) -> None:
         """End everything."""

@@ -69,7 +69,7 @@ def test_a_goal_that_no_way_leads_to_is_said_to_be_out_of_reach(tmp_path: Path) 
     (tmp_path / "rooms.toml").write_text(TWO_ROOMS)
     house = House(load_world(tmp_path / "rooms.toml"))
     try:
-        house.lockstep.set_door("door", False)
+        house.lockstep.world.set_door("door", False)
         house.run(3.0)
         assert "no way leads to" in fails(house, *BEHIND_THE_DOOR)
     finally:

@@ -141,7 +141,7 @@ class Walker:
         if not self.is_blind:
             self.navigator.see(self.reading(lines), self.time)
             if self._steps % 5 == 0:
-                self.navigator.see_doors(self._doors(lines))
+                self.navigator.memory.doors.see(self._doors(lines))
         if self._steps % 2 == 0:
             self.order = self.navigator.step(self.time)
             if not self.states or self.states[-1] != self.navigator.state:
