@@ -185,14 +185,12 @@ class Emulator:
         line = EmulatedLine(link, profile, self._rng(name, "line"))
         robot = EmulatedRobot(name, model, controller, body, line, self.world.truth(name).pose, fit)
         if self._as_simulator:
-            controller.simulate(
-                Simulator(
-                    model,
-                    body,
-                    pose=lambda: self.world.truth(name).pose,
-                    place=partial(self.place, name),
-                    restart=partial(self._put_back, robot),
-                )
+            controller.board.simulator = Simulator(
+                model,
+                body,
+                pose=lambda: self.world.truth(name).pose,
+                place=partial(self.place, name),
+                restart=partial(self._put_back, robot),
             )
         self._fit_out(robot, cables or {}, profile)
         self.robots[name] = robot

@@ -19,6 +19,8 @@ from p2os_emu.device import CableDevice
 from p2os_emu.fit import Fit, FitError
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
+from p2os_emu.microcontroller.compass import CompassServer
+from p2os_emu.microcontroller.gyro import GyroServer
 
 LASER_POWER = "lrf"
 """The board's power output that feeds a laser whose model says that it can be switched."""
@@ -66,7 +68,11 @@ def _wire_gripper(bench: FittingContext) -> None:
 
 def _fit_gyro(bench: FittingContext, inside: bool) -> None:
     spec = load(AnalogGyroSpec, "accessories", "analog-gyro")
-    bench.microcontroller.fit_gyro(AnalogGyro(spec, bench.rng), inside)
+    bench.microcontroller.board.gyro = GyroServer(AnalogGyro(spec, bench.rng), inside)
+
+
+def _fit_compass(bench: FittingContext) -> None:
+    bench.microcontroller.board.compass = CompassServer(Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.rng))
 
 
 def _head_model(bench: FittingContext) -> HeadModel:
@@ -76,9 +82,7 @@ def _head_model(bench: FittingContext) -> HeadModel:
 PLUGGED: Mapping[tuple[str, str], Callable[[FittingContext], None]] = {
     ("gyro", "analog"): lambda bench: _fit_gyro(bench, inside=False),
     ("gyro", "controller"): lambda bench: _fit_gyro(bench, inside=True),
-    ("compass", "tcm2"): lambda bench: bench.microcontroller.fit_compass(
-        Tcm2(load(Tcm2Spec, "accessories", "tcm2"), bench.rng)
-    ),
+    ("compass", "tcm2"): _fit_compass,
     ("ptz", "vcc4"): lambda bench: bench.microcontroller.board.plug(HEAD_PORT, lambda: Vcc4(_head_model(bench))),
     ("ptz", "evid30"): lambda bench: bench.microcontroller.board.plug(HEAD_PORT, lambda: EviD30(_head_model(bench))),
     ("gripper", "pioneer"): _wire_gripper,
@@ -90,7 +94,7 @@ PLUGGED: Mapping[tuple[str, str], Callable[[FittingContext], None]] = {
 
 def plugged_head(controller: Microcontroller) -> Vcc4 | EviD30 | None:
     """Return the camera head behind a robot's AUX port, None where there is none."""
-    device = controller.plugged(HEAD_PORT)
+    device = controller.board.aux[HEAD_PORT].device
     return device if isinstance(device, Vcc4 | EviD30) else None
 
 

@@ -8,19 +8,13 @@ from p2os.handshake import ConnectionState, Identity, RobotHandshake
 from p2os.packets import Packet, PacketType, encode_packet
 from p2os.robot_model import RobotModel
 from p2os.sip import SipCodec
-from p2os_emu.accessories.analog_gyro import AnalogGyro
-from p2os_emu.accessories.tcm2 import Tcm2
 from p2os_emu.body import Body, BodyState
-from p2os_emu.device import Device
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.microcontroller.board import Board
 from p2os_emu.microcontroller.buzzer import PlayedNote
 from p2os_emu.microcontroller.commands import execute
-from p2os_emu.microcontroller.compass import CompassServer
 from p2os_emu.microcontroller.flash import Flash
-from p2os_emu.microcontroller.gyro import GyroServer
 from p2os_emu.microcontroller.panel import CENTRED, Panel
-from p2os_emu.microcontroller.simulator import Simulator
 from p2os_emu.microcontroller.telemetry import AHEAD, EXTRAS, answers, standard_sip
 from p2os_emu.microcontroller.timers import TOLERANCE, Cadence
 
@@ -80,22 +74,6 @@ class Microcontroller:
         """Switch the devices on the AUX ports off and on, as the robot's power switch does."""
         for port in self.board.aux.values():
             port.power_cycle()
-
-    def plugged(self, port: int) -> Device | None:
-        """Return the device on an AUX port."""
-        return self.board.aux[port].device
-
-    def fit_gyro(self, gyro: AnalogGyro, inside: bool) -> None:
-        """Fit a gyro: for clients to read by packets, or inside the controller, which corrects its heading by it."""
-        self.board.gyro = GyroServer(gyro, inside)
-
-    def fit_compass(self, module: Tcm2) -> None:
-        """Fit a compass."""
-        self.board.compass = CompassServer(module)
-
-    def simulate(self, simulator: Simulator) -> None:
-        """Obey a simulator's commands as well."""
-        self.board.simulator = simulator
 
     @property
     def simulator_messages(self) -> tuple[str, ...]:

@@ -281,12 +281,12 @@ def test_longer_brown_out_takes_the_power_from_the_laser_too_and_leaves_the_dirt
 
 
 def test_brown_out_takes_the_power_from_the_camera_head_as_well(rig: Rig) -> None:
-    head = rig.happy.microcontroller.plugged(1)
+    head = rig.happy.microcontroller.board.aux[1].device
     assert isinstance(head, Vcc4)
     head.is_host_controlled = True
     rig.fault("brown-out:robot=happy")
     rig.run(STEP)
-    again = rig.happy.microcontroller.plugged(1)
+    again = rig.happy.microcontroller.board.aux[1].device
     assert isinstance(again, Vcc4)
     assert again is not head
     assert not again.is_host_controlled

@@ -160,12 +160,12 @@ def test_device_begins_anew_when_the_robot_has_had_no_power_and_not_when_it_was_
     robot: MicrocontrollerBench,
 ) -> None:
     robot.controller.board.plug(1, Echo)
-    first = robot.controller.plugged(1)
+    first = robot.controller.board.aux[1].device
     robot.controller.power_cycle()
-    assert robot.controller.plugged(1) is first
+    assert robot.controller.board.aux[1].device is first
     robot.controller.power_cycle_aux()
-    assert robot.controller.plugged(1) is not first
-    assert robot.controller.plugged(2) is None
+    assert robot.controller.board.aux[1].device is not first
+    assert robot.controller.board.aux[2].device is None
 
 
 def test_what_a_client_asked_for_is_forgotten_when_it_goes(robot: MicrocontrollerBench) -> None:

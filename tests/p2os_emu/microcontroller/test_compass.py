@@ -12,6 +12,7 @@ from p2os.accessory_packets import CompassReport
 from p2os.arguments import CompassMode
 from p2os.command_table import Command
 from p2os_emu.accessories.tcm2 import FULL_SCORE, Tcm2, Tcm2Spec
+from p2os_emu.microcontroller.compass import CompassServer
 from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
@@ -23,7 +24,7 @@ IDEAL = replace(SPEC, hard_iron_t=0.0, field_noise_t=0.0, tilt_noise_deg=0.0)
 def compass(bench_of: BenchOf) -> MicrocontrollerBench:
     """A connected robot with an ideal compass."""
     robot: MicrocontrollerBench = bench_of("p3dx-sh")
-    robot.controller.fit_compass(Tcm2(IDEAL, Random(1)))
+    robot.controller.board.compass = CompassServer(Tcm2(IDEAL, Random(1)))
     return robot.connect()
 
 
@@ -73,7 +74,7 @@ def test_a_packet_has_the_bytes_of_the_manual(compass: MicrocontrollerBench) -> 
 )
 def test_a_full_turn_calibrates_it(bench_of: BenchOf, begin: tuple[Command, int], end: tuple[Command, int]) -> None:
     robot: MicrocontrollerBench = bench_of("p3dx-sh")
-    robot.controller.fit_compass(Tcm2(replace(IDEAL, hard_iron_t=5e-6), Random(2)))
+    robot.controller.board.compass = CompassServer(Tcm2(replace(IDEAL, hard_iron_t=5e-6), Random(2)))
     robot.connect()
     robot.send(*begin)
     for _ in range(round(20.0 / STEP)):

@@ -13,6 +13,7 @@ from p2os.command_table import Command
 from p2os.configuration import Configuration
 from p2os.sip import StandardSip
 from p2os_emu.accessories.analog_gyro import AnalogGyro, AnalogGyroSpec
+from p2os_emu.microcontroller.gyro import GyroServer
 from tests.p2os_emu.microcontroller.bench import STEP, MicrocontrollerBench
 
 BenchOf = Callable[..., MicrocontrollerBench]
@@ -25,7 +26,7 @@ def with_gyro(bench_of: BenchOf) -> Callable[[bool], MicrocontrollerBench]:
 
     def make(inside: bool) -> MicrocontrollerBench:
         robot: MicrocontrollerBench = bench_of("powerbot-sh")
-        robot.controller.fit_gyro(AnalogGyro(SPEC, Random(5)), inside)
+        robot.controller.board.gyro = GyroServer(AnalogGyro(SPEC, Random(5)), inside)
         return robot.connect(motors=True)
 
     return make
