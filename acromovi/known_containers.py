@@ -13,11 +13,11 @@ from bus.bus import Bus
 ORDER_TIME = 60.0  # s; longer than a setup may take, or a move
 
 
-def find_container(bus: Bus, name: str, timeout: float = MEETING_TIME) -> ContainerName:
+def find_container(bus: Bus, name: str) -> ContainerName:
     """The container that has a name.
 
     Raises:
-        NotOnBus: It has not been seen within `timeout` s; the message gives the nearest name.
+        NotOnBus: It has not been seen within `MEETING_TIME` s; the message gives the nearest name.
     """
     seen: dict[str, ContainerName] = {}
     changed = Condition()
@@ -32,7 +32,7 @@ def find_container(bus: Bus, name: str, timeout: float = MEETING_TIME) -> Contai
             changed.notify_all()
 
     with bus.watch_alive(ALL_CONTAINERS, note), changed:
-        if not changed.wait_for(lambda: name in seen, timeout):
+        if not changed.wait_for(lambda: name in seen, MEETING_TIME):
             raise NotOnBus(f"there is no container {name!r}; {_advice(name, sorted(seen))}")
         return seen[name]
 

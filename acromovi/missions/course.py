@@ -13,7 +13,7 @@ from agents.platform import Container, Kinds, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, query_key, send_key
 from apps.indoor_navigation.data import GoalPoint, LogMessage
-from apps.indoor_navigation.wiring import Wiring, load_wiring
+from apps.indoor_navigation.wiring import load_wiring
 from bus import BusError, Sample, keys
 from bus.messages import decode, decode_json, heading
 from gateway.settings import DriveLimits
@@ -105,7 +105,6 @@ class Course:
         fit: str = "laser",
         seed: int = 0,
         perfect: bool = False,
-        wiring: Wiring | None = None,
         instead: Mapping[str, type[Component]] | None = None,
     ) -> None:
         """Put the robot on its place, connect it, and start all components.
@@ -116,7 +115,6 @@ class Course:
             fit: Its accessories.
             seed: Of every chance.
             perfect: No error of odometry, no noise of sensors.
-            wiring: Of the components; by default the application's own.
             instead: Classes that take the place of components, by their names.
         Raises:
             WorldError, ConfigError, FitError: As `Lockstep`.
@@ -138,7 +136,7 @@ class Course:
         self._bus.subscribe(keys.ODOM.key(ROBOT), self._follow)
         self._bus.subscribe(send_key(ROBOT, "user_interface", LogMessage), self._hear)
         self._home = Container(self.lockstep.bus(), ROBOT, self._note, lambda: self.lockstep.time)
-        self._wiring = wiring or load_wiring()
+        self._wiring = load_wiring()
         self._instead = instead or {}
         self.run(1.0)
         for part in self._wiring.parts:
@@ -180,16 +178,15 @@ class Course:
         kind = self._instead.get(local) or Kinds().find(part.kind)
         self._do(self._home.start(kind(part.agent(ROBOT), part.properties)))
 
-    def go(self, goal: Point, *, facing: float | None = None, limit: float = 300.0, mission: str = "mission") -> Played:
+    def go(self, goal: Point, *, limit: float = 300.0, mission: str = "mission") -> Played:
         """Send the robot to a place of the world, and let time pass until it says that the mission has ended.
 
         Args:
             goal: m.
-            facing: Heading at the end, rad; None where any will do.
             limit: s after which it is late.
             mission: Its name.
         """
-        self.tell(goal, facing=facing, mission=mission)
+        self.tell(goal, mission=mission)
         return self.wait(limit, mission)
 
     def wait(self, limit: float = 300.0, mission: str = "mission") -> Played:
@@ -207,12 +204,11 @@ class Course:
         said = tuple(f"{each.stamp - self._told_at:.1f} s {each.component}: {each.what}" for each in self.told)
         return Played(state, seconds, self.track, said, tuple(self.reports), touched)
 
-    def tell(self, goal: Point | None, *, facing: float | None = None, mission: str = "mission") -> None:
+    def tell(self, goal: Point | None, *, mission: str = "mission") -> None:
         """Send the robot somewhere, or nowhere: that cancels the mission. What is noted begins anew."""
         self.track, self.told, self.reports, self._told_at = Track(), [], [], self.time
         x, y = self.start.locate(*goal) if goal is not None else (None, None)
-        turn = None if facing is None else facing - self.start.heading
-        told = GoalPoint(mission, x, y, turn).to_json()
+        told = GoalPoint(mission, x, y).to_json()
         self._bus.send(send_key(ROBOT, "path_planning", GoalPoint), told)
 
     def ask(self, answerer: str, what: str) -> Mapping[str, Any]:

@@ -54,19 +54,18 @@ class ComponentSpec:
 class Wiring:
     """A checked wiring: each input of a component is published by another one."""
 
-    def __init__(self, file: _WiringFile, source: str, kinds: Kinds | None = None) -> None:
+    def __init__(self, file: _WiringFile, source: str) -> None:
         """Check a wiring file.
 
         Args:
             file: The parsed file.
             source: Named in error messages.
-            kinds: Where the classes of components are looked for.
         Raises:
             ConfigError: A component, a connection or a parameter does not fit.
         """
         self._source = source
         self._file = file
-        self._classes = {name: self._class(name, entry, kinds or Kinds()) for name, entry in file.components.items()}
+        self._classes = {name: self._class(name, entry) for name, entry in file.components.items()}
         for name, entry in file.components.items():
             self._check(name, entry)
         self.parts = tuple(
@@ -79,9 +78,9 @@ class Wiring:
         """The processes, in the order of the file."""
         return tuple(dict.fromkeys(part.process for part in self.parts))
 
-    def _class(self, name: str, entry: _ComponentEntry, kinds: Kinds) -> type[Component]:
+    def _class(self, name: str, entry: _ComponentEntry) -> type[Component]:
         try:
-            found = kinds.find(entry.kind)
+            found = Kinds().find(entry.kind)
         except LookupError as err:
             raise self._error(f"components.{name}.kind: {err}") from err
         if not issubclass(found, Component):

@@ -184,10 +184,10 @@ class Memory:
             area, self.half_width, self.parameters.cost, hints=self._hints(now), robot=self.place, hopes=hopes
         )
 
-    def survey_near(self, *, hopes: float | None = None) -> Terrain:
+    def survey_near(self) -> Terrain:
         """Return the costs of the floor near the robot, without hints."""
         area = self.grid.area.around(self.place, margin=self.parameters.near)
-        return terrain(area, self.half_width, self.parameters.cost, robot=self.place, hopes=hopes)
+        return terrain(area, self.half_width, self.parameters.cost, robot=self.place)
 
     def picture(self) -> dict[str, Any]:
         """Return the knowledge for a picture, as JSON."""
