@@ -1,6 +1,6 @@
 """Parts shared by all SVG drawings: self-contained files in one style."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from xml.sax.saxutils import escape
 
 LETTER = 6.4  # px, the width of a letter of 11 px, rather wide
@@ -14,7 +14,17 @@ STYLE = (
 
 def document(width: float, height: float, title: str, style: str, parts: Iterable[str]) -> str:
     """A drawing of so many px, with its title at the top."""
-    return "\n".join(_document(width, height, title, style, parts)) + "\n"
+    lines = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
+        f'viewBox="0 0 {width:.0f} {height:.0f}">',
+        f"<title>{written(title)}</title>",
+        f"<style>{style}</style>",
+        '<rect width="100%" height="100%" fill="#ffffff"/>',
+        f'<text class="title" x="16" y="24">{written(title)}</text>',
+        *parts,
+        "</svg>",
+    )
+    return "\n".join(lines) + "\n"
 
 
 def head(name: str, colour: str) -> str:
@@ -33,16 +43,3 @@ def width_of(text: str) -> float:
 def written(text: str) -> str:
     """A text for XML, without what XML cannot carry."""
     return escape("".join(each if each.isprintable() or each == "\n" else " " for each in text))
-
-
-def _document(width: float, height: float, title: str, style: str, parts: Iterable[str]) -> Iterator[str]:
-    yield (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.0f} {height:.0f}">'
-    )
-    yield f"<title>{written(title)}</title>"
-    yield f"<style>{style}</style>"
-    yield '<rect width="100%" height="100%" fill="#ffffff"/>'
-    yield f'<text class="title" x="16" y="24">{written(title)}</text>'
-    yield from parts
-    yield "</svg>"
