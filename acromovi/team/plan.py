@@ -118,57 +118,100 @@ def load_team(name: str, only: Sequence[str] = ()) -> TeamPlan:
     return TeamPlan(path.stem, str(path), replace(file, robots=chosen))
 
 
-def emulator(team: TeamPlan, folder: Path, choices: TeamOptions) -> PlannedProcess:
-    """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
-    words = ["--team", team.source, "--json", "--quiet", "--until-stdin-closes"]
-    words += ["--pty", str(folder / "port"), "--control", str(folder / "control")]
-    words += ["--only", ",".join(robot.name for robot in team.emulated)]
-    if choices.seed is not None:
-        words += ["--seed", str(choices.seed)]
-    return PlannedProcess("the emulator", ProcessKind.EMULATOR, _python("p2os_emu", *words))
+class TeamProcesses:
+    """The processes of a team, as they are started."""
 
+    def __init__(self, team: TeamPlan, choices: TeamOptions, folder: Path) -> None:
+        """Plan nothing yet.
 
-def gateway(
-    team: TeamPlan, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: TeamOptions
-) -> PlannedProcess:
-    """A robot's gateway.
+        Args:
+            team: The team.
+            choices: Of the command line.
+            folder: For ports, control socket and settings.
+        """
+        self._team = team
+        self._choices = choices
+        self._folder = folder
 
-    Args:
-        team: Whose link the robot has, unless it has one of its own.
-        robot: A real one is found where the file says.
-        ports: What the emulator says of an emulated one; nothing of a real one.
-        folder: Where `EMULATED` is written.
-        choices: Of the command line.
-    """
-    emulated = {part: ports.get(key) for part, key in _PORTS.items()}
-    real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
-    bus = choices.bus_of(robots_key(robot.name))
-    words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
-    for part, place in (emulated if robot.is_emulated else real).items():
-        words += [f"--{part}", place] if place else []
-    if configs.load(LinkProfile, "links", robot.link or team.file.link).modem is not None:
-        words.append("--radio")
-    if robot.is_emulated:
-        words += ["--config", str(settings_file(folder))]
-    return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, _python("gateway", *words), robot.name)
+    @property
+    def settings(self) -> Path:
+        """The file where the gateways of emulated robots read `EMULATED`."""
+        return self._folder / "emulated.toml"
 
+    def emulator(self) -> PlannedProcess:
+        """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
+        words = ["--team", self._team.source, "--json", "--quiet", "--until-stdin-closes"]
+        words += ["--pty", str(self._folder / "port"), "--control", str(self._folder / "control")]
+        words += ["--only", ",".join(robot.name for robot in self._team.emulated)]
+        if self._choices.seed is not None:
+            words += ["--seed", str(self._choices.seed)]
+        return PlannedProcess("the emulator", ProcessKind.EMULATOR, _python("p2os_emu", *words))
 
-def container(robot: str, choices: TeamOptions) -> PlannedProcess:
-    """The container of a robot's agents."""
-    words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
-    return PlannedProcess(
-        f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
-    )
+    def gateway(self, robot: TeamRobot, ports: Mapping[str, Any]) -> PlannedProcess:
+        """A robot's gateway.
 
+        Args:
+            robot: One of the team, which has the team's link unless it has one of its own. A real one is found where
+                the file says.
+            ports: What the emulator says of an emulated one; nothing of a real one.
+        """
+        emulated = {part: ports.get(key) for part, key in _PORTS.items()}
+        real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
+        bus = self._choices.bus_of(robots_key(robot.name))
+        words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
+        for part, place in (emulated if robot.is_emulated else real).items():
+            words += [f"--{part}", place] if place else []
+        if configs.load(LinkProfile, "links", robot.link or self._team.file.link).modem is not None:
+            words.append("--radio")
+        if robot.is_emulated:
+            words += ["--config", str(self.settings)]
+        command = _python("gateway", *words)
+        return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, command, robot.name)
 
-def navigation(robot: str, choices: TeamOptions) -> list[PlannedProcess]:
-    """The processes of a robot's indoor navigation, as its wiring has them."""
-    bus = choices.bus_of(robots_key(robot))
-    return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
+    def container(self, robot: str) -> PlannedProcess:
+        """The container of a robot's agents."""
+        words = ("container", "--robot", robot, "--bus", self._choices.bus_of(robots_key(robot)), "--json")
+        return PlannedProcess(
+            f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
+        )
+
+    def navigation(self, robot: str) -> list[PlannedProcess]:
+        """The processes of a robot's indoor navigation, as its wiring has them."""
+        bus = self._choices.bus_of(robots_key(robot))
+        return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
+
+    def services(self) -> PlannedProcess:
+        """The container of the team's own agents."""
+        words = ["container", "--services", self._team.name, "--bus", self._own_bus, "--json", *self._folders]
+        for service, properties in self._team.file.services.items():
+            for key, value in properties.items():
+                words += ["--property", f"{service}.{key}={json.dumps(value)}"]
+        return PlannedProcess(
+            "the container of services", ProcessKind.AGENTS, _python("acromovi", *words), container=SERVICES
+        )
+
+    def extra(self, name: str) -> PlannedProcess:
+        """An empty container, for an application.
+
+        Raises:
+            KeyNotValid: The name cannot be that of a container.
+        """
+        words = ["container", robot_name(name), "--bus", self._own_bus, "--json", *self._folders]
+        command = _python("acromovi", *words)
+        return PlannedProcess(f"the container {name}", ProcessKind.AGENTS, command, container=name, is_extra=True)
+
+    @property
+    def _own_bus(self) -> str:
+        """The bus options of what belongs to the team itself."""
+        return self._choices.bus_of(teams_key(self._team.name))
+
+    @property
+    def _folders(self) -> list[str]:
+        return [word for folder in self._choices.apps for word in ("--apps", str(folder))]
 
 
 def navigation_process(robot: str, process: str, options: Sequence[str], bus: str) -> PlannedProcess:
-    """One of these processes. options: of the wiring, for a command line."""
+    """One process of a robot's indoor navigation. options: of the wiring, for a command line."""
     words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
     name = f"{robot}-{process}"
     return PlannedProcess(
@@ -176,39 +219,7 @@ def navigation_process(robot: str, process: str, options: Sequence[str], bus: st
     )
 
 
-def services(team: TeamPlan, choices: TeamOptions) -> PlannedProcess:
-    """The container of the team's own agents."""
-    words = ["container", "--services", team.name, "--bus", choices.bus_of(teams_key(team.name)), "--json"]
-    words += _folders(choices)
-    for service, properties in team.file.services.items():
-        for key, value in properties.items():
-            words += ["--property", f"{service}.{key}={json.dumps(value)}"]
-    return PlannedProcess(
-        "the container of services", ProcessKind.AGENTS, _python("acromovi", *words), container=SERVICES
-    )
-
-
-def extra(name: str, team: TeamPlan, choices: TeamOptions) -> PlannedProcess:
-    """An empty container, for an application.
-
-    Raises:
-        KeyNotValid: The name cannot be that of a container.
-    """
-    words = ["container", robot_name(name), "--bus", choices.bus_of(teams_key(team.name)), "--json"]
-    command = _python("acromovi", *words, *_folders(choices))
-    return PlannedProcess(f"the container {name}", ProcessKind.AGENTS, command, container=name, is_extra=True)
-
-
-def settings_file(folder: Path) -> Path:
-    """Where the settings of emulated robots' gateways are."""
-    return folder / "emulated.toml"
-
-
 _PORTS = {"laser": "laser_port", "arm": "arm_port", "camera": "camera_url"}
-
-
-def _folders(choices: TeamOptions) -> list[str]:
-    return [word for folder in choices.apps for word in ("--apps", str(folder))]
 
 
 def _python(module: str, *words: str) -> tuple[str, ...]:

@@ -86,7 +86,7 @@ class ProcessRow:
         }
 
 
-class Watcher(Protocol):
+class _Watcher(Protocol):
     """Receives the events of the processes."""
 
     def heard(self, program: PlannedProcess, line: str) -> None:
@@ -105,7 +105,7 @@ class Watcher(Protocol):
 class Supervisor:
     """Starts and restarts processes in one event loop."""
 
-    def __init__(self, start: Start, watcher: Watcher) -> None:
+    def __init__(self, start: Start, watcher: _Watcher) -> None:
         self._start = start
         self._watcher = watcher
         self._entries: dict[str, ProcessRow] = {}

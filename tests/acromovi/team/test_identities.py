@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team import plan
 from acromovi.team.host_control import control_key
 from acromovi.team.identities import folder_of_keys
-from acromovi.team.plan import TeamOptions, load_team
+from acromovi.team.plan import TeamOptions, TeamProcesses, load_team
 from bus import NotAllowed, keys
 from configs import ConfigError
 from tests.acromovi.conftest import AsOwner
@@ -51,10 +50,11 @@ def test_each_process_comes_with_its_own_key(site: Site, file: Path) -> None:
     team = load_team(str(file))
     (robot,) = team.robots
     choices = TeamOptions(profile, keys=folder_of_keys(profile, team.name, [robot.name]))
+    processes = TeamProcesses(team, choices, file.parent)
     programs = {
-        plan.gateway(team, robot, {}, file.parent, choices): "robot.happy",
-        plan.container("happy", choices): "robot.happy",
-        plan.services(team, choices): "admin.dwarfs",
+        processes.gateway(robot, {}): "robot.happy",
+        processes.container("happy"): "robot.happy",
+        processes.services(): "admin.dwarfs",
     }
     for program, owner in programs.items():
         bus = program.command[program.command.index("--bus") + 1]
