@@ -62,11 +62,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     """Start a team, keep it running, and end it in order."""
     from acromovi.team.identities import folder_of_keys
-    from acromovi.team.plan import TeamOptions, load_team
+    from acromovi.team.plan import TeamOptions, TeamPlan
     from acromovi.team.team import TeamFailed, TeamTimedOut
     from configs.extras import require
 
-    team = load_team(arguments.team, arguments.only)
+    team = TeamPlan.load(arguments.team, arguments.only)
     if team.emulated:
         require("a team with emulated robots", "emu")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import configs
 from acromovi.team.identities import robots_key, teams_key
@@ -60,6 +60,35 @@ class TeamPlan:
     source: str
     file: TeamFile
 
+    @classmethod
+    def load(cls, name: str, only: Sequence[str] = ()) -> Self:
+        """Read and check a team's file.
+
+        Args:
+            name: One of `configs/teams`, or a file.
+            only: The robots that are wanted; none means all.
+        Raises:
+            ConfigError: There is no such team or robot, the file has an error, or two things have one name.
+            KeyNotValid: A name cannot be a robot's.
+        """
+        path = configs.find("teams", name)
+        file = read_team(str(path))
+        names = [robot.name for robot in file.robots]
+        if not names:
+            raise ConfigError(f"{path}: a team needs a robot; write [[robots]] with a name and a model")
+        robot_name(path.stem)
+        for robot in file.robots:
+            _check(robot, path, names)
+        for service in file.services:
+            _check_service(service, path)
+        if any(robot.navigation for robot in file.robots):
+            _wiring()
+        for wanted in only:
+            if wanted not in names:
+                raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
+        chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
+        return cls(path.stem, str(path), replace(file, robots=chosen))
+
     @property
     def robots(self) -> tuple[TeamRobot, ...]:
         """Its robots."""
@@ -87,35 +116,6 @@ class TeamOptions:
     def bus_of(self, owner: str) -> str:
         """Return the bus options of a process, with the key of an owner."""
         return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
-
-
-def load_team(name: str, only: Sequence[str] = ()) -> TeamPlan:
-    """Read and check a team's file.
-
-    Args:
-        name: One of `configs/teams`, or a file.
-        only: The robots that are wanted; none means all.
-    Raises:
-        ConfigError: There is no such team or robot, the file has an error, or two things have one name.
-        KeyNotValid: A name cannot be a robot's.
-    """
-    path = configs.find("teams", name)
-    file = read_team(str(path))
-    names = [robot.name for robot in file.robots]
-    if not names:
-        raise ConfigError(f"{path}: a team needs a robot; write [[robots]] with a name and a model")
-    robot_name(path.stem)
-    for robot in file.robots:
-        _check(robot, path, names)
-    for service in file.services:
-        _check_service(service, path)
-    if any(robot.navigation for robot in file.robots):
-        _wiring()
-    for wanted in only:
-        if wanted not in names:
-            raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
-    chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
-    return TeamPlan(path.stem, str(path), replace(file, robots=chosen))
 
 
 class TeamProcesses:

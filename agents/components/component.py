@@ -12,7 +12,7 @@ A reading is decoded only if a program subscribes to the results or requests it,
 
 import asyncio
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from math import isfinite
 from typing import Any, ClassVar
@@ -265,8 +265,3 @@ def failure(why: str) -> Refused:
 def known(value: float, digits: int = 4) -> float | None:
     """Return a measured number for a result, rounded to its accuracy; None if it is infinite or NaN."""
     return round(float(value), digits) if isfinite(value) else None
-
-
-def every_known(values: Sequence[float], digits: int = 4) -> list[float | None]:
-    """Return measured numbers for a result, as `known` does."""
-    return [known(value, digits) for value in values]

@@ -13,12 +13,6 @@ from agents.wrappers.codec import Answered, Event, NonsenseHeard, ProgramCodec, 
 LARGEST = 64 * 1024 * 1024  # bytes of one frame; a picture of 4000 by 4000 in colour has 48 million
 
 
-def call(function: str, arguments: Mapping[str, Any]) -> bytes:
-    """Return the frame that calls a function."""
-    plain, blobs = _parted(arguments)
-    return _packed({"function": function, "arguments": plain}, blobs)
-
-
 def answer(values: Mapping[str, Any]) -> bytes:
     """Return the frame with the result."""
     plain, blobs = _parted(values)
@@ -90,7 +84,8 @@ class FramesCodec(ProgramCodec):
 
     def ask(self, name: str, arguments: Mapping[str, Any]) -> bytes:
         """Encode one call."""
-        return call(name, arguments)
+        plain, blobs = _parted(arguments)
+        return _packed({"function": name, "arguments": plain}, blobs)
 
     def receive(self, data: bytes) -> list[Event]:
         """Decode the results of calls."""

@@ -8,7 +8,7 @@ import pytest
 
 from acromovi.team.host_control import control_key
 from acromovi.team.identities import folder_of_keys
-from acromovi.team.plan import TeamOptions, TeamProcesses, load_team
+from acromovi.team.plan import TeamOptions, TeamPlan, TeamProcesses
 from bus import NotAllowed, keys
 from configs import ConfigError
 from tests.acromovi.conftest import AsOwner
@@ -47,7 +47,7 @@ def test_without_keys_all_come_to_the_bus_alike() -> None:
 
 def test_each_process_comes_with_its_own_key(site: Site, file: Path) -> None:
     profile = site.profile("")
-    team = load_team(str(file))
+    team = TeamPlan.load(str(file))
     (robot,) = team.robots
     choices = TeamOptions(profile, keys=folder_of_keys(profile, team.name, [robot.name]))
     processes = TeamProcesses(team, choices, file.parent)
