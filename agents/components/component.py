@@ -18,7 +18,7 @@ from math import isfinite
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, OneShot, Restart, agree, attended, request
-from agents.platform.stream import Stream, decode_shared
+from agents.platform.stream import Stream
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
 from bus.aio import ReplyQueue, hand_over
 from bus.keys import Topic
@@ -199,7 +199,7 @@ class ElementAgent(Agent):
             if at < oldest:
                 continue
             try:
-                self._latest, self._heard_at = self._made_of(decode_shared(sample)), at
+                self._latest, self._heard_at = self._made_of(Stream.decode(sample)), at
             except MessageError as err:
                 if not self._unread:
                     raise failure(f"{self.name} cannot read what it hears: {err}") from err

@@ -28,14 +28,15 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mappin
 from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
+from agents.platform.behaviours import Action, Behaviour, Ticker
 from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
-from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
+from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender
 from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
 from agents.platform.conversations.handler import Handler
 from agents.platform.conversations.initiator import Initiator
+from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Outcome
 from agents.platform.conversations.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
@@ -100,6 +101,11 @@ class Agent:
         """Take what `pack` returned, after `setup` in the new container and before any behaviour."""
 
     @property
+    def kind(self) -> str:
+        """The name of its class: `agents.components.sensors:SonarAgent`."""
+        return f"{type(self).__module__}:{type(self).__qualname__}"
+
+    @property
     def state(self) -> AgentState:
         """The state in its life cycle."""
         return self._life.state
@@ -152,7 +158,7 @@ class Agent:
 
     def add(self, part: Behaviour | Action, policy: Policy = DROP) -> Running:
         """Start a behaviour, or an action that is done once."""
-        return self._schedule.add(behaviour(part), policy)
+        return self._schedule.add(Behaviour.of(part), policy)
 
     def every(self, period: float, action: Action, policy: Policy | None = None) -> Running:
         """Do an action every `period` seconds; it is restarted after a failure unless the policy is another."""
@@ -232,33 +238,25 @@ class Agent:
             AclError: The arguments have no JSON form, or are too large.
             BusUnavailable: The bus is closed.
         """
-        return await self.initiator.conversation(
-            Performative.REQUEST, agent, name, arguments, reply_within, reply_within
-        ).outcome()
+        return await self._ask(Performative.REQUEST, agent, name, reply_within, arguments).outcome()
 
     def begin_request(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Request:
         """Request something, and go on; the request can be cancelled, and awaited for its outcome."""
-        return Request(
-            self.initiator.conversation(Performative.REQUEST, agent, name, arguments, reply_within, reply_within)
-        )
+        return Request(self._ask(Performative.REQUEST, agent, name, reply_within, arguments))
 
     async def query_ref(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Outcome:
         """Ask another agent for the value of something; otherwise as `request`."""
-        return await self.initiator.conversation(
-            Performative.QUERY_REF, agent, name, arguments, reply_within, reply_within
-        ).outcome()
+        return await self._ask(Performative.QUERY_REF, agent, name, reply_within, arguments).outcome()
 
     async def query_if(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Outcome:
         """Ask another agent whether something is so; the result is true or false, otherwise as `request`."""
-        return await self.initiator.conversation(
-            Performative.QUERY_IF, agent, name, arguments, reply_within, reply_within
-        ).outcome()
+        return await self._ask(Performative.QUERY_IF, agent, name, reply_within, arguments).outcome()
 
     async def call_for_proposals(
         self,
@@ -290,7 +288,7 @@ class Agent:
         calls = [
             self.initiator.conversation(Performative.CFP, peer, name, arguments, within, bids_within) for peer in peers
         ]
-        return await call_for(calls, choose, bids_within)
+        return await Tender.call(calls, choose, bids_within)
 
     def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
         """Subscribe to values of another agent: a block with a loop in it that yields them.
@@ -330,6 +328,11 @@ class Agent:
     def delete(self) -> None:
         """End this agent soon."""
         self.home.end(self.name)
+
+    def _ask(
+        self, performative: Performative, agent: AgentName | str, name: str, within: float, arguments: Mapping[str, Any]
+    ) -> InitiatorConversation:
+        return self.initiator.conversation(performative, agent, name, arguments, within, within)
 
     @property
     def _result_stream(self) -> Publisher:

@@ -15,7 +15,7 @@ from typing import Any
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.conversations.handler import Handler, NotUnderstood, ParsedRequest
-from agents.platform.conversations.protocols import REQUESTS, Protocol, read
+from agents.platform.conversations.protocols import PROTOCOLS, REQUESTS, Protocol
 from agents.platform.conversations.responder_conversation import ResponderConversation
 from agents.platform.errors import AclError
 from agents.platform.life import AgentState, Life
@@ -112,7 +112,10 @@ class RequestDispatcher:
             if self._life.state not in AT_WORK:
                 self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._life.state}", conversation)
                 return
-            protocol, opening = read(message, self.handlers)
+            if message.performative not in PROTOCOLS:
+                raise NotUnderstood(f"{message.performative} begins no conversation that is known here")
+            protocol = PROTOCOLS[message.performative]
+            opening = protocol.read(message, self.handlers)
             key = self._key(message)
         except (AclError, NotUnderstood) as err:
             self.malformed += 1

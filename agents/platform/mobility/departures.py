@@ -26,9 +26,8 @@ from agents.platform.container.context import AgentEnd
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import Caller, QueuedMessage
 from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
-from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
-from agents.platform.mobility.migration_state import MigrationState, encode_queued
+from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName, ContainerName
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
 from bus.aio import query
@@ -130,7 +129,11 @@ class Departures:
             if agent.state is not AgentState.TRANSIT:
                 raise NotMoved("it has been ended meanwhile")
             waiting = agent.migration.gate.waiting()
-            settle: Order = {"do": "settle", "name": str(agent.name), "letters": encode_queued(waiting)}
+            settle: Order = {
+                "do": "settle",
+                "name": str(agent.name),
+                "letters": [queued.to_json() for queued in waiting],
+            }
             await self._tell(there, settle, ORDER_TIME)
             return len(waiting)
         except (BusError, TimeoutError) as err:
@@ -144,7 +147,7 @@ class Departures:
         return {
             "do": "adopt",
             "name": str(agent.name),
-            "kind": kind_of(agent),
+            "kind": agent.kind,
             "properties": agent.properties,
             "from": self._container.called.control_key,
             "luggage": migration.to_dict(),
@@ -168,7 +171,11 @@ class Departures:
             self._pass_on(agent.name, there, caller)
         if waiting:
             try:
-                order: Order = {"do": "deliver", "name": str(agent.name), "letters": encode_queued(waiting)}
+                order: Order = {
+                    "do": "deliver",
+                    "name": str(agent.name),
+                    "letters": [queued.to_json() for queued in waiting],
+                }
                 await self._tell(there, order, ORDER_TIME)
             except (BusError, TimeoutError) as err:
                 self._container.report(agent.name, f"{len(waiting)} messages could not follow it to {there}", err)

@@ -11,7 +11,7 @@ from agents.platform.acl import Performative
 from agents.platform.container.delivery_gate import DeliveryGate, QueuedMessage
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
 from agents.platform.errors import NotMoved
-from agents.platform.life import AgentState, Life, Step, after
+from agents.platform.life import AgentState, Life, Step
 from agents.platform.mailbox import Mailbox
 from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
@@ -53,7 +53,7 @@ class Migration:
             IllegalTransition: The agent is not at work.
         """
         was = self._life.state
-        after(was, Step.MOVE)
+        self._life.after(Step.MOVE)
         self.gate.keep_callers()  # before the agent is in transit, so that those let in are admitted as before
         self._life.go(Step.MOVE)
         self._schedule.gate.shut()
