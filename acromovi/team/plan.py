@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import configs
-from acromovi.team.identities import robots_key, teams_key
+from acromovi.team.identities import TeamOptions
 from bus.keys import robot_name
-from bus.secure import Profile
 from configs import ConfigError
 from configs.team_file import TeamFile, TeamRobot, read_team
 from p2os_emu.links.profile import LinkProfile
@@ -47,6 +46,13 @@ class PlannedProcess:
     robot: str = ""
     container: str = ""
     is_extra: bool = False
+
+    @classmethod
+    def of_navigation(cls, robot: str, process: str, options: Sequence[str], bus: str) -> Self:
+        """One process of a robot's indoor navigation. options: of the wiring, for a command line."""
+        words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
+        command = _python("acromovi", *words)
+        return cls(f"{process} of {robot}", ProcessKind.AGENTS, command, robot, container=f"{robot}-{process}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,24 +106,6 @@ class TeamPlan:
         return tuple(robot for robot in self.robots if robot.is_emulated)
 
 
-@dataclass(frozen=True, slots=True)
-class TeamOptions:
-    """Options of the command line for a team.
-
-    apps: folders of applications that the team's agents may start.
-    keys: the folder where each process has a key of its own for the bus; None where all come as the bus says.
-    """
-
-    bus: str = "local"
-    seed: int | None = None
-    apps: tuple[Path, ...] = ()
-    keys: Path | None = None
-
-    def bus_of(self, owner: str) -> str:
-        """Return the bus options of a process, with the key of an owner."""
-        return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
-
-
 class TeamProcesses:
     """The processes of a team, as they are started."""
 
@@ -157,7 +145,7 @@ class TeamProcesses:
         """
         emulated = {part: ports.get(key) for part, key in _PORTS.items()}
         real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
-        bus = self._choices.bus_of(robots_key(robot.name))
+        bus = self._choices.bus_of_robot(robot.name)
         words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
         for part, place in (emulated if robot.is_emulated else real).items():
             words += [f"--{part}", place] if place else []
@@ -170,19 +158,27 @@ class TeamProcesses:
 
     def container(self, robot: str) -> PlannedProcess:
         """The container of a robot's agents."""
-        words = ("container", "--robot", robot, "--bus", self._choices.bus_of(robots_key(robot)), "--json")
+        words = ("container", "--robot", robot, "--bus", self._choices.bus_of_robot(robot), "--json")
         return PlannedProcess(
             f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
         )
 
     def navigation(self, robot: str) -> list[PlannedProcess]:
         """The processes of a robot's indoor navigation, as its wiring has them."""
-        bus = self._choices.bus_of(robots_key(robot))
-        return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
+        bus = self._choices.bus_of_robot(robot)
+        return [PlannedProcess.of_navigation(robot, process, [], bus) for process in _wiring().processes]
 
     def services(self) -> PlannedProcess:
         """The container of the team's own agents."""
-        words = ["container", "--services", self._team.name, "--bus", self._own_bus, "--json", *self._folders]
+        words = [
+            "container",
+            "--services",
+            self._team.name,
+            "--bus",
+            self._choices.bus_of_team(self._team.name),
+            "--json",
+            *self._folders,
+        ]
         for service, properties in self._team.file.services.items():
             for key, value in properties.items():
                 words += ["--property", f"{service}.{key}={json.dumps(value)}"]
@@ -196,27 +192,20 @@ class TeamProcesses:
         Raises:
             KeyNotValid: The name cannot be that of a container.
         """
-        words = ["container", robot_name(name), "--bus", self._own_bus, "--json", *self._folders]
+        words = [
+            "container",
+            robot_name(name),
+            "--bus",
+            self._choices.bus_of_team(self._team.name),
+            "--json",
+            *self._folders,
+        ]
         command = _python("acromovi", *words)
         return PlannedProcess(f"the container {name}", ProcessKind.AGENTS, command, container=name, is_extra=True)
 
     @property
-    def _own_bus(self) -> str:
-        """The bus options of what belongs to the team itself."""
-        return self._choices.bus_of(teams_key(self._team.name))
-
-    @property
     def _folders(self) -> list[str]:
         return [word for folder in self._choices.apps for word in ("--apps", str(folder))]
-
-
-def navigation_process(robot: str, process: str, options: Sequence[str], bus: str) -> PlannedProcess:
-    """One process of a robot's indoor navigation. options: of the wiring, for a command line."""
-    words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
-    name = f"{robot}-{process}"
-    return PlannedProcess(
-        f"{process} of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=name
-    )
 
 
 _PORTS = {"laser": "laser_port", "arm": "arm_port", "camera": "camera_url"}

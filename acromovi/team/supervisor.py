@@ -179,7 +179,7 @@ class Supervisor:
             if self._ending.is_set() or not entry.is_wanted:
                 break
             entry.ends = 1 if loop.time() - begun >= HEALTHY_AFTER else entry.ends + 1
-            entry.why = ending(code) if code < 0 else entry.complaint or ending(code)  # a signal has its own reason
+            entry.why = _ending(code) if code < 0 else entry.complaint or _ending(code)  # a signal has its own reason
             self._watcher.ended(entry)
             await asyncio.sleep(DELAYS[min(entry.ends, len(DELAYS)) - 1])
             entry.complaint = ""
@@ -192,6 +192,6 @@ class Supervisor:
         self._watcher.complained(entry.program, line)
 
 
-def ending(code: int) -> str:
+def _ending(code: int) -> str:
     """An exit code in words."""
     return f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"

@@ -8,7 +8,8 @@ from typing import Any
 
 from acromovi.team.causes import Causes, plain
 from acromovi.team.host_control import HostControl
-from acromovi.team.plan import EMULATED, PlannedProcess, ProcessKind, TeamOptions, TeamPlan, TeamProcesses
+from acromovi.team.identities import TeamOptions
+from acromovi.team.plan import EMULATED, PlannedProcess, ProcessKind, TeamPlan, TeamProcesses
 from acromovi.team.processes import StartQueue
 from acromovi.team.progress import ProgressLines
 from acromovi.team.readiness import PATIENCE, Readiness

@@ -56,7 +56,7 @@ class ElementClient(Generic[R]):
     def _result_of(self, request: str, outcome: Outcome) -> Any:
         if not outcome.is_done:
             raise _error_of(outcome, self.agent, request)
-        return numbered(outcome.result)
+        return _numbered(outcome.result)
 
     def read(self) -> R:
         """Return the latest reading; wait a little for the first.
@@ -126,17 +126,17 @@ def plain(value: Any) -> Any:
     return value
 
 
-def numbered(value: Any) -> Any:
+def _numbered(value: Any) -> Any:
     """Return the same with the numbers that JSON objects can have as text only: `{"3": 1.2}` becomes `{3: 1.2}`.
 
     An object is converted if it has keys, and if all of them are whole numbers as Python writes them.
     """
     match value:
         case dict():
-            items = {name: numbered(item) for name, item in value.items()}
+            items = {name: _numbered(item) for name, item in value.items()}
             return {int(name): item for name, item in items.items()} if items and all(map(_is_number, items)) else items
         case list():
-            return [numbered(item) for item in value]
+            return [_numbered(item) for item in value]
     return value
 
 

@@ -13,15 +13,12 @@ from agents.wrappers.codec import Answered, Event, NonsenseHeard, ProgramCodec, 
 LARGEST = 64 * 1024 * 1024  # bytes of one frame; a picture of 4000 by 4000 in colour has 48 million
 
 
-def answer(values: Mapping[str, Any]) -> bytes:
-    """Return the frame with the result."""
-    plain, blobs = _parted(values)
+def answer(said: Mapping[str, Any] | str) -> bytes:
+    """Return the frame with the result of a call, or with the text of its error."""
+    if isinstance(said, str):
+        return _packed({"error": said}, {})
+    plain, blobs = _parted(said)
     return _packed({"answer": plain}, blobs)
-
-
-def error(why: str) -> bytes:
-    """Return the frame with an error."""
-    return _packed({"error": why}, {})
 
 
 def _parted(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, bytes]]:

@@ -12,7 +12,7 @@ from math import isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from agents.wrappers.frames import LARGEST, FrameSplitter, answer, error
+from agents.wrappers.frames import LARGEST, FrameSplitter, answer
 from agents.wrappers.wrapper_file import FunctionArgument, FunctionRow, WrapperFile
 
 NUMBERS: dict[str, Any] = {
@@ -144,7 +144,7 @@ def main(file: str) -> int:
             try:
                 said = answer(functions[head["function"]]({**head["arguments"], **blobs}))
             except ValueError as err:
-                said = error(str(err))
+                said = answer(str(err))
             _write(answers, said)
     return 0
 

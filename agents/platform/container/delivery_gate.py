@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, Self
 
-from agents.platform.errors import NotMoved
+from agents.platform.errors import AgentError
 from bus import Conversation, Sample
 
 MOST_CALLERS = 100  # queued conversations; further ones are delivered, to be refused
@@ -46,12 +46,12 @@ class QueuedMessage:
         """Read messages from a list of JSON.
 
         Raises:
-            NotMoved: They are not valid.
+            AgentError: They are not valid.
         """
         try:
             return [cls(str(label), b64decode(payload)) for label, payload in value]
         except (TypeError, ValueError) as err:
-            raise NotMoved("the messages for the agent that moves are not valid") from err
+            raise AgentError("the messages for the agent that moves are not valid") from err
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from typing import Any
 from agents.platform.acl import ONTOLOGY, AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import new_label
-from agents.platform.conversations.outcome import Ending, Outcome, why_of
+from agents.platform.conversations.outcome import Ending, Outcome
 from agents.platform.errors import AclError
 from agents.platform.names import AgentName
 from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
@@ -187,7 +187,7 @@ class InitiatorConversation:
         if reply.performative in _ENDINGS and (is_ours or reply.performative is Performative.NOT_UNDERSTOOD):
             ending = _ENDINGS[reply.performative]
             is_negative = ending in (Ending.REFUSED, Ending.FAILED)
-            raise self._ended(Ending.CANCELLED if is_negative and self._is_cancelled else ending, why_of(reply))
+            raise self._ended(Ending.CANCELLED if is_negative and self._is_cancelled else ending, reply.why)
         if not is_ours or (reply.performative is Performative.AGREE and self.agreed):
             raise self.misplaced(reply)
         self.agreed = self.agreed or reply.performative is Performative.AGREE

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from agents.platform.acl import AclMessage
-from agents.platform.errors import NotMoved
+from agents.platform.errors import AgentError
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +31,9 @@ class MigrationState:
         """Read it from a JSON object.
 
         Raises:
-            NotMoved, AclError: The object is not valid.
+            AgentError: The object is not valid.
         """
         match value:
             case {"state": dict(state), "mailbox": list(mailbox), "suspended": bool(is_suspended)}:
                 return cls(state, tuple(AclMessage.from_dict(message) for message in mailbox), is_suspended)
-        raise NotMoved("the state of the agent that moves is not valid")
+        raise AgentError("the state of the agent that moves is not valid")

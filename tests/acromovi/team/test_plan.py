@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.plan import ProcessKind, TeamOptions, TeamPlan, TeamProcesses
+from acromovi.team.identities import TeamOptions
+from acromovi.team.plan import ProcessKind, TeamPlan, TeamProcesses
 from bus import KeyNotValid
 from configs import ConfigError
 
