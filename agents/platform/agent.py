@@ -31,7 +31,7 @@ from agents.platform.acl import AclMessage, Performative
 from agents.platform.behaviours import Action, Behaviour, Ticker
 from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
-from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender
+from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
 from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
 from agents.platform.conversations.handler import Handler
@@ -288,7 +288,7 @@ class Agent:
         calls = [
             self.initiator.conversation(Performative.CFP, peer, name, arguments, within, bids_within) for peer in peers
         ]
-        return await Tender.call(calls, choose, bids_within)
+        return await call_for(calls, choose, bids_within)
 
     def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
         """Subscribe to values of another agent: a block with a loop in it that yields them.

@@ -117,7 +117,7 @@ class Container:
     @property
     def identity(self) -> str:
         """A unique identifier, which differs from that of a container with the same name."""
-        return self._control.identity
+        return self._control.process.identity
 
     @property
     def process(self) -> BusProgram:

@@ -79,11 +79,6 @@ class Control:
         self._arrivals = Arrivals(container)
 
     @property
-    def identity(self) -> str:
-        """A unique identifier of this container."""
-        return self._process.identity
-
-    @property
     def process(self) -> BusProgram:
         """The process, host and start time."""
         return self._process

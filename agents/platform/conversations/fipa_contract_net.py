@@ -10,7 +10,7 @@ import contextlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.conversations.handler import ParsedRequest
@@ -54,30 +54,30 @@ class Tender:
         """The results of the peers that have done it."""
         return {peer: outcome.result for peer, outcome in self.outcomes.items() if outcome.is_done}
 
-    @classmethod
-    async def call(cls, dialogues: Sequence[InitiatorConversation], choose: Choose, bids_within: float) -> Self:
-        """Call for proposals, accept some, and wait until those who made them have done it.
 
-        Args:
-            dialogues: One conversation with each peer.
-            choose: Returns the bids to accept; not called when there are none.
-            bids_within: s to wait for them.
-        Raises:
-            ValueError: `choose` has returned what is not one of the bids.
-            AclError: The arguments have no JSON form, or are too many.
-            BusUnavailable: The bus is closed.
-        """
-        bids: list[Bid] = []
-        callers = [_Caller(initiated, bids) for initiated in dialogues]
-        try:
-            await _all_answered(callers, bids_within)
-            in_time = tuple(bids)
-            accepted = _accepted(choose, in_time)
-            for caller in callers:
-                caller.decide(caller.bid in accepted, bids_within)
-            return cls(in_time, {caller.peer: await caller.outcome() for caller in callers})
-        finally:
-            await asyncio.gather(*(caller.leave() for caller in callers))
+async def call_for(dialogues: Sequence[InitiatorConversation], choose: Choose, bids_within: float) -> Tender:
+    """Call for proposals, accept some, and wait until those who made them have done it.
+
+    Args:
+        dialogues: One conversation with each peer.
+        choose: Returns the bids to accept; not called when there are none.
+        bids_within: s to wait for them.
+    Raises:
+        ValueError: `choose` has returned what is not one of the bids.
+        AclError: The arguments have no JSON form, or are too many.
+        BusUnavailable: The bus is closed.
+    """
+    bids: list[Bid] = []
+    callers = [_Caller(initiated, bids) for initiated in dialogues]
+    try:
+        await _all_answered(callers, bids_within)
+        in_time = tuple(bids)
+        accepted = _accepted(choose, in_time)
+        for caller in callers:
+            caller.decide(caller.bid in accepted, bids_within)
+        return Tender(in_time, {caller.peer: await caller.outcome() for caller in callers})
+    finally:
+        await asyncio.gather(*(caller.leave() for caller in callers))
 
 
 async def _all_answered(callers: Sequence["_Caller"], within: float) -> None:
