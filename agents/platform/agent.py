@@ -41,7 +41,7 @@ from agents.platform.conversations.outcome import Outcome
 from agents.platform.conversations.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
 from agents.platform.conversations.responder_conversation import ResponderConversation
-from agents.platform.errors import AclError, AgentError
+from agents.platform.errors import AgentError
 from agents.platform.hooks import hooks_of
 from agents.platform.life import AgentState, Life, Step
 from agents.platform.mailbox import ANY, Mailbox, Template
@@ -71,10 +71,9 @@ class Agent:
         self.name = name if isinstance(name, AgentName) else AgentName.parse(name)
         self.properties = dict(properties or {})
         self.mailbox = Mailbox()
-        self._unreadable = 0
         self._life = Life()
-        self._dispatcher = RequestDispatcher(self.name, self._life, self._rouse)
-        self._gate = DeliveryGate(self._take, self._dispatcher.begin)
+        self._dispatcher = RequestDispatcher(self.name, self._life, self.mailbox, self._rouse)
+        self._gate = DeliveryGate(self._dispatcher.take, self._dispatcher.begin)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, AgentEnd.FAILED))
@@ -124,7 +123,7 @@ class Agent:
     @property
     def malformed(self) -> int:
         """Number of payloads that were no valid message or no valid request."""
-        return self._unreadable + self._dispatcher.malformed
+        return self._dispatcher.malformed
 
     @property
     def bus(self) -> Bus:
@@ -419,16 +418,6 @@ class Agent:
         self._report(f"{failure.behaviour} failed: {failure.outcome}", failure.error)
 
     # On the bus's thread.
-
-    def _take(self, payload: bytes) -> None:
-        """Take a one-way message."""
-        try:
-            message = AclMessage.decode(payload)
-        except AclError:
-            self._unreadable += 1
-            return
-        if self._dispatcher.hear(message) or self.mailbox.deliver(message, len(payload)):
-            self._rouse()
 
     def _rouse(self) -> None:
         if self.state is AgentState.WAITING and self._loop is not None:
