@@ -131,7 +131,6 @@ def reporter(program: str) -> "Callable[[Report], None]":
     """Return a function that reports an agent's errors under a program's name, in one sentence where possible."""
     from agents.client.errors import RobotError
     from agents.platform import AgentError
-    from agents.platform.container.container import log_report
     from bus import BusError
     from configs import ConfigError
 
@@ -141,7 +140,7 @@ def reporter(program: str) -> "Callable[[Report], None]":
         elif isinstance(report.error, RobotError | AgentError | BusError | ConfigError):
             print(f"{program}: {report.agent}: {report.what}: {report.error}", file=sys.stderr, flush=True)
         else:
-            log_report(report)
+            report.log()
 
     return report
 

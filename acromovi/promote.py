@@ -66,7 +66,7 @@ def _run(options: argparse.Namespace) -> int:
 
 def _named(program: "RunningApplication", options: argparse.Namespace, own_name: str | None) -> "AgentName":
     """What its agent is called, after the owner of a key where the bus lets nobody else speak."""
-    from agents.client.private_container import PLATFORM
+    from agents.client.team import PLATFORM
     from agents.platform import AgentName
 
     name = options.name or program.name

@@ -47,9 +47,9 @@ def chosen(options: argparse.Namespace) -> "RunningApplication":
     Raises:
         RobotError: There is no such application, or it does not take them.
     """
-    from agents.client.program import find_program
+    from agents.client.program import RunningApplication
 
-    program = find_program(options.application, options.apps)
+    program = RunningApplication.find(options.application, options.apps)
     program.check(dict(options.arguments))
     return program
 

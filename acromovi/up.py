@@ -15,7 +15,8 @@ from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.navigation.at_work import NavigationAtWork
-    from acromovi.team.plan import TeamOptions, TeamPlan
+    from acromovi.team.identities import TeamOptions
+    from acromovi.team.plan import TeamPlan
     from acromovi.team.processes import Processes
     from acromovi.team.team import TeamAtWork
     from bus.bus import Bus
@@ -63,12 +64,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Start a team, keep it running, and end it in order."""
-    from acromovi.team.identities import folder_of_keys
-    from acromovi.team.plan import TeamOptions, load_team
+    from acromovi.team.identities import TeamOptions, folder_of_keys
+    from acromovi.team.plan import TeamPlan
     from acromovi.team.team import TeamFailed, TeamTimedOut
     from configs.extras import require
 
-    team = load_team(arguments.team, arguments.only)
+    team = TeamPlan.load(arguments.team, arguments.only)
     if team.emulated:
         require("a team with emulated robots", "emu")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
@@ -86,7 +87,6 @@ def _names(text: str) -> tuple[str, ...]:
 
 
 async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, arguments: argparse.Namespace) -> int:
-    from acromovi.team.identities import teams_key
     from acromovi.team.processes import Processes
     from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed
     from bus import ZenohBus
@@ -99,7 +99,7 @@ async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, argument
         print(f"acromovi up: {sentence}", file=sys.stderr, flush=True)
 
     asked_to_end = signals(ENDINGS)
-    with ZenohBus.open(choices.bus_of(teams_key(team.name))) as bus:
+    with ZenohBus.open(choices.bus_of_team(team.name)) as bus:
         processes = await Processes.open(folder)  # the fork server loads its modules meanwhile
         try:
             await _see_that_nobody_is_there(bus, team)
@@ -172,12 +172,12 @@ async def _see_that_nobody_is_there(bus: "Bus", team: "TeamPlan") -> None:
     Raises:
         TeamFailed: The team, or a robot of this name, is on this bus.
     """
-    from acromovi.team.host_control import alive_key
+    from acromovi.team.host_control import HostControl
     from acromovi.team.team import TeamFailed
     from bus.keys import ALIVE
 
     taken: set[str] = set()
-    ours = {alive_key(team.name): f"the team {team.name}"}
+    ours = {HostControl.alive_key(team.name): f"the team {team.name}"}
     ours |= {ALIVE.key(robot.name): f"a robot {robot.name}" for robot in team.robots}
     watching = [bus.watch_alive(key, lambda key, is_there: taken.add(key)) for key in ours]
     await asyncio.sleep(MEETING_TIME)

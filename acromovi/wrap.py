@@ -33,11 +33,11 @@ def _run(arguments: argparse.Namespace) -> int:
     from acromovi.container import ending_in_time
     from agents.platform import AgentError, AgentName
     from agents.wrappers.wrapped import Wrapped
-    from agents.wrappers.wrapper_file import load_wrapper
+    from agents.wrappers.wrapper_file import WrapperFile
     from bus.session import ZenohBus
 
     try:
-        agent = Wrapped(AgentName.parse(arguments.name), *load_wrapper(arguments.file))
+        agent = Wrapped(AgentName.parse(arguments.name), *WrapperFile.load(arguments.file))
         with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
             has_begun = asyncio.run(live_alone(bus, agent, "wrap", end))
     except AgentError as error:

@@ -82,7 +82,7 @@ def of_names(known: Processes, wanted: list[str]) -> Processes:
 
 async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) -> int:
     from acromovi.navigation.at_work import NavigationAtWork
-    from acromovi.team.plan import navigation_process
+    from acromovi.team.plan import PlannedProcess
     from acromovi.team.processes import Processes as RealProcesses
     from acromovi.up import ENDINGS, keep_up, signals
     from bus.session import ZenohBus
@@ -96,7 +96,7 @@ async def _hold(arguments: argparse.Namespace, chosen: Processes, folder: Path) 
 
     asked_to_end = signals(ENDINGS)
     robot = arguments.robot
-    programs = [navigation_process(robot, name, words(arguments), arguments.bus) for name in chosen]
+    programs = [PlannedProcess.of_navigation(robot, name, words(arguments), arguments.bus) for name in chosen]
     with ZenohBus.open(arguments.bus) as bus:
         await _look_round(bus, robot, chosen, tell)
         real = await RealProcesses.open(folder)

@@ -10,16 +10,6 @@ from bus.bus import Closeable
 MOST_EXTRAS = 32  # containers that others may ask for
 
 
-def control_key(team: str) -> str:
-    """Return the key for requests to the host of a team."""
-    return f"{team}/host/control"
-
-
-def alive_key(team: str) -> str:
-    """Return the key of the token that exists while a team runs."""
-    return f"{team}/host/alive"
-
-
 class _ProcessCommands(Protocol):
     """Commands for processes, carried out later in the supervisor's event loop; called on the bus's thread."""
 
@@ -56,9 +46,19 @@ class HostControl(Closeable):
         self._supervisor = supervisor
         self._hands = hands
         self._open: list[Subscription] = [
-            bus.serve(control_key(team), self.answer),
-            bus.declare_alive(alive_key(team)),
+            bus.serve(self.key(team), self.answer),
+            bus.declare_alive(self.alive_key(team)),
         ]
+
+    @staticmethod
+    def key(team: str) -> str:
+        """Return the key for requests to the host of a team."""
+        return f"{team}/host/control"
+
+    @staticmethod
+    def alive_key(team: str) -> str:
+        """Return the key of the token that exists while a team runs."""
+        return f"{team}/host/alive"
 
     def answer(self, asked: dict[str, Any]) -> dict[str, Any]:
         """Carry out one request.

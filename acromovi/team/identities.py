@@ -1,24 +1,40 @@
-"""Keys of the processes of a team on a secure bus.
+"""Options of a team on the command line, and the keys of its processes on a secure bus.
 
 What is a robot's comes with the robot's own key; the host and the team's services, which look after all, with the key
 of an admin who is called as the team is.
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from bus.secure import CERTIFICATE, Permit, Profile
 from configs import ConfigError
 
 
-def robots_key(robot: str) -> str:
-    """The owner of the key of a robot's gateway and agents."""
-    return f"robot.{robot}"
+@dataclass(frozen=True, slots=True)
+class TeamOptions:
+    """Options of the command line for a team.
 
+    apps: folders of applications that the team's agents may start.
+    keys: the folder where each process has a key of its own for the bus; None where all come as the bus says.
+    """
 
-def teams_key(team: str) -> str:
-    """The owner of the key of a team's host and services."""
-    return f"admin.{team}"
+    bus: str = "local"
+    seed: int | None = None
+    apps: tuple[Path, ...] = ()
+    keys: Path | None = None
+
+    def bus_of_robot(self, robot: str) -> str:
+        """Return the bus options of a robot's gateway and agents, with the robot's key."""
+        return self._bus_of(_robots_key(robot))
+
+    def bus_of_team(self, team: str) -> str:
+        """Return the bus options of a team's host and services, with the team's key."""
+        return self._bus_of(_teams_key(team))
+
+    def _bus_of(self, owner: str) -> str:
+        return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
 
 
 def folder_of_keys(profile: str, team: str, robots: Iterable[str]) -> Path | None:
@@ -37,7 +53,7 @@ def folder_of_keys(profile: str, team: str, robots: Iterable[str]) -> Path | Non
     found = Profile.find(profile)
     if found.folder is None:
         return None
-    owners = [*map(robots_key, robots), teams_key(team)]
+    owners = [*map(_robots_key, robots), _teams_key(team)]
     if (found.folder / CERTIFICATE).is_file():
         permit = Permit.of(found)
         if permit is not None and permit.own_name is not None:
@@ -58,3 +74,11 @@ def _making(owner: str, folder: Path) -> str:
     """The command that makes a key."""
     role, _, name = owner.partition(".")
     return f"acromovi keys make --role {role} --name {name} --out {folder}"
+
+
+def _robots_key(robot: str) -> str:
+    return f"robot.{robot}"
+
+
+def _teams_key(team: str) -> str:
+    return f"admin.{team}"

@@ -7,12 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import configs
-from acromovi.team.identities import robots_key, teams_key
+from acromovi.team.identities import TeamOptions
 from bus.keys import robot_name
-from bus.secure import Profile
 from configs import ConfigError
 from configs.team_file import TeamFile, TeamRobot, read_team
 from p2os_emu.links.profile import LinkProfile
@@ -48,6 +47,13 @@ class PlannedProcess:
     container: str = ""
     is_extra: bool = False
 
+    @classmethod
+    def of_navigation(cls, robot: str, process: str, options: Sequence[str], bus: str) -> Self:
+        """One process of a robot's indoor navigation. options: of the wiring, for a command line."""
+        words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
+        command = _python("acromovi", *words)
+        return cls(f"{process} of {robot}", ProcessKind.AGENTS, command, robot, container=f"{robot}-{process}")
+
 
 @dataclass(frozen=True, slots=True)
 class TeamPlan:
@@ -60,6 +66,35 @@ class TeamPlan:
     source: str
     file: TeamFile
 
+    @classmethod
+    def load(cls, name: str, only: Sequence[str] = ()) -> Self:
+        """Read and check a team's file.
+
+        Args:
+            name: One of `configs/teams`, or a file.
+            only: The robots that are wanted; none means all.
+        Raises:
+            ConfigError: There is no such team or robot, the file has an error, or two things have one name.
+            KeyNotValid: A name cannot be a robot's.
+        """
+        path = configs.find("teams", name)
+        file = read_team(str(path))
+        names = [robot.name for robot in file.robots]
+        if not names:
+            raise ConfigError(f"{path}: a team needs a robot; write [[robots]] with a name and a model")
+        robot_name(path.stem)
+        for robot in file.robots:
+            _check(robot, path, names)
+        for service in file.services:
+            _check_service(service, path)
+        if any(robot.navigation for robot in file.robots):
+            _wiring()
+        for wanted in only:
+            if wanted not in names:
+                raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
+        chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
+        return cls(path.stem, str(path), replace(file, robots=chosen))
+
     @property
     def robots(self) -> tuple[TeamRobot, ...]:
         """Its robots."""
@@ -71,144 +106,109 @@ class TeamPlan:
         return tuple(robot for robot in self.robots if robot.is_emulated)
 
 
-@dataclass(frozen=True, slots=True)
-class TeamOptions:
-    """Options of the command line for a team.
+class TeamProcesses:
+    """The processes of a team, as they are started."""
 
-    apps: folders of applications that the team's agents may start.
-    keys: the folder where each process has a key of its own for the bus; None where all come as the bus says.
-    """
+    def __init__(self, team: TeamPlan, choices: TeamOptions, folder: Path) -> None:
+        """Plan nothing yet.
 
-    bus: str = "local"
-    seed: int | None = None
-    apps: tuple[Path, ...] = ()
-    keys: Path | None = None
+        Args:
+            team: The team.
+            choices: Of the command line.
+            folder: For ports, control socket and settings.
+        """
+        self._team = team
+        self._choices = choices
+        self._folder = folder
 
-    def bus_of(self, owner: str) -> str:
-        """Return the bus options of a process, with the key of an owner."""
-        return self.bus if self.keys is None else f"{Profile.find(self.bus).path}:{self.keys / owner}"
+    @property
+    def settings(self) -> Path:
+        """The file where the gateways of emulated robots read `EMULATED`."""
+        return self._folder / "emulated.toml"
 
+    def emulator(self) -> PlannedProcess:
+        """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
+        words = ["--team", self._team.source, "--json", "--quiet", "--until-stdin-closes"]
+        words += ["--pty", str(self._folder / "port"), "--control", str(self._folder / "control")]
+        words += ["--only", ",".join(robot.name for robot in self._team.emulated)]
+        if self._choices.seed is not None:
+            words += ["--seed", str(self._choices.seed)]
+        return PlannedProcess("the emulator", ProcessKind.EMULATOR, _python("p2os_emu", *words))
 
-def load_team(name: str, only: Sequence[str] = ()) -> TeamPlan:
-    """Read and check a team's file.
+    def gateway(self, robot: TeamRobot, ports: Mapping[str, Any]) -> PlannedProcess:
+        """A robot's gateway.
 
-    Args:
-        name: One of `configs/teams`, or a file.
-        only: The robots that are wanted; none means all.
-    Raises:
-        ConfigError: There is no such team or robot, the file has an error, or two things have one name.
-        KeyNotValid: A name cannot be a robot's.
-    """
-    path = configs.find("teams", name)
-    file = read_team(str(path))
-    names = [robot.name for robot in file.robots]
-    if not names:
-        raise ConfigError(f"{path}: a team needs a robot; write [[robots]] with a name and a model")
-    robot_name(path.stem)
-    for robot in file.robots:
-        _check(robot, path, names)
-    for service in file.services:
-        _check_service(service, path)
-    if any(robot.navigation for robot in file.robots):
-        _wiring()
-    for wanted in only:
-        if wanted not in names:
-            raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
-    chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
-    return TeamPlan(path.stem, str(path), replace(file, robots=chosen))
+        Args:
+            robot: One of the team, which has the team's link unless it has one of its own. A real one is found where
+                the file says.
+            ports: What the emulator says of an emulated one; nothing of a real one.
+        """
+        emulated = {part: ports.get(key) for part, key in _PORTS.items()}
+        real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
+        bus = self._choices.bus_of_robot(robot.name)
+        words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
+        for part, place in (emulated if robot.is_emulated else real).items():
+            words += [f"--{part}", place] if place else []
+        if configs.load(LinkProfile, "links", robot.link or self._team.file.link).modem is not None:
+            words.append("--radio")
+        if robot.is_emulated:
+            words += ["--config", str(self.settings)]
+        command = _python("gateway", *words)
+        return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, command, robot.name)
 
+    def container(self, robot: str) -> PlannedProcess:
+        """The container of a robot's agents."""
+        words = ("container", "--robot", robot, "--bus", self._choices.bus_of_robot(robot), "--json")
+        return PlannedProcess(
+            f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
+        )
 
-def emulator(team: TeamPlan, folder: Path, choices: TeamOptions) -> PlannedProcess:
-    """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
-    words = ["--team", team.source, "--json", "--quiet", "--until-stdin-closes"]
-    words += ["--pty", str(folder / "port"), "--control", str(folder / "control")]
-    words += ["--only", ",".join(robot.name for robot in team.emulated)]
-    if choices.seed is not None:
-        words += ["--seed", str(choices.seed)]
-    return PlannedProcess("the emulator", ProcessKind.EMULATOR, _python("p2os_emu", *words))
+    def navigation(self, robot: str) -> list[PlannedProcess]:
+        """The processes of a robot's indoor navigation, as its wiring has them."""
+        bus = self._choices.bus_of_robot(robot)
+        return [PlannedProcess.of_navigation(robot, process, [], bus) for process in _wiring().processes]
 
+    def services(self) -> PlannedProcess:
+        """The container of the team's own agents."""
+        words = [
+            "container",
+            "--services",
+            self._team.name,
+            "--bus",
+            self._choices.bus_of_team(self._team.name),
+            "--json",
+            *self._folders,
+        ]
+        for service, properties in self._team.file.services.items():
+            for key, value in properties.items():
+                words += ["--property", f"{service}.{key}={json.dumps(value)}"]
+        return PlannedProcess(
+            "the container of services", ProcessKind.AGENTS, _python("acromovi", *words), container=SERVICES
+        )
 
-def gateway(
-    team: TeamPlan, robot: TeamRobot, ports: Mapping[str, Any], folder: Path, choices: TeamOptions
-) -> PlannedProcess:
-    """A robot's gateway.
+    def extra(self, name: str) -> PlannedProcess:
+        """An empty container, for an application.
 
-    Args:
-        team: Whose link the robot has, unless it has one of its own.
-        robot: A real one is found where the file says.
-        ports: What the emulator says of an emulated one; nothing of a real one.
-        folder: Where `EMULATED` is written.
-        choices: Of the command line.
-    """
-    emulated = {part: ports.get(key) for part, key in _PORTS.items()}
-    real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
-    bus = choices.bus_of(robots_key(robot.name))
-    words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
-    for part, place in (emulated if robot.is_emulated else real).items():
-        words += [f"--{part}", place] if place else []
-    if configs.load(LinkProfile, "links", robot.link or team.file.link).modem is not None:
-        words.append("--radio")
-    if robot.is_emulated:
-        words += ["--config", str(settings_file(folder))]
-    return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, _python("gateway", *words), robot.name)
+        Raises:
+            KeyNotValid: The name cannot be that of a container.
+        """
+        words = [
+            "container",
+            robot_name(name),
+            "--bus",
+            self._choices.bus_of_team(self._team.name),
+            "--json",
+            *self._folders,
+        ]
+        command = _python("acromovi", *words)
+        return PlannedProcess(f"the container {name}", ProcessKind.AGENTS, command, container=name, is_extra=True)
 
-
-def container(robot: str, choices: TeamOptions) -> PlannedProcess:
-    """The container of a robot's agents."""
-    words = ("container", "--robot", robot, "--bus", choices.bus_of(robots_key(robot)), "--json")
-    return PlannedProcess(
-        f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
-    )
-
-
-def navigation(robot: str, choices: TeamOptions) -> list[PlannedProcess]:
-    """The processes of a robot's indoor navigation, as its wiring has them."""
-    bus = choices.bus_of(robots_key(robot))
-    return [navigation_process(robot, process, [], bus) for process in _wiring().processes]
-
-
-def navigation_process(robot: str, process: str, options: Sequence[str], bus: str) -> PlannedProcess:
-    """One of these processes. options: of the wiring, for a command line."""
-    words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
-    name = f"{robot}-{process}"
-    return PlannedProcess(
-        f"{process} of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=name
-    )
-
-
-def services(team: TeamPlan, choices: TeamOptions) -> PlannedProcess:
-    """The container of the team's own agents."""
-    words = ["container", "--services", team.name, "--bus", choices.bus_of(teams_key(team.name)), "--json"]
-    words += _folders(choices)
-    for service, properties in team.file.services.items():
-        for key, value in properties.items():
-            words += ["--property", f"{service}.{key}={json.dumps(value)}"]
-    return PlannedProcess(
-        "the container of services", ProcessKind.AGENTS, _python("acromovi", *words), container=SERVICES
-    )
-
-
-def extra(name: str, team: TeamPlan, choices: TeamOptions) -> PlannedProcess:
-    """An empty container, for an application.
-
-    Raises:
-        KeyNotValid: The name cannot be that of a container.
-    """
-    words = ["container", robot_name(name), "--bus", choices.bus_of(teams_key(team.name)), "--json"]
-    command = _python("acromovi", *words, *_folders(choices))
-    return PlannedProcess(f"the container {name}", ProcessKind.AGENTS, command, container=name, is_extra=True)
-
-
-def settings_file(folder: Path) -> Path:
-    """Where the settings of emulated robots' gateways are."""
-    return folder / "emulated.toml"
+    @property
+    def _folders(self) -> list[str]:
+        return [word for folder in self._choices.apps for word in ("--apps", str(folder))]
 
 
 _PORTS = {"laser": "laser_port", "arm": "arm_port", "camera": "camera_url"}
-
-
-def _folders(choices: TeamOptions) -> list[str]:
-    return [word for folder in choices.apps for word in ("--apps", str(folder))]
 
 
 def _python(module: str, *words: str) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 
-from acromovi.team.causes import awaited
 from acromovi.team.readiness import Readiness, RobotReadiness
 
 SOONEST = 2.0  # s after another line
@@ -52,7 +51,7 @@ class ProgressLines:
         """What robots wait for, those that wait for the same together: `gateway (happy, doc), laser (max)`."""
         wanted: dict[str, list[str]] = {}
         for name in late:
-            wanted.setdefault(awaited(self._readiness[name]), []).append(name)
+            wanted.setdefault(self._readiness[name].awaited, []).append(name)
         wanted.pop("", None)
         return ", ".join(f"{what} ({', '.join(names)})" for what, names in wanted.items())
 

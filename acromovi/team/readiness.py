@@ -47,6 +47,13 @@ class RobotReadiness:
             return ["its container"]
         return sorted(self.parts - self.agents) or ([] if self.agents else ["agents"])
 
+    @property
+    def awaited(self) -> str:
+        """Which of its parts it waits for that does not serve; empty when it is as good as ready."""
+        if not self.is_in_touch:
+            return "gateway"
+        return " and ".join(self.missing()) if self.container_serves else "container"
+
     def serves(self, now: float) -> bool:
         """Whether it has all required parts, or has had enough time to show them."""
         if not (self.is_in_touch and self.container_serves and self.agents):
@@ -60,7 +67,7 @@ class Readiness:
     """Progress of a team's robots during the start."""
 
     def __init__(self, robots: Iterable[TeamRobot]) -> None:
-        self._progress = {robot.name: RobotReadiness(fitted(robot)) for robot in robots}
+        self._progress = {robot.name: RobotReadiness(_fitted(robot)) for robot in robots}
         self._services_serve = False
 
     def __getitem__(self, robot: str) -> RobotReadiness:
@@ -100,7 +107,7 @@ class Readiness:
         return [name for name, progress in self._progress.items() if progress.serves(now)]
 
 
-def fitted(robot: TeamRobot) -> frozenset[str]:
+def _fitted(robot: TeamRobot) -> frozenset[str]:
     """The parts that a robot must show, by the team's file."""
     parts = {part.partition(":")[0] for part in robot.fit}
     own = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}

@@ -86,7 +86,7 @@ class ProcessRow:
         }
 
 
-class Watcher(Protocol):
+class _Watcher(Protocol):
     """Receives the events of the processes."""
 
     def heard(self, program: PlannedProcess, line: str) -> None:
@@ -105,7 +105,7 @@ class Watcher(Protocol):
 class Supervisor:
     """Starts and restarts processes in one event loop."""
 
-    def __init__(self, start: Start, watcher: Watcher) -> None:
+    def __init__(self, start: Start, watcher: _Watcher) -> None:
         self._start = start
         self._watcher = watcher
         self._entries: dict[str, ProcessRow] = {}
@@ -179,7 +179,7 @@ class Supervisor:
             if self._ending.is_set() or not entry.is_wanted:
                 break
             entry.ends = 1 if loop.time() - begun >= HEALTHY_AFTER else entry.ends + 1
-            entry.why = ending(code) if code < 0 else entry.complaint or ending(code)  # a signal has its own reason
+            entry.why = _ending(code) if code < 0 else entry.complaint or _ending(code)  # a signal has its own reason
             self._watcher.ended(entry)
             await asyncio.sleep(DELAYS[min(entry.ends, len(DELAYS)) - 1])
             entry.complaint = ""
@@ -192,6 +192,6 @@ class Supervisor:
         self._watcher.complained(entry.program, line)
 
 
-def ending(code: int) -> str:
+def _ending(code: int) -> str:
     """An exit code in words."""
     return f"ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"

@@ -6,10 +6,10 @@ from collections.abc import Callable, Coroutine, Sequence
 from pathlib import Path
 from typing import Any
 
-from acromovi.team import plan
-from acromovi.team.causes import cause, cause_of_services, plain
+from acromovi.team.causes import Causes, plain
 from acromovi.team.host_control import HostControl
-from acromovi.team.plan import PlannedProcess, ProcessKind, TeamOptions, TeamPlan
+from acromovi.team.identities import TeamOptions
+from acromovi.team.plan import EMULATED, PlannedProcess, ProcessKind, TeamPlan, TeamProcesses
 from acromovi.team.processes import StartQueue
 from acromovi.team.progress import ProgressLines
 from acromovi.team.readiness import PATIENCE, Readiness
@@ -64,8 +64,7 @@ class TeamAtWork(Closeable):
         """
         self.control: str | None = None
         self._team = team
-        self._choices = choices
-        self._folder = folder
+        self._processes = TeamProcesses(team, choices, folder)
         self._tell = tell
         self._complain = complain
         self._loop = asyncio.get_running_loop()
@@ -89,9 +88,9 @@ class TeamAtWork(Closeable):
         """Start the first processes; the others follow as soon as they can."""
         robots = f"{len(self._team.robots)} robot{'s' if len(self._team.robots) > 1 else ''}"
         self._tell(f"starting {robots} of {self._team.name}: {', '.join(robot.name for robot in self._team.robots)}")
-        plan.settings_file(self._folder).write_text(plan.EMULATED)
+        self._processes.settings.write_text(EMULATED)
         if self._team.emulated:
-            self._queue.add(plan.emulator(self._team, self._folder, self._choices))
+            self._queue.add(self._processes.emulator())
         for robot in self._team.robots:
             if not robot.is_emulated:
                 self._add_gateway(robot, {})
@@ -189,12 +188,12 @@ class TeamAtWork(Closeable):
             self._add_gateway(robot, ports[robot.name])
 
     def _add_gateway(self, robot: TeamRobot, ports: dict[str, Any]) -> None:
-        self._queue.add(plan.gateway(self._team, robot, ports, self._folder, self._choices))
+        self._queue.add(self._processes.gateway(robot, ports))
 
     def _add_agents(self, robot: str) -> None:
-        self._queue.add(plan.container(robot, self._choices))
+        self._queue.add(self._processes.container(robot))
         if any(each.name == robot and each.navigation for each in self._team.robots):
-            for program in plan.navigation(robot, self._choices):
+            for program in self._processes.navigation(robot):
                 self._queue.add(program)
 
     def _gateway_said(self, program: PlannedProcess, event: str, said: dict[str, Any]) -> None:
@@ -224,7 +223,7 @@ class TeamAtWork(Closeable):
     def _add_services(self) -> None:
         """The team's own agents come last: what they look after should be there."""
         if self._may_have_services:
-            self._queue.add(plan.services(self._team, self._choices))
+            self._queue.add(self._processes.services())
 
     @property
     def _may_have_services(self) -> bool:
@@ -239,12 +238,12 @@ class TeamAtWork(Closeable):
 
     def _why_late(self, serving: Sequence[str], within: float) -> str:
         """The cause for each robot that is missing, a line each; those that are not waited for included."""
-        table = self.supervisor.table
+        causes = Causes(self.supervisor.table, self._reports)
         away = [robot for robot in self._team.robots if robot.name not in serving]
-        causes = [f"{robot.name}: {cause(robot, self._readiness[robot.name], table, self._reports)}" for robot in away]
+        lines = [f"{robot.name}: {causes.of(robot, self._readiness[robot.name])}" for robot in away]
         if not self._readiness.services_serve and self._may_have_services:
-            causes.append(f"the team's own agents: {cause_of_services(table, self._reports)}")
-        return "\n  ".join([f"{self._team.name} is not complete after {within:g} s (--timeout):", *causes])
+            lines.append(f"the team's own agents: {causes.of_services()}")
+        return "\n  ".join([f"{self._team.name} is not complete after {within:g} s (--timeout):", *lines])
 
     def _tell_of_return(self, robot: str) -> None:
         if robot in self._lost:
@@ -272,7 +271,7 @@ class TeamAtWork(Closeable):
         Raises:
             KeyNotValid: Its name cannot be that of a container.
         """
-        hand_over(self._loop, self._start, plan.extra(container, self._team, self._choices))
+        hand_over(self._loop, self._start, self._processes.extra(container))
 
     def retire(self, entry: ProcessRow) -> None:
         """Schedule the end of a process."""

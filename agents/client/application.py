@@ -5,37 +5,19 @@ import inspect
 import threading
 from collections.abc import Awaitable, Callable, Mapping
 from functools import wraps
-from pathlib import Path
 from typing import Any, get_type_hints
 
+from agents.client.discovery import Discovery
 from agents.client.errors import Failed, Stopped
 from agents.client.loop_thread import LoopThread
-from agents.client.private_container import PLATFORM
-from agents.client.program import RunningApplication, find_program
-from agents.client.team import Team, look
+from agents.client.program import RunningApplication
+from agents.client.team import Team
 from agents.platform import FAIL_AGENT, Agent, AgentName, OneShot, Restart
 from agents.platform.hooks import marks
 from bus.aio import hand_over
 
 SERVICE = "application"
 LEAVE = 1.0  # s for a program to end
-
-
-def application_agent(
-    path_or_module: str | Path, name: AgentName | str | None = None, arguments: Mapping[str, Any] | None = None
-) -> "Application":
-    """Return an agent for an application; a container starts it.
-
-    Args:
-        path_or_module: A file, or a module of the package `apps`.
-        name: The agent's; by default the file's, `wander@apps`.
-        arguments: For its `main`.
-    Raises:
-        RobotError: There is no such application, it cannot be loaded, or does not take these arguments.
-    """
-    program = find_program(str(path_or_module))
-    program.check(arguments or {})
-    return Application(program, name or AgentName(program.name, PLATFORM), arguments or {})
 
 
 class Application(Agent):
@@ -62,7 +44,7 @@ class Application(Agent):
     async def setup(self) -> None:
         """Start the program."""
         self._thread = LoopThread(self, asyncio.get_running_loop())
-        self._discovery = await look(self._thread)
+        self._discovery = Discovery(self.bus)
         self._program = await self.load()
         self._team = Team.of(self._thread, self._discovery)
         for function in self._program.functions:

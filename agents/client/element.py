@@ -6,10 +6,11 @@ from contextlib import closing, suppress
 from numbers import Integral, Real
 from typing import Any, ClassVar, Generic, TypeVar
 
-from agents.client.errors import NotThere, RequestTimedOut, check_seconds, error_of
+from agents.client.errors import Failed, NotThere, RequestRefused, RequestTimedOut, RobotError, check_seconds
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import OtherReading, Reading
-from agents.platform import AgentName, Outcome, Performative
+from agents.client.wording import in_api_words
+from agents.platform import AgentName, Ending, Outcome, Performative
 from bus import MessageError, Sample, Subscription
 from bus.aio import hand_over
 from bus.payload import decode_json
@@ -54,8 +55,8 @@ class ElementClient(Generic[R]):
 
     def _result_of(self, request: str, outcome: Outcome) -> Any:
         if not outcome.is_done:
-            raise error_of(outcome, self.agent, request)
-        return numbered(outcome.result)
+            raise _error_of(outcome, self.agent, request)
+        return _numbered(outcome.result)
 
     def read(self) -> R:
         """Return the latest reading; wait a little for the first.
@@ -100,7 +101,7 @@ class ElementClient(Generic[R]):
         except TimeoutError as err:
             outcome = await self._thread.agent.request(self.agent, "read", reply_within=PATIENCE)
             if not outcome.is_done:
-                raise error_of(outcome, self.agent, "read") from err
+                raise _error_of(outcome, self.agent, "read") from err
             raise RequestTimedOut(f"{self.agent} has sent nothing for {within:g} s") from err
 
     def _read(self, result: Any) -> R:
@@ -125,17 +126,17 @@ def plain(value: Any) -> Any:
     return value
 
 
-def numbered(value: Any) -> Any:
+def _numbered(value: Any) -> Any:
     """Return the same with the numbers that JSON objects can have as text only: `{"3": 1.2}` becomes `{3: 1.2}`.
 
     An object is converted if it has keys, and if all of them are whole numbers as Python writes them.
     """
     match value:
         case dict():
-            items = {name: numbered(item) for name, item in value.items()}
+            items = {name: _numbered(item) for name, item in value.items()}
             return {int(name): item for name, item in items.items()} if items and all(map(_is_number, items)) else items
         case list():
-            return [numbered(item) for item in value]
+            return [_numbered(item) for item in value]
     return value
 
 
@@ -148,3 +149,20 @@ def _replace(latest: "asyncio.Queue[dict[str, Any]]", result: dict[str, Any]) ->
     while not latest.empty():
         latest.get_nowait()
     latest.put_nowait(result)
+
+
+_BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
+    Ending.REFUSED: (RequestRefused, "{peer} refuses {request}: {why}"),
+    Ending.NOT_UNDERSTOOD: (RequestRefused, "{peer} does not understand {request}: {why}"),
+    Ending.NOT_ALLOWED: (RequestRefused, "{request} is not allowed: {why}"),
+    Ending.FAILED: (Failed, "{peer} could not {request}: {why}"),
+    Ending.TIMED_OUT: (RequestTimedOut, "{request}: {why}"),
+    Ending.DIED: (NotThere, "{why}; see `acromovi ps` for who is there"),
+}
+
+
+def _error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
+    """Return the error for the outcome of a request, in the terms of this API."""
+    kind, sentence = _BY_ENDING[outcome.ending]
+    why = in_api_words(outcome.why, str(peer).partition("@")[0])
+    return kind(sentence.format(peer=peer, request=request, why=why))

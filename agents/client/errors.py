@@ -15,9 +15,6 @@ Every message says in one sentence what happened and, if possible, what to do.
 
 from numbers import Real
 
-from agents.client.wording import in_api_words
-from agents.platform import Ending, Outcome
-
 
 class RobotError(Exception):
     """Base class of the errors that a program gets from its robots."""
@@ -45,23 +42,6 @@ class RequestTimedOut(RobotError, TimeoutError):
 
 class Stopped(BaseException):
     """The container that runs the program ends it. Raised from every call, so that the program can clean up."""
-
-
-_BY_ENDING: dict[Ending, tuple[type[RobotError], str]] = {
-    Ending.REFUSED: (RequestRefused, "{peer} refuses {request}: {why}"),
-    Ending.NOT_UNDERSTOOD: (RequestRefused, "{peer} does not understand {request}: {why}"),
-    Ending.NOT_ALLOWED: (RequestRefused, "{request} is not allowed: {why}"),
-    Ending.FAILED: (Failed, "{peer} could not {request}: {why}"),
-    Ending.TIMED_OUT: (RequestTimedOut, "{request}: {why}"),
-    Ending.DIED: (NotThere, "{why}; see `acromovi ps` for who is there"),
-}
-
-
-def error_of(outcome: Outcome, peer: object, request: str) -> RobotError:
-    """Return the error for the outcome of a request, in the terms of this API."""
-    kind, sentence = _BY_ENDING[outcome.ending]
-    why = in_api_words(outcome.why, str(peer).partition("@")[0])
-    return kind(sentence.format(peer=peer, request=request, why=why))
 
 
 def check_seconds(argument: str, value: object) -> None:

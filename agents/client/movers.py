@@ -17,7 +17,7 @@ from geometry import Pose2D
 MOTION = 300.0  # s for the longest motion; errors are reported earlier
 
 
-class Mover(ElementClient[R], Generic[R]):
+class _Mover(ElementClient[R], Generic[R]):
     """An element that moves, and can be leased and stopped."""
 
     def __init__(self, thread: LoopThread, agent: AgentName) -> None:
@@ -97,7 +97,7 @@ class Mover(ElementClient[R], Generic[R]):
             await self._thread.agent.request(self.agent, "stop", reply_within=1.0, **self._right)
 
 
-class BaseClient(Mover[BaseReading]):
+class BaseClient(_Mover[BaseReading]):
     """Wheels and odometry.
 
     Poses are in the robot's frame `odom`. Its origin is where the robot stood when its gateway first connected, and its
@@ -184,7 +184,7 @@ class BaseClient(Mover[BaseReading]):
         self._driving.has_stopped()
 
 
-class GripperClient(Mover[GripperReading]):
+class GripperClient(_Mover[GripperReading]):
     """A gripper: two paddles on a lift. Each motion returns the reading at its end."""
 
     reading = GripperReading
@@ -214,7 +214,7 @@ class GripperClient(Mover[GripperReading]):
         return self._move("deploy")
 
 
-class ArmClient(Mover[ArmReading]):
+class ArmClient(_Mover[ArmReading]):
     """An arm. Each motion returns the reading at its end."""
 
     reading = ArmReading
@@ -236,7 +236,7 @@ class ArmClient(Mover[ArmReading]):
         return self._move("power", on=on)
 
 
-class PtzClient(Mover[PtzReading]):
+class PtzClient(_Mover[PtzReading]):
     """A pan-tilt-zoom head. Each motion returns the reading at its end."""
 
     reading = PtzReading

@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, Self
 
 from agents.client.complaints import complaint
 from agents.client.errors import RobotError
@@ -49,6 +49,26 @@ class RunningApplication:
 
     name: str
     module: ModuleType
+
+    @classmethod
+    def find(cls, name: str, folders: Sequence[Path] = ()) -> Self:
+        """Load an application.
+
+        Args:
+            name: A file that ends in `.py`, or a name: of a file in one of the folders, or of a module in `apps`.
+            folders: Where to look first for a name.
+        Raises:
+            ProgramNotValid: There is none, or it cannot be loaded.
+        """
+        places = [Path(name)] if name.endswith(".py") else [folder / f"{name}.py" for folder in folders]
+        file = next((place for place in places if place.is_file()), None)
+        if file is None and (name.endswith(".py") or name not in _names_in_package()):
+            raise ProgramNotValid(f"there is no application {name!r}{_advice(name, folders)}")
+        module = _load_file(file) if file is not None else _load_module(f"{PACKAGE}.{name}")
+        main = getattr(module, "main", None)
+        if not callable(main) or not inspect.signature(main).parameters:
+            raise ProgramNotValid(f"{file or name} has no function main(team); an application begins there")
+        return cls(file.stem if file else name, module)
 
     @property
     def services(self) -> tuple[str, ...]:
@@ -94,26 +114,6 @@ class RunningApplication:
             raise
         except Exception as err:
             raise _ProgramFailed(complaint(err, Path(str(self.module.__file__)))) from err
-
-
-def find_program(name: str, folders: Sequence[Path] = ()) -> RunningApplication:
-    """Load an application.
-
-    Args:
-        name: A file that ends in `.py`, or a name: of a file in one of the folders, or of a module in `apps`.
-        folders: Where to look first for a name.
-    Raises:
-        ProgramNotValid: There is none, or it cannot be loaded.
-    """
-    places = [Path(name)] if name.endswith(".py") else [folder / f"{name}.py" for folder in folders]
-    file = next((place for place in places if place.is_file()), None)
-    if file is None and (name.endswith(".py") or name not in _names_in_package()):
-        raise ProgramNotValid(f"there is no application {name!r}{_advice(name, folders)}")
-    module = _load_file(file) if file is not None else _load_module(f"{PACKAGE}.{name}")
-    main = getattr(module, "main", None)
-    if not callable(main) or not inspect.signature(main).parameters:
-        raise ProgramNotValid(f"{file or name} has no function main(team); an application begins there")
-    return RunningApplication(file.stem if file else name, module)
 
 
 def _load_file(file: Path) -> ModuleType:

@@ -2,23 +2,28 @@
 
 import asyncio
 import atexit
-from collections.abc import Iterator
-from contextlib import contextmanager
+import threading
+import uuid
+from collections.abc import Coroutine, Iterator
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import Any, Self, SupportsFloat
 
 from agents.client.complaints import complain_in_a_sentence
 from agents.client.discovery import Discovery
-from agents.client.element import PATIENCE, numbered, plain
-from agents.client.errors import RobotError, Stopped, check_seconds, error_of
+from agents.client.element import PATIENCE, ElementClient
+from agents.client.errors import RobotError, Stopped, check_seconds
 from agents.client.holding import ProgramLease
-from agents.client.loop_thread import LoopThread
-from agents.client.private_container import PrivateContainer
+from agents.client.loop_thread import LAST_WORDS, LoopThread
 from agents.client.robot import Robot
-from agents.platform import AgentName, NameNotValid
-from bus import Bus, BusError
+from agents.platform import Agent, AgentError, AgentName, Container, NameNotValid
+from bus import Bus, BusError, NotAllowed, ZenohBus
 from bus.keys import robot_name
 from configs.defaults import default_bus
+from configs.loader import ConfigError
+
+PLATFORM = "apps"  # where agents live that belong to no robot
+OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 
 
 class Team:
@@ -41,9 +46,9 @@ class Team:
             RobotError: It cannot be reached.
         """
         complain_in_a_sentence()
-        own_container = PrivateContainer(bus or default_bus())
-        self._own_container: PrivateContainer | None = own_container
-        self._begin(own_container.loop_thread, own_container.loop_thread.call(look(own_container.loop_thread)))
+        own_container = _PrivateContainer(bus or default_bus())
+        self._own_container: _PrivateContainer | None = own_container
+        self._begin(own_container.loop_thread, own_container.loop_thread.call(_discover(own_container.loop_thread)))
         atexit.register(self.close)
 
     @classmethod
@@ -98,12 +103,7 @@ class Team:
             peer = AgentName.parse(agent)
         except NameNotValid as err:
             raise RobotError(str(err)) from err
-        check_seconds("within", within)
-        given = {name: plain(value) for name, value in arguments.items()}
-        outcome = self._thread.call(self._thread.agent.request(peer, request, reply_within=within, **given))
-        if not outcome.is_done:
-            raise error_of(outcome, agent, request)
-        return numbered(outcome.result)
+        return ElementClient(self._thread, peer).ask(request, within=within, **arguments)
 
     @contextmanager
     def lease(self, name: str, priority: int = 0, seconds: float = 3.0, notice: float = 0.5) -> Iterator[ProgramLease]:
@@ -189,10 +189,82 @@ class Team:
         return self._robots.setdefault(name, Robot(self._thread, self._discovery, name))
 
 
+class _PrivateContainer:
+    """The container of a plain script, on an event loop in a daemon thread, which ends with the program.
+
+    loop_thread: runs the calls of the script by its agent `app-1f3a@apps`; on a secure bus `app-1f3a@anna`, after the
+        owner of the key.
+    """
+
+    def __init__(self, bus: Bus | str) -> None:
+        """Start the thread and the agent.
+
+        Args:
+            bus: A profile to open, or a bus that stays open afterwards.
+        Raises:
+            RobotError: The bus cannot be reached, or allows no program on it.
+        """
+        if not isinstance(bus, Bus | str):
+            raise RobotError(f"a bus is a profile such as 'local', or an open bus, not {bus!r}")
+        home = _opened(bus) if isinstance(bus, str) else bus
+        self._own_bus = home if isinstance(bus, str) else None
+        name = f"app-{uuid.uuid4().hex[:8]}"
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
+        self._thread.start()
+        self._container = Container(home, name)
+        agent = Agent(AgentName(name, home.own_name or PLATFORM))
+        self.loop_thread = LoopThread(agent, self._loop)
+        try:
+            self._join(agent)
+        except (BusError, AgentError, TimeoutError) as err:
+            self.close()
+            why = str(err) or f"nothing has happened there for {OPENING_TIME:g} s"
+            raise RobotError(f"the bus cannot be joined: {why}") from err
+
+    def close(self) -> None:
+        """End the agent, the thread and the bus."""
+        with suppress(BusError, TimeoutError):  # it is left in any case
+            self._run(self._end(), LAST_WORDS)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(LAST_WORDS)
+        if not self._thread.is_alive():
+            self._loop.close()
+        if self._own_bus is not None:
+            self._own_bus.close()
+
+    async def _end(self) -> None:
+        """Close the container, and leave nothing in the loop: Ctrl-C may have come before a call was waited for."""
+        try:
+            await self._container.close()
+        finally:
+            left = asyncio.all_tasks() - {asyncio.current_task()}
+            for task in left:
+                task.cancel()
+            await asyncio.gather(*left, return_exceptions=True)
+
+    def _join(self, agent: Agent) -> None:
+        try:
+            self._run(self._container.start(agent), OPENING_TIME)
+        except NotAllowed:  # who may only look needs no agent that others see
+            self._run(agent.look_on(self._container), OPENING_TIME)
+            self.loop_thread.only_looks = True
+
+    def _run(self, work: Coroutine[Any, Any, Any], within: float) -> None:
+        asyncio.run_coroutine_threadsafe(work, self._loop).result(within)
+
+
 def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else names
 
 
-async def look(thread: LoopThread) -> Discovery:
+async def _discover(thread: LoopThread) -> Discovery:
     """Start discovery in the event loop of a program's agent."""
     return Discovery(thread.agent.bus)
+
+
+def _opened(profile: str) -> Bus:
+    try:
+        return ZenohBus.open(profile)
+    except (BusError, ConfigError) as err:
+        raise RobotError(str(err)) from err

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from math import isfinite, pi
 from typing import Any
 
-from agents.components.pose_control import PoseControlLimits, PoseGoal, Velocity, along, towards
+from agents.components.pose_control import PoseControlLimits, PoseGoal, Velocity
 from agents.components.wheels import Wheels
 from agents.platform import asker, request
 from bus import Refused, keys
@@ -48,7 +48,7 @@ class BaseAgent(Wheels):
             return await self.travel(keys.MOVE, within, token, distance=distance)
         limits, start = _limits(speed), self.pose
         within = PATIENCE + 2.0 * abs(distance) / speed
-        return await self.steer("move", lambda pose: along(start, distance, pose, limits), within, token)
+        return await self.steer("move", lambda pose: limits.along(start, distance, pose), within, token)
 
     @request("turn", agrees_itself=True)
     async def turn(self, angle: float, token: str = "") -> dict[str, Any]:
@@ -75,7 +75,7 @@ class BaseAgent(Wheels):
 
         def choose(pose: Pose2D) -> Velocity:
             nonlocal is_there
-            velocity, is_there = towards(goal, pose, limits, is_there)
+            velocity, is_there = limits.towards(goal, pose, is_there)
             return velocity
 
         within = PATIENCE + 3.0 * distance / limits.linear

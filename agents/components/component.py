@@ -12,13 +12,13 @@ A reading is decoded only if a program subscribes to the results or requests it,
 
 import asyncio
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from math import isfinite
 from typing import Any, ClassVar
 
 from agents.platform import Agent, AgentName, AgentState, OneShot, Restart, agree, attended, request
-from agents.platform.stream import Stream, decode_shared
+from agents.platform.stream import Stream
 from bus import BusUnavailable, Conversation, MessageError, NoAnswer, Refused, Sample, TimedOut
 from bus.aio import ReplyQueue, hand_over
 from bus.keys import Topic
@@ -199,7 +199,7 @@ class ElementAgent(Agent):
             if at < oldest:
                 continue
             try:
-                self._latest, self._heard_at = self._made_of(decode_shared(sample)), at
+                self._latest, self._heard_at = self._made_of(Stream.decode(sample)), at
             except MessageError as err:
                 if not self._unread:
                     raise failure(f"{self.name} cannot read what it hears: {err}") from err
@@ -265,8 +265,3 @@ def failure(why: str) -> Refused:
 def known(value: float, digits: int = 4) -> float | None:
     """Return a measured number for a result, rounded to its accuracy; None if it is infinite or NaN."""
     return round(float(value), digits) if isfinite(value) else None
-
-
-def every_known(values: Sequence[float], digits: int = 4) -> list[float | None]:
-    """Return measured numbers for a result, as `known` does."""
-    return [known(value, digits) for value in values]

@@ -38,14 +38,6 @@ class Velocity:
 
 
 @dataclass(frozen=True, slots=True)
-class PoseControlLimits:
-    """The largest speeds, m/s and rad/s."""
-
-    linear: float
-    angular: float
-
-
-@dataclass(frozen=True, slots=True)
 class PoseGoal:
     """A position, and optionally a heading."""
 
@@ -61,39 +53,43 @@ class PoseGoal:
 AT_REST = Velocity(0.0, 0.0, is_done=True)
 
 
-def towards(goal: PoseGoal, pose: Pose2D, limits: PoseControlLimits, was_there: bool = False) -> tuple[Velocity, bool]:
-    """Turn to the goal, drive to it, and turn to its heading there.
+@dataclass(frozen=True, slots=True)
+class PoseControlLimits:
+    """The largest speeds, m/s and rad/s, and the velocities within them."""
 
-    Args:
-        goal: Where to.
-        pose: Where the robot is.
-        limits: Not to be exceeded.
-        was_there: What the call before has returned.
-    Returns:
-        The velocity, and whether the robot is at the place.
-    """
-    distance = goal.distance(pose)
-    if distance <= (STILL_THERE if was_there else THERE):
-        error = 0.0 if goal.heading is None else wrap_angle(goal.heading - pose.heading)
-        return (AT_REST if abs(error) <= ALIGNED else Velocity(0.0, _turning(error, limits))), True
-    bearing = pose.bearing_to(goal.x, goal.y)
-    forward = max(0.0, cos(bearing)) ** 2 if abs(bearing) < FACING else 0.0
-    return Velocity(forward * _slowing(distance, limits.linear, BRAKING), _turning(bearing, limits)), False
+    linear: float
+    angular: float
 
+    def towards(self, goal: PoseGoal, pose: Pose2D, was_there: bool = False) -> tuple[Velocity, bool]:
+        """Turn to the goal, drive to it, and turn to its heading there.
 
-def along(start: Pose2D, distance: float, pose: Pose2D, limits: PoseControlLimits) -> Velocity:
-    """Drive straight on from a start, backward if the distance is negative, and keep to the line."""
-    done, aside = start.locate(pose.x, pose.y)
-    left = distance - done
-    if abs(left) <= AT_THE_END or left * distance < 0.0:
-        return AT_REST
-    linear = copysign(max(SLOWEST, abs(_slowing(left, limits.linear, BRAKING))), left)
-    angular = -GAIN * wrap_angle(pose.heading - start.heading) - 4.0 * linear * aside
-    return Velocity(linear, max(-limits.angular, min(limits.angular, angular)))
+        Args:
+            goal: Where to.
+            pose: Where the robot is.
+            was_there: What the call before has returned.
+        Returns:
+            The velocity, and whether the robot is at the place.
+        """
+        distance = goal.distance(pose)
+        if distance <= (STILL_THERE if was_there else THERE):
+            error = 0.0 if goal.heading is None else wrap_angle(goal.heading - pose.heading)
+            return (AT_REST if abs(error) <= ALIGNED else Velocity(0.0, self._turning(error))), True
+        bearing = pose.bearing_to(goal.x, goal.y)
+        forward = max(0.0, cos(bearing)) ** 2 if abs(bearing) < FACING else 0.0
+        return Velocity(forward * _slowing(distance, self.linear, BRAKING), self._turning(bearing)), False
 
+    def along(self, start: Pose2D, distance: float, pose: Pose2D) -> Velocity:
+        """Drive straight on from a start, backward if the distance is negative, and keep to the line."""
+        done, aside = start.locate(pose.x, pose.y)
+        left = distance - done
+        if abs(left) <= AT_THE_END or left * distance < 0.0:
+            return AT_REST
+        linear = copysign(max(SLOWEST, abs(_slowing(left, self.linear, BRAKING))), left)
+        angular = -GAIN * wrap_angle(pose.heading - start.heading) - 4.0 * linear * aside
+        return Velocity(linear, max(-self.angular, min(self.angular, angular)))
 
-def _turning(error: float, limits: PoseControlLimits) -> float:
-    return _slowing(error, limits.angular, ANGULAR_BRAKING)
+    def _turning(self, error: float) -> float:
+        return _slowing(error, self.angular, ANGULAR_BRAKING)
 
 
 def _slowing(left: float, limit: float, braking: float) -> float:

@@ -136,29 +136,29 @@ class RobotAgents:
             raise
         except (TimeoutError, Refused):
             return None
-        return described_elements(answer.value)
+        return self.described(answer.value)
+
+    @staticmethod
+    def described(description: Mapping[str, Any]) -> Descriptions:
+        """Return the properties of each element's agent, by the element's name; invalid rows are left out.
+
+        An element that is described twice has the streams and commands of both.
+        """
+        rows: dict[str, dict[str, Any]] = {}
+        elements = description.get("elements")
+        for row in elements if isinstance(elements, list) else []:
+            match row:
+                case {"name": str(name), "streams": list(streams), "commands": list(commands)}:
+                    first = rows.get(name, {"streams": [], "commands": []})
+                    both = {"streams": [*first["streams"], *streams], "commands": [*first["commands"], *commands]}
+                    rows[name] = {**first, **row, **both}
+        found: Descriptions = {}
+        for name, row in rows.items():
+            try:
+                found[name] = component_for(name).properties_of(description, row)
+            except (LookupError, TypeError, ValueError) as err:
+                log.warning("what the robot says of its %s makes no sense: %r", name, err)
+        return found
 
     def _fail(self, element: str) -> None:
         self._failures[element] = self._failures.get(element, 0) + 1
-
-
-def described_elements(description: Mapping[str, Any]) -> Descriptions:
-    """Return the properties of each element's agent, by the element's name; invalid rows are left out.
-
-    An element that is described twice has the streams and commands of both.
-    """
-    rows: dict[str, dict[str, Any]] = {}
-    elements = description.get("elements")
-    for row in elements if isinstance(elements, list) else []:
-        match row:
-            case {"name": str(name), "streams": list(streams), "commands": list(commands)}:
-                first = rows.get(name, {"streams": [], "commands": []})
-                both = {"streams": [*first["streams"], *streams], "commands": [*first["commands"], *commands]}
-                rows[name] = {**first, **row, **both}
-    found: Descriptions = {}
-    for name, row in rows.items():
-        try:
-            found[name] = component_for(name).properties_of(description, row)
-        except (LookupError, TypeError, ValueError) as err:
-            log.warning("what the robot says of its %s makes no sense: %r", name, err)
-    return found

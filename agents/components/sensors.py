@@ -1,12 +1,12 @@
 """Agents of the elements that only measure, and of user ports and sound, whose commands end at once."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import atan2, cos, inf, sin
 from typing import Any, ClassVar
 
 import numpy as np
 
-from agents.components.component import ElementAgent, every_known, known
+from agents.components.component import ElementAgent, known
 from agents.components.generic import Generic
 from agents.platform import AgentName, request
 from bus import Refused, Sample, keys
@@ -194,7 +194,7 @@ class JoystickAgent(ElementAgent):
     def result(self, message: Joy) -> dict[str, Any]:
         """Return axes and buttons."""
         return {
-            "axes": every_known([float(axis) for axis in message.axes]),
+            "axes": _every_known([float(axis) for axis in message.axes]),
             "buttons": [int(button) for button in message.buttons],
         }
 
@@ -235,5 +235,10 @@ class InputOutput(ElementAgent):
         return {
             "digital_in": [bool(pin) for pin in message.digital_in],
             "digital_out": [bool(pin) for pin in message.digital_out],
-            "analog_in": every_known([float(pin) for pin in message.analog_in], 3),
+            "analog_in": _every_known([float(pin) for pin in message.analog_in], 3),
         }
+
+
+def _every_known(values: Sequence[float], digits: int = 4) -> list[float | None]:
+    """Return measured numbers for a result, as `known` does."""
+    return [known(value, digits) for value in values]

@@ -82,6 +82,16 @@ class AclMessage:
     reply_by: float | None = None
     x_heartbeat: str = ""
 
+    @property
+    def why(self) -> str:
+        """The reason in a refusal or failure, as one sentence."""
+        match self.content:
+            case {"why": str(why)} if why.strip():
+                return why
+            case None | {"why": str()}:
+                return "no reason is given"
+        return str(self.content)
+
     def reply(self, performative: Performative, content: Any = None, sender: AgentName | None = None) -> Self:
         """Return a reply to this message, with the fields that FIPA demands.
 

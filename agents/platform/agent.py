@@ -28,7 +28,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mappin
 from typing import Any, ClassVar
 
 from agents.platform.acl import AclMessage, Performative
-from agents.platform.behaviours import Action, Behaviour, Ticker, behaviour
+from agents.platform.behaviours import Action, Behaviour, Ticker
 from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
 from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
@@ -36,11 +36,12 @@ from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
 from agents.platform.conversations.handler import Handler
 from agents.platform.conversations.initiator import Initiator
+from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Outcome
 from agents.platform.conversations.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
 from agents.platform.conversations.responder_conversation import ResponderConversation
-from agents.platform.errors import AclError, AgentError
+from agents.platform.errors import AgentError
 from agents.platform.hooks import hooks_of
 from agents.platform.life import AgentState, Life, Step
 from agents.platform.mailbox import ANY, Mailbox, Template
@@ -70,10 +71,9 @@ class Agent:
         self.name = name if isinstance(name, AgentName) else AgentName.parse(name)
         self.properties = dict(properties or {})
         self.mailbox = Mailbox()
-        self._unreadable = 0
         self._life = Life()
-        self._dispatcher = RequestDispatcher(self.name, self._life, self._rouse)
-        self._gate = DeliveryGate(self._take, self._dispatcher.begin)
+        self._dispatcher = RequestDispatcher(self.name, self._life, self.mailbox, self._rouse)
+        self._gate = DeliveryGate(self._dispatcher.take, self._dispatcher.begin)
         self._open: list[Subscription] = []
         self._results: Publisher | None = None
         self._schedule = Schedule(self._failed, lambda failure: self.home.end(self.name, AgentEnd.FAILED))
@@ -100,6 +100,11 @@ class Agent:
         """Take what `pack` returned, after `setup` in the new container and before any behaviour."""
 
     @property
+    def kind(self) -> str:
+        """The name of its class: `agents.components.sensors:SonarAgent`."""
+        return f"{type(self).__module__}:{type(self).__qualname__}"
+
+    @property
     def state(self) -> AgentState:
         """The state in its life cycle."""
         return self._life.state
@@ -118,7 +123,7 @@ class Agent:
     @property
     def malformed(self) -> int:
         """Number of payloads that were no valid message or no valid request."""
-        return self._unreadable + self._dispatcher.malformed
+        return self._dispatcher.malformed
 
     @property
     def bus(self) -> Bus:
@@ -152,7 +157,7 @@ class Agent:
 
     def add(self, part: Behaviour | Action, policy: Policy = DROP) -> Running:
         """Start a behaviour, or an action that is done once."""
-        return self._schedule.add(behaviour(part), policy)
+        return self._schedule.add(Behaviour.of(part), policy)
 
     def every(self, period: float, action: Action, policy: Policy | None = None) -> Running:
         """Do an action every `period` seconds; it is restarted after a failure unless the policy is another."""
@@ -232,33 +237,25 @@ class Agent:
             AclError: The arguments have no JSON form, or are too large.
             BusUnavailable: The bus is closed.
         """
-        return await self.initiator.conversation(
-            Performative.REQUEST, agent, name, arguments, reply_within, reply_within
-        ).outcome()
+        return await self._ask(Performative.REQUEST, agent, name, reply_within, arguments).outcome()
 
     def begin_request(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Request:
         """Request something, and go on; the request can be cancelled, and awaited for its outcome."""
-        return Request(
-            self.initiator.conversation(Performative.REQUEST, agent, name, arguments, reply_within, reply_within)
-        )
+        return Request(self._ask(Performative.REQUEST, agent, name, reply_within, arguments))
 
     async def query_ref(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Outcome:
         """Ask another agent for the value of something; otherwise as `request`."""
-        return await self.initiator.conversation(
-            Performative.QUERY_REF, agent, name, arguments, reply_within, reply_within
-        ).outcome()
+        return await self._ask(Performative.QUERY_REF, agent, name, reply_within, arguments).outcome()
 
     async def query_if(
         self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
     ) -> Outcome:
         """Ask another agent whether something is so; the result is true or false, otherwise as `request`."""
-        return await self.initiator.conversation(
-            Performative.QUERY_IF, agent, name, arguments, reply_within, reply_within
-        ).outcome()
+        return await self._ask(Performative.QUERY_IF, agent, name, reply_within, arguments).outcome()
 
     async def call_for_proposals(
         self,
@@ -330,6 +327,11 @@ class Agent:
     def delete(self) -> None:
         """End this agent soon."""
         self.home.end(self.name)
+
+    def _ask(
+        self, performative: Performative, agent: AgentName | str, name: str, within: float, arguments: Mapping[str, Any]
+    ) -> InitiatorConversation:
+        return self.initiator.conversation(performative, agent, name, arguments, within, within)
 
     @property
     def _result_stream(self) -> Publisher:
@@ -416,16 +418,6 @@ class Agent:
         self._report(f"{failure.behaviour} failed: {failure.outcome}", failure.error)
 
     # On the bus's thread.
-
-    def _take(self, payload: bytes) -> None:
-        """Take a one-way message."""
-        try:
-            message = AclMessage.decode(payload)
-        except AclError:
-            self._unreadable += 1
-            return
-        if self._dispatcher.hear(message) or self.mailbox.deliver(message, len(payload)):
-            self._rouse()
 
     def _rouse(self) -> None:
         if self.state is AgentState.WAITING and self._loop is not None:

@@ -46,6 +46,11 @@ class Behaviour(ABC):
 
     name: str = ""
 
+    @staticmethod
+    def of(part: "Behaviour | Action") -> "Behaviour":
+        """Return a behaviour as it is, and an action as a behaviour that is done once."""
+        return part if isinstance(part, Behaviour) else OneShot(part)
+
     @abstractmethod
     async def run(self, gate: Gate) -> Any:
         """Run it from the beginning, and return its result. It can be run again after it has ended or raised."""
@@ -56,7 +61,7 @@ class OneShot(Behaviour):
 
     def __init__(self, action: Action, name: str = "") -> None:
         self.name = name or _name_of(action)
-        self._action = checked(action)
+        self._action = _checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Do the action."""
@@ -72,7 +77,7 @@ class Cyclic(Behaviour):
 
     def __init__(self, action: Action, name: str = "") -> None:
         self.name = name or _name_of(action)
-        self._action = checked(action)
+        self._action = _checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Do the action until it raises `Done`."""
@@ -93,11 +98,21 @@ class Ticker(Behaviour):
     """
 
     def __init__(self, period: float, action: Action, name: str = "") -> None:
-        check_period(period)
+        self.check(period)
         self.name = name or _name_of(action)
         self.missed = 0
         self._period = period
-        self._action = checked(action)
+        self._action = _checked(action)
+
+    @staticmethod
+    def check(period: object) -> None:
+        """Check the time from one beat to the next.
+
+        Raises:
+            ValueError: It is not a time of more than 0 s.
+        """
+        if not isinstance(period, Real) or not float(period) > 0.0:
+            raise ValueError(f"a period is more than 0 s, not {period!r}")
 
     async def run(self, gate: Gate) -> Any:
         """Do the action in every period until it raises `Done`."""
@@ -122,7 +137,7 @@ class Waker(Behaviour):
     def __init__(self, delay: float, action: Action, name: str = "") -> None:
         self.name = name or _name_of(action)
         self._delay = delay
-        self._action = checked(action)
+        self._action = _checked(action)
 
     async def run(self, gate: Gate) -> Any:
         """Wait, and do the action."""
@@ -136,7 +151,7 @@ class Sequential(Behaviour):
 
     def __init__(self, *parts: Behaviour | Action, name: str = "sequence") -> None:
         self.name = name
-        self._parts = [behaviour(part) for part in parts]
+        self._parts = [Behaviour.of(part) for part in parts]
 
     async def run(self, gate: Gate) -> list[Any]:
         """Run each to its end."""
@@ -157,7 +172,7 @@ class Parallel(Behaviour):
         if not parts:
             raise ValueError("a parallel behaviour has at least one part")
         self.name = name
-        self._parts = [behaviour(part) for part in parts]
+        self._parts = [Behaviour.of(part) for part in parts]
         self._until = until
 
     async def run(self, gate: Gate) -> Any:
@@ -199,7 +214,7 @@ class FiniteStateMachine(Behaviour):
         self.name = name
         self.state = start
         self._start = start
-        self._states = {name: behaviour(part) for name, part in states.items()}
+        self._states = {name: Behaviour.of(part) for name, part in states.items()}
         self._transitions = dict(transitions)
         self._leading_on = {state for state, _ in transitions}
 
@@ -231,22 +246,7 @@ class NoTransition(LookupError):
     """A state of a machine ended with an event that has no transition."""
 
 
-def behaviour(part: Behaviour | Action) -> Behaviour:
-    """Return a behaviour as it is, and an action as a behaviour that is done once."""
-    return part if isinstance(part, Behaviour) else OneShot(part)
-
-
-def check_period(period: object) -> None:
-    """Check the time from one beat to the next.
-
-    Raises:
-        ValueError: It is not a time of more than 0 s.
-    """
-    if not isinstance(period, Real) or not float(period) > 0.0:
-        raise ValueError(f"a period is more than 0 s, not {period!r}")
-
-
-def checked(action: Action) -> Action:
+def _checked(action: Action) -> Action:
     """Return an action that can be called.
 
     Raises:

@@ -120,12 +120,12 @@ class Directory(Closeable):
             BusUnavailable: The bus is closed.
         """
         where = "*" if robot is None else robot_name(robot)
-        found = await descriptions(self._bus, f"{where}/agents/*/description", within)
+        found = await _descriptions(self._bus, f"{where}/agents/*/description", within)
         return [description for description in found if description.fits(service, properties)]
 
     async def find(self, name: AgentName, within: float = SEARCH_TIME) -> Description | None:
         """Return the description of one agent; None when there is no answer."""
-        found = await descriptions(self._bus, name.description_key, within)
+        found = await _descriptions(self._bus, name.description_key, within)
         return found[0] if found else None
 
     def close(self) -> None:
@@ -147,7 +147,7 @@ class Directory(Closeable):
             self._on_change(name, is_alive)
 
 
-async def descriptions(bus: Bus, key_expr: str, within: float = SEARCH_TIME) -> list[Description]:
+async def _descriptions(bus: Bus, key_expr: str, within: float = SEARCH_TIME) -> list[Description]:
     """Return the descriptions on a key expression, in the order of the agents' names.
 
     Args:
@@ -182,6 +182,6 @@ async def check_free(bus: Bus, name: AgentName) -> None:
         AlreadyThere: There is one; the message names its container.
         BusUnavailable: The bus is closed.
     """
-    for other in await descriptions(bus, name.description_key):
+    for other in await _descriptions(bus, name.description_key):
         where = f"an agent {name} lives in the container {other.container} already"
         raise AlreadyThere(f"{where}; end it there, or take another name")

@@ -8,7 +8,6 @@ AgentError
  +-- UnknownAgent (LookupError)     no such agent lives here
  +-- AlreadyThere                   an agent of this name lives here already
  +-- SetupFailed                    an agent's setup raised or took too long
- +-- NotMoved                       an agent could not move into another container, and lives where it did
  +-- RequestNotDone                 what another agent was asked for was not done
 """
 
@@ -45,10 +44,6 @@ class AlreadyThere(AgentError):
 
 class SetupFailed(AgentError):
     """The setup of an agent raised an error or took too long; the agent was not started."""
-
-
-class NotMoved(AgentError):
-    """An agent could not move into another container, and stays in its own."""
 
 
 class RequestNotDone(AgentError):

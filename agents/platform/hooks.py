@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from agents.platform.behaviours import check_period
+from agents.platform.behaviours import Ticker
 from agents.platform.schedule import Policy
 
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -26,7 +26,7 @@ class _Hook:
 
 def every(period: float, policy: Policy | None = None) -> Callable[[Method], Method]:
     """Call this method every `period` seconds while the agent is active; restarted after a failure by default."""
-    check_period(period)
+    Ticker.check(period)
     return hooked(lambda agent, method: agent.every(period, method, policy))
 
 

@@ -27,11 +27,6 @@ class UnknownKind(AgentError, LookupError):
     """There is no kind of agents with this name, or it is not in the permitted places."""
 
 
-def kind_of(agent: Agent) -> str:
-    """Return the name of an agent's kind: `agents.components.sensors:SonarAgent`."""
-    return f"{type(agent).__module__}:{type(agent).__qualname__}"
-
-
 class Kinds:
     """The places where kinds are searched.
 

@@ -61,15 +61,14 @@ class Life:
         Raises:
             IllegalTransition: There is no such step from the present state.
         """
-        self.state = after(self.state, step)
+        self.state = self.after(step)
 
+    def after(self, step: Step) -> AgentState:
+        """Return the state to which a step leads, without taking it.
 
-def after(state: AgentState, step: Step) -> AgentState:
-    """Return the state to which a step leads.
-
-    Raises:
-        IllegalTransition: There is no such step from this state.
-    """
-    if (state, step) not in TRANSITIONS:
-        raise IllegalTransition(f"an agent that is {state} cannot {step}")
-    return TRANSITIONS[state, step]
+        Raises:
+            IllegalTransition: There is no such step from the present state.
+        """
+        if (self.state, step) not in TRANSITIONS:
+            raise IllegalTransition(f"an agent that is {self.state} cannot {step}")
+        return TRANSITIONS[self.state, step]

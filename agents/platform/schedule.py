@@ -17,7 +17,7 @@ class Drop:
 
 
 @dataclass(frozen=True, slots=True)
-class _FailAgent:
+class FailAgent:
     """A behaviour that raises ends its agent, which cannot do without it."""
 
 
@@ -40,10 +40,10 @@ class Restart:
         return float(min(self.longest, self.first * 2.0 ** min(failures - 1, 60)))
 
 
-Policy = Drop | _FailAgent | Restart
+Policy = Drop | FailAgent | Restart
 DROP = Drop()
 """Policy: a behaviour that fails is removed; the agent and its other behaviours continue."""
-FAIL_AGENT = _FailAgent()
+FAIL_AGENT = FailAgent()
 """Policy: a behaviour that fails makes its agent fail."""
 
 
@@ -94,7 +94,7 @@ class Schedule:
 
         Args:
             report: Called with every failure.
-            fail_agent: Called after `report` with a failure whose policy is `_FailAgent`.
+            fail_agent: Called after `report` with a failure whose policy is `FailAgent`.
         """
         self.gate = Gate()
         self._report = report
@@ -153,7 +153,7 @@ class Schedule:
                 pause = policy.pause(in_a_row) * random.uniform(1.0, 1.1)
                 self._report(Failure(name, error, f"begins again in {pause:.2g} s"))
                 return pause
-            case _FailAgent():
+            case FailAgent():
                 failure = Failure(name, error, "its agent ends")
                 self._report(failure)
                 self._fail_agent(failure)

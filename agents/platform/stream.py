@@ -56,6 +56,19 @@ class Stream(Behaviour):
         if was_empty:  # else it has been called already
             hand_over(self._loop, self._called.set)
 
+    @staticmethod
+    def decode(sample: Sample) -> Any:
+        """Return the message of a sample.
+
+        Agents of one process get the same object, decoded once; they must not change it.
+
+        Raises:
+            MessageError: It cannot be decoded.
+        """
+        if sample.encoding == JSON or len(sample.payload) > LARGEST_SHARED:
+            return sample.decoded()
+        return _decode_once(sample.payload, sample.encoding)
+
     async def run(self, gate: Gate) -> None:
         """Process one message after the other."""
         while True:
@@ -70,22 +83,11 @@ class Stream(Behaviour):
 
     async def _hear_one(self, sample: Sample) -> None:
         try:
-            message = decode_shared(sample)
+            message = self.decode(sample)
         except MessageError as error:
             self._malformed(error)
             return
         await (self._hear(sample.key, message) if self._keyed else self._hear(message))
-
-
-def decode_shared(sample: Sample) -> Any:
-    """Return the message of a sample. Agents of one process get the same object, decoded once; they must not change it.
-
-    Raises:
-        MessageError: It cannot be decoded.
-    """
-    if sample.encoding == JSON or len(sample.payload) > LARGEST_SHARED:
-        return sample.decoded()
-    return _decode_once(sample.payload, sample.encoding)
 
 
 @lru_cache(maxsize=8)

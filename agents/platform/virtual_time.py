@@ -9,10 +9,6 @@ from collections.abc import Mapping
 from typing import Any
 
 
-class NothingDue(RuntimeError):
-    """All tasks wait and no timer is set, so virtual time would stop for ever."""
-
-
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop that never sleeps; its time starts at zero.
 
@@ -62,7 +58,7 @@ class _Impatient(selectors.BaseSelector):
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         if timeout is None:
-            raise NothingDue("nothing is due in this loop, and yet it has not finished")
+            raise RuntimeError("nothing is due in this loop, and yet it has not finished")  # time would stop for ever
         if timeout > 0.0:
             self._loop.pass_time(timeout)
         return []

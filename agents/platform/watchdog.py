@@ -71,7 +71,7 @@ class LoopWatchdog(Subscription):
     def _tell(self) -> None:
         frame = sys._current_frames().get(self._loop_thread)
         agent, doing = self._at_work(asyncio.current_task(self._loop), frame)
-        where = "" if frame is None else f" at {place(frame)}"
+        where = "" if frame is None else f" at {_place(frame)}"
         self._report(agent, f"{doing} holds up all agents of this container for longer than {LONGEST_TURN:g} s{where}")
 
     def _at_work(self, task: "asyncio.Task[object] | None", frame: FrameType | None) -> tuple[AgentName | None, str]:
@@ -99,7 +99,7 @@ def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:
     return None
 
 
-def place(frame: FrameType) -> str:
+def _place(frame: FrameType) -> str:
     """Return the line of code that a thread executes, as text: the innermost outside of libraries."""
     inner: FrameType | None = frame
     while inner is not None and _is_library(inner.f_code.co_filename):

@@ -14,6 +14,7 @@ the lease, which only the holder knows.
 """
 
 import asyncio
+import secrets
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, ClassVar
@@ -21,9 +22,9 @@ from typing import Any, ClassVar
 from agents.platform import Agent, AgentName, Directory, NameNotValid, agree, asker, request
 from agents.services.audit import Audit, AuditEvent
 from agents.services.gateway_leases import GatewayAway, GatewayLeases
-from agents.services.lease_book import Book, Claim, Grant, Wish, new_id
+from agents.services.lease_book import Book, Claim, Grant, Wish
 from agents.services.lease_manager import LeaseManager
-from agents.services.leases import SERVICE, LeaseEvent, LeaseTarget
+from agents.services.leases import ID_BYTES, SERVICE, LeaseEvent, LeaseTarget
 from bus import Refused
 from bus.aio import hand_over
 from bus.bus import Closeable
@@ -201,7 +202,7 @@ class Arbiter(Agent):
         except asyncio.CancelledError:
             self._keeper.work(self._undo(wish, taking))
             raise
-        return Grant(new_id(), wish, token, wish.seconds, asked_at + wish.seconds)
+        return Grant(secrets.token_hex(ID_BYTES), wish, token, wish.seconds, asked_at + wish.seconds)
 
     async def _undo(self, wish: Wish, taking: asyncio.Future[str]) -> None:
         with suppress(Refused, GatewayAway):  # it was never taken, or is gone with its gateway

@@ -1,8 +1,8 @@
-"""Events of a monitor, and a bounded history of them."""
+"""The states and events that a monitor reports, and a bounded history of the events."""
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import Any
 
@@ -18,6 +18,23 @@ class Level(StrEnum):
 
 
 SEVERITY = {level: number for number, level in enumerate(Level)}  # as diagnostic_msgs numbers them
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """The status of one subject.
+
+    about: a robot, a container, an agent, a stream. what: one sentence. values: figures for display.
+    """
+
+    about: str
+    level: Level = Level.OK
+    what: str = "all is well"
+    values: dict[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as JSON."""
+        return {"level": str(self.level), "what": self.what, **self.values}
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,11 @@
 A lease on a name has no gateway: only an arbiter's book records its holder.
 """
 
+import secrets
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from agents.services.lease_book import new_id
-from agents.services.leases import NAMED, ROBOT, LeaseTarget
+from agents.services.leases import ID_BYTES, NAMED, ROBOT, LeaseTarget
 from bus import NoAnswer, NotAllowed, Refused, keys
 
 ANSWER_TIME = 1.0  # s; for a query that is repeated soon, such as a renewal
@@ -34,7 +34,7 @@ class GatewayLeases:
             Refused, GatewayAway: It was not done.
         """
         if place.is_named:
-            return new_id()
+            return secrets.token_hex(ID_BYTES)
         wanted = {"do": "take", "holder": holder, "priority": priority, "seconds": seconds}
         if not place.is_whole:
             wanted["element"] = place.element

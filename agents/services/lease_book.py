@@ -1,18 +1,12 @@
 """The book of an arbiter: the leases that it has given, and the claims that wait. No bus, no clock."""
 
 import asyncio
-import secrets
 from dataclasses import dataclass, field
 from typing import Any
 
 from agents.platform import AgentName
 from agents.services.leases import LeaseTarget
 from bus import Refused
-
-
-def new_id() -> str:
-    """Return an id for a lease that cannot be guessed."""
-    return secrets.token_hex(8)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ that is suspended or frozen does not renew, and loses it.
 """
 
 import asyncio
+import secrets
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from math import inf
@@ -28,8 +29,7 @@ from agents.platform import (
 )
 from agents.platform.errors import in_words
 from agents.services.gateway_leases import ANSWER_TIME, TAKING_TIME, GatewayAway, GatewayLeases
-from agents.services.lease_book import new_id
-from agents.services.leases import ONTOLOGY, SERVICE, LeaseEnded, LeaseEvent, LeaseNews, LeaseTarget
+from agents.services.leases import ID_BYTES, ONTOLOGY, SERVICE, LeaseEvent, LeaseNews, LeaseTarget
 from bus import BusError, Refused
 
 SECONDS = 3.0
@@ -62,7 +62,7 @@ class HeldLease:
         self._agent = agent
         self._gateways = GatewayLeases(agent.query)
         self._arbiter: AgentName | None = None
-        self._id = new_id()
+        self._id = secrets.token_hex(ID_BYTES)
         self._on_news = on_news
         self._loop = asyncio.get_running_loop()
         self._expires_at = self._warned_until = self._loop.time()
@@ -86,15 +86,6 @@ class HeldLease:
     def wanted_by(self) -> str:
         """The holder of higher priority that is about to take it; empty for none."""
         return self.news.by if self.news is not None and self._loop.time() < self._warned_until else ""
-
-    def check(self) -> None:
-        """Check that it is still held.
-
-        Raises:
-            LeaseLost: It is not.
-        """
-        if not self.is_held:
-            raise LeaseEnded(f"the lease on {self.place} has ended: {self.news or LeaseEvent.EXPIRED}")
 
     async def take(self, arbiter: AgentName | None, notice: float) -> None:
         """Take the lease.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Self
 
-from agents.platform import AgentError, AgentName, NameNotValid
+from agents.platform import AgentName, NameNotValid
 from bus import KeyNotValid, Refused
 from bus.keys import robot_name
 
@@ -19,11 +19,8 @@ ROBOT = "robot"
 """What the gateway calls the lease on a whole robot."""
 NAMED = "name:"
 """How a lease on something begins that is no part of a robot: `name:doorway`."""
+ID_BYTES = 8  # of the id of a lease, which cannot be guessed
 LONGEST_NAME = 200  # characters of robot and element
-
-
-class LeaseEnded(AgentError):
-    """A lease that is used has ended; the message says how."""
 
 
 class LeaseEvent(StrEnum):

@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from agents.client.application import Application
-from agents.client.program import PACKAGE, ProgramNotValid, RunningApplication, find_program
+from agents.client.program import PACKAGE, ProgramNotValid, RunningApplication
 from agents.platform import AgentError, AgentName
 
 KIND = f"{__name__}:_LoadedApplication"
@@ -58,21 +58,31 @@ class _LoadedApplication(Application):
 
     def _load(self) -> RunningApplication:
         name, folders = str(self.properties["program"]), self.home.folders
-        check_text(locate(name, folders), self.properties.get("sha256", ""))
+        check(name, folders, self.properties.get("sha256", ""))
         try:
-            program = find_program(name, folders)
+            program = RunningApplication.find(name, folders)
         except SystemExit as err:
             raise ProgramNotValid(f"{name} calls sys.exit as it is loaded; do that in its main") from err
         program.check(self._arguments)
         return program
 
 
-def locate(name: str, folders: Sequence[Path]) -> Path:
-    """Return the file of an application, without executing it.
+def check(name: str, folders: Sequence[Path], sha256: object) -> None:
+    """Check that an application is the requested program, without executing it.
 
+    Args:
+        name: The application.
+        folders: Where to look first.
+        sha256: The digest of the program in hexadecimal; empty for any program.
     Raises:
-        ProgramNotValid: There is none of this name, or it is a path.
+        ProgramNotValid: There is none of this name, it is a path, or the program has another digest.
     """
+    file = _locate(name, folders)
+    if sha256 and digest(file) != sha256:
+        raise ProgramNotValid(f"{file} there is another program than yours; copy yours there, and load it again")
+
+
+def _locate(name: str, folders: Sequence[Path]) -> Path:
     if not name.isidentifier():
         raise ProgramNotValid(f"{name!r} names no application; give the name of its file without folder and .py")
     for folder in folders:
@@ -82,19 +92,6 @@ def locate(name: str, folders: Sequence[Path]) -> Path:
     if spec is not None and spec.origin is not None:
         return Path(spec.origin)
     raise ProgramNotValid(f"there is no application {name!r} there; {_advice(name, folders)}")
-
-
-def check_text(file: Path, sha256: object) -> None:
-    """Check that a file has the digest of the requested program.
-
-    Args:
-        file: The program.
-        sha256: Its digest in hexadecimal; empty for any program.
-    Raises:
-        ProgramNotValid: It has another.
-    """
-    if sha256 and digest(file) != sha256:
-        raise ProgramNotValid(f"{file} there is another program than yours; copy yours there, and load it again")
 
 
 def digest(file: Path) -> str:

@@ -16,14 +16,14 @@ from functools import partial
 from typing import Any, ClassVar
 
 from agents.client.application import SERVICE as APPLICATION
-from agents.client.private_container import PLATFORM
 from agents.client.program import ProgramNotValid
+from agents.client.team import PLATFORM
 from agents.platform import Agent, AgentName, Directory, NameNotValid, OneShot, agree, request
 from agents.platform.container.context import AgentEnd
 from agents.platform.errors import in_words
 from agents.platform.names import ALL_CONTAINERS, ContainerName
-from agents.services.loaded import KIND, check_text, locate
-from agents.services.restarts import RestartRules, Restarts
+from agents.services.loaded import KIND, check
+from agents.services.restarts import Restarts
 from bus import BusError, NoAnswer, Refused
 from bus.aio import hand_over
 from bus.bus import Closeable
@@ -40,7 +40,7 @@ MANY = 64  # reports that wait
 
 
 @dataclass(slots=True)
-class Load:
+class _Load:
     """One application. has_begun: whether it has ever been at work. why: the latest error."""
 
     name: AgentName
@@ -77,13 +77,13 @@ class _Containers:
 
 
 class Loader(Agent):
-    """Loads applications. Its property `restart` has the rules for those whose process has ended (`RestartRules`)."""
+    """Loads applications. Its property `restart` has the rules for those whose process has ended (`Restarts`)."""
 
     services: ClassVar[tuple[str, ...]] = (SERVICE,)
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
-        self._loads: dict[AgentName, Load] = {}
+        self._loads: dict[AgentName, _Load] = {}
         self._held_open: list[Closeable] = []
 
     async def setup(self) -> None:
@@ -94,7 +94,7 @@ class Loader(Agent):
         """
         loop = asyncio.get_running_loop()
         self._containers = _Containers()
-        self._restarts = Restarts(RestartRules(self.properties.get("restart"), f"the restart rules of {self.name}"))
+        self._restarts = Restarts(self.properties.get("restart"), f"the restart rules of {self.name}")
         self._directory = Directory(self.bus)
         watching = self.bus.watch_alive(ALL_CONTAINERS, partial(hand_over, loop, self._follow_container))
         self._held_open += [self._directory, watching]
@@ -154,21 +154,21 @@ class Loader(Agent):
         """Return the loaded applications that have not been ended, whether each is at work, and its latest error."""
         return [self._row(load) for load in self._loads.values()]
 
-    def _read(self, application: str, name: str, arguments: Any, into: str, sha256: str) -> Load:
+    def _read(self, application: str, name: str, arguments: Any, into: str, sha256: str) -> _Load:
         if not isinstance(arguments, dict):
             raise Refused(f'arguments are like {{"robot": "happy"}}, not {arguments!r}')
         try:
             if not into:  # another container has its own folders
-                check_text(locate(application, self.home.folders), sha256)
+                check(application, self.home.folders, sha256)
         except ProgramNotValid as err:
             raise Refused(str(err)) from err
         if into and into not in self._containers.there:
             known = ", ".join(sorted(self._containers.there))
             raise Refused(f"there is no container {into!r}; those that are there: {known}")
         agent = _agent_name(name or application)
-        return Load(agent, application, arguments, into or _own_container(agent), sha256)
+        return _Load(agent, application, arguments, into or _own_container(agent), sha256)
 
-    def _row(self, load: Load) -> dict[str, Any]:
+    def _row(self, load: _Load) -> dict[str, Any]:
         return {
             "name": str(load.name),
             "application": load.program,
@@ -183,10 +183,10 @@ class Loader(Agent):
         await asyncio.sleep(after)
         for agent in await self._directory.search(APPLICATION, loader=str(self.name)):
             given = {"program": "", "arguments": {}, "sha256": "", **agent.properties}
-            load = Load(agent.name, given["program"], given["arguments"], agent.container, given["sha256"], True)
+            load = _Load(agent.name, given["program"], given["arguments"], agent.container, given["sha256"], True)
             self._loads.setdefault(agent.name, load)
 
-    async def _start(self, load: Load, within: float) -> None:
+    async def _start(self, load: _Load, within: float) -> None:
         """Start it in its container, as soon as that is present."""
         try:
             container = await self._containers.wait_for(load.container, within)
@@ -195,7 +195,7 @@ class Loader(Agent):
         order = {"do": "start", "name": str(load.name), "kind": KIND, "properties": load.properties(self.name)}
         await self.query(container.control_key, order, START_TIME)
 
-    async def _start_again(self, load: Load) -> None:
+    async def _start_again(self, load: _Load) -> None:
         """Start it in a container that has been restarted, by the rules."""
         await asyncio.sleep(CALM)
         if self._directory.knows(load.name):
@@ -220,7 +220,7 @@ class Loader(Agent):
         why = load.why or "its process ends again and again"
         self.home.report(self.name, f"{load.name} is given up: {why}", None)
 
-    async def _let_go(self, load: Load) -> None:
+    async def _let_go(self, load: _Load) -> None:
         """Stop supervising an application, which ends before its process does."""
         with suppress(TimeoutError):  # it has had its time to end
             async with asyncio.timeout(ANSWER_TIME):
@@ -229,13 +229,13 @@ class Loader(Agent):
         await asyncio.sleep(LAST_WORDS)
         await self._forget(load)
 
-    async def _forget(self, load: Load) -> None:
+    async def _forget(self, load: _Load) -> None:
         if self._loads.get(load.name) is load:
             del self._loads[load.name]
             self._restarts.forget(load.name)
             await self._end_container(load)
 
-    async def _end_container(self, load: Load) -> None:
+    async def _end_container(self, load: _Load) -> None:
         """End the process of an application's own container."""
         if load.container == _own_container(load.name):
             with suppress(Refused, TimeoutError):  # it was never there, or whoever it is says so itself

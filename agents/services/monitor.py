@@ -15,17 +15,15 @@ from typing import Any, ClassVar
 from agents.platform import Agent, AgentName, AgentState, NameNotValid, OneShot, every, request
 from agents.platform.container.context import AgentEnd
 from agents.platform.names import ContainerName
-from agents.services.diagnostics import Standing, diagnostic_array, worst
-from agents.services.events import History
-from agents.services.restarts import RestartRules
-from agents.services.streams import steady_streams
+from agents.services.events import SEVERITY, History, Level, Standing
+from agents.services.restarts import Restarts
 from agents.services.supervision import Supervision
 from agents.services.watching import ElementName, RobotName, Watching
-from bus import BusError, Refused, Sample, Subscription
+from bus import BusError, Refused, Sample, Subscription, keys
 from bus.aio import hand_over
 from bus.bus import Publisher
 from bus.keys import DESCRIPTION, DIAGNOSTICS, STATE, split
-from bus.messages import NS_PER_S, DiagnosticArray, RobotState
+from bus.messages import NS_PER_S, DiagnosticArray, DiagnosticStatus, KeyValue, RobotState, header
 
 TOKENS = ("*/alive", "*/agents/*/alive", "*/containers/*/alive", "*/elements/*/alive")
 GATHER = 0.01  # s in which tokens that come or go are taken together; a process that dies takes all of its own with it
@@ -34,13 +32,17 @@ LOOK = 0.5  # s between two checks of the rates
 SETTLE = 0.3  # s after the last change of a robot's elements until its description is read
 DESCRIPTION_TIME = 2.0  # s
 ATTEMPTS = 5  # to read a description
+STEADY = frozenset({keys.ODOM, keys.SONAR, keys.SCAN, keys.BUMPERS, keys.BATTERY, keys.STATE})
+"""Streams that flow by themselves as long as their element works. These are watched, and the results of their agents.
+Not watched are streams that rest when nothing happens (ptz, arm, gripper, ...) and pictures: whoever listens to a
+camera makes it draw and send."""
 MANY = 64  # reports or states that wait while one is processed
 
 
 class Monitor(Agent):
     """Watches robots, containers and agents on the bus, and restarts failed agents of its team.
 
-    Its property `restart` has the rules (`restarts.RestartRules`), its property `results` the elements whose agents'
+    Its property `restart` has the rules (`restarts.Restarts`), its property `results` the elements whose agents'
     results are watched beside their robots' streams: by default the base alone, which is enough to see that a container
     has stopped working, since results without subscribers cost nothing.
     """
@@ -64,9 +66,9 @@ class Monitor(Agent):
         self._clock = asyncio.get_running_loop().time
         self._history = History(self.publish, self.home.wall_time)
         self._watching = Watching(self._history.tell)
-        rules = RestartRules(self.properties.get("restart"), f"the restart rules of {self.name}")
+        restarts = Restarts(self.properties.get("restart"), f"the restart rules of {self.name}")
         self._supervision = Supervision(
-            self.name.platform, rules, self._watching.is_there, self.query, self._history.tell, self.add
+            self.name.platform, restarts, self._watching.is_there, self.query, self._history.tell, self.add
         )
         self._diagnostics = self.bus.publisher(DIAGNOSTICS.key(self.name.platform), DIAGNOSTICS.type_name)
         self.listen("*/containers/*/reports", self._hear_report, keep=MANY, keyed=True)
@@ -90,7 +92,7 @@ class Monitor(Agent):
         """How all stand, or one robot with what belongs to it."""
         standings = self._standings(robot)
         return {
-            "level": worst(standings),
+            "level": max((each.level for each in standings), key=SEVERITY.__getitem__, default=Level.OK),
             "standings": {standing.about: standing.to_dict() for standing in standings},
             "robots": sorted(self._watching.robots),
             "containers": [str(name) for name in self._watching.containers if robot in ("", name.platform)],
@@ -108,12 +110,12 @@ class Monitor(Agent):
         """The rules by which agents that fail are started again, or the one for an agent and how often it was."""
         restarts = self._supervision.restarts
         if not agent:
-            return {"rules": restarts.rules.to_dict()}
+            return {"rules": restarts.rules()}
         try:
             name = AgentName.parse(agent)
         except NameNotValid as err:
             raise Refused(str(err)) from err
-        return {"agent": agent, **asdict(restarts.rules.of(name)), "attempted": restarts.attempts(name)}
+        return {"agent": agent, **asdict(restarts.rule_of(name)), "attempted": restarts.attempts(name)}
 
     @every(LOOK)
     async def look(self) -> None:
@@ -124,8 +126,9 @@ class Monitor(Agent):
     async def diagnose(self) -> None:
         """Publish the diagnostics."""
         if self._diagnostics is not None:
-            stamp_ns = int(self.home.wall_time() * NS_PER_S)
-            self._diagnostics.put(diagnostic_array(self.name.platform, self._standings(""), stamp_ns))
+            status = [_status(self.name.platform, standing) for standing in self._standings("")]
+            stamp = header(int(self.home.wall_time() * NS_PER_S), "")
+            self._diagnostics.put(DiagnosticArray(header=stamp, status=status))
 
     def _standings(self, robot: str) -> list[Standing]:
         if robot and robot not in self._watching.robots:
@@ -206,7 +209,7 @@ class Monitor(Agent):
         """Return the streams to watch."""
         listed = self.properties.get("results", ["base"])
         results = {AgentName(element, robot).results_key for element in listed}
-        steady = steady_streams(robot, description)
+        steady = _steady_streams(robot, description)
         return {key: rate for key, rate in steady.items() if not split(key)[1].startswith("agents/") or key in results}
 
     def _watch_streams(self, robot: str, wanted: Mapping[str, float | None]) -> None:
@@ -223,3 +226,31 @@ class Monitor(Agent):
     def _beat(self, sample: Sample) -> None:
         """Count a sample, on the bus's thread."""
         self._watching.streams.beat(sample.key, self._clock())
+
+
+def _steady_streams(robot: str, description: Mapping[str, Any]) -> dict[str, float | None]:
+    """Return the keys of a robot's steady streams by its description, each with its rate in Hz if it is known."""
+    found: dict[str, float | None] = {}
+    elements = description.get("elements")
+    for element in elements if isinstance(elements, list) else []:
+        match element:
+            case {"name": str(name), "streams": list(streams)}:
+                steady = [key for key in streams if isinstance(key, str) and keys.topic_of(key) in STEADY]
+            case _:
+                continue  # not an element as gateways describe them
+        rate = element.get("rate")
+        declared = float(rate) if isinstance(rate, int | float) and rate > 0 else None
+        if steady:
+            found |= dict.fromkeys([*steady, AgentName(name, robot).results_key], declared)
+    return found
+
+
+def _status(team: str, standing: Standing) -> DiagnosticStatus:
+    """Return the status of one subject as a message; its name is `<team>: <about>`."""
+    return DiagnosticStatus(
+        level=SEVERITY[standing.level],
+        name=f"{team}: {standing.about}",
+        message=standing.what,
+        hardware_id="",
+        values=[KeyValue(key=key, value=str(value)) for key, value in standing.values.items()],
+    )

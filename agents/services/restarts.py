@@ -2,7 +2,7 @@
 
 The rules are a table from agents to rules; the first name that matches counts, `*` stands for anything:
 
-    {"camera": RestartRule(attempts=2), "app-*": RestartRule(attempts=0), "*": RestartRule()}
+    {"camera": {"attempts": 2}, "app-*": {"attempts": 0}, "*": {}}
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from configs import build
 
 
 @dataclass(frozen=True, slots=True)
-class RestartRule:
+class _RestartRule:
     """The rule for restarting one kind of agents.
 
     attempts: consecutive attempts; 0 for none, -1 for any number.
@@ -35,11 +35,19 @@ class RestartRule:
 
 
 ANY = "*"
-DEFAULT = RestartRule()
+DEFAULT = _RestartRule()
 
 
-class RestartRules:
-    """The rules by agent."""
+@dataclass(slots=True)
+class _Attempts:
+    """Attempts in a row. at: when the last was made, s; None while it is still to come."""
+
+    attempts: int = 0
+    at: float | None = None
+
+
+class Restarts:
+    """The rules by agent, and the attempts for each failed one."""
 
     def __init__(
         self, tables: Mapping[str, Mapping[str, Any]] | None = None, source: str = "the restart rules"
@@ -53,36 +61,22 @@ class RestartRules:
             ConfigError: A table is not valid.
         """
         self._rules = {
-            pattern: build(RestartRule, table, f"{source} for {pattern!r}") for pattern, table in (tables or {}).items()
+            pattern: build(_RestartRule, table, f"{source} for {pattern!r}")
+            for pattern, table in (tables or {}).items()
         }
+        self._rows: dict[AgentName, _Attempts] = {}
 
-    def of(self, agent: AgentName) -> RestartRule:
-        """Return the rule for an agent."""
-        return next((rule for pattern, rule in self._rules.items() if fnmatchcase(agent.local, pattern)), DEFAULT)
-
-    def to_dict(self) -> dict[str, dict[str, Any]]:
+    def rules(self) -> dict[str, dict[str, Any]]:
         """Return the rules as JSON."""
         return {pattern: asdict(rule) for pattern, rule in {ANY: DEFAULT, **self._rules}.items()}
 
-
-@dataclass(slots=True)
-class _Attempts:
-    """Attempts in a row. at: when the last was made, s; None while it is still to come."""
-
-    attempts: int = 0
-    at: float | None = None
-
-
-class Restarts:
-    """Counts the attempts for each failed agent."""
-
-    def __init__(self, rules: RestartRules) -> None:
-        self.rules = rules
-        self._rows: dict[AgentName, _Attempts] = {}
+    def rule_of(self, agent: AgentName) -> _RestartRule:
+        """Return the rule for an agent."""
+        return next((rule for pattern, rule in self._rules.items() if fnmatchcase(agent.local, pattern)), DEFAULT)
 
     def failed(self, agent: AgentName, now: float) -> float | None:
         """Note a failure of an agent; return s until its restart, or None for no restart."""
-        rule, row = self.rules.of(agent), self._rows.setdefault(agent, _Attempts())
+        rule, row = self.rule_of(agent), self._rows.setdefault(agent, _Attempts())
         if row.at is not None and now - row.at >= rule.healthy_after:
             row.attempts = 0
         row.attempts += 1

@@ -1,4 +1,4 @@
-"""The selection of a subscriber: rate, fields and conditions of the values it gets. No bus, no clock.
+"""The selection of a subscriber: rate, fields and conditions of the values it gets. No clock.
 
 A field is named by its path: `nearest`, `ranges.0`, `pose.pose.position.x`. What a source does not have is null, and
 null is neither below nor above anything.
@@ -9,13 +9,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
 
+from bus import Refused
+
 FASTEST = 1000.0  # Hz
 ROUNDING = 1e-9  # s; a time to wait, added to a clock, may fall short of the time that was meant
 STAMP = "stamp"  # every result of a component carries it, and a part of a result keeps it
-
-
-class SelectionNotValid(ValueError):
-    """A selection is not valid; the message says why in one sentence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +42,7 @@ class Selection:
             on_change: Path to tolerance.
             where: Path to `{"below": number, "above": number, "equals": value}`, one or several of them.
         Raises:
-            SelectionNotValid: One of them is not valid.
+            Refused: One of them is not valid.
         """
         return cls(_period(rate), _paths(fields), _tolerances(on_change), _conditions(where))
 
@@ -59,19 +57,19 @@ class Selection:
 
     def wants(self, value: Mapping[str, Any]) -> bool:
         """Return whether a value fulfils all conditions."""
-        return all(_fulfils(look_up(value, path), bounds) for path, bounds in self.where.items())
+        return all(_fulfils(_look_up(value, path), bounds) for path, bounds in self.where.items())
 
     def differs(self, value: Mapping[str, Any], told: Mapping[str, Any]) -> bool:
         """Return whether a value differs from the one sent before."""
         changes = self.on_change.items()
-        return not changes or any(_moved(look_up(told, path), look_up(value, path), by) for path, by in changes)
+        return not changes or any(_moved(_look_up(told, path), _look_up(value, path), by) for path, by in changes)
 
     def part(self, value: Mapping[str, Any]) -> dict[str, Any]:
         """Return the selected part of a value: all, or the fields by their paths, with the stamp if there is one."""
         if not self.fields:
             return dict(value)
         stamp = {STAMP: value[STAMP]} if STAMP in value else {}
-        return {path: look_up(value, path) for path in self.fields} | stamp
+        return {path: _look_up(value, path) for path in self.fields} | stamp
 
 
 class Sieve:
@@ -114,7 +112,7 @@ class Sieve:
         return self.selection.part(value)
 
 
-def look_up(value: Any, path: str) -> Any:
+def _look_up(value: Any, path: str) -> Any:
     """Return the field of a value at a path, through objects and lists; None if there is none."""
     if isinstance(value, Mapping) and path in value:
         return value[path]
@@ -153,7 +151,7 @@ def _period(rate: Any) -> float:
     if rate is None:
         return 0.0
     if not _is_number(rate) or not 1 / 86400.0 <= rate <= FASTEST:
-        raise SelectionNotValid(f"a rate is a number of Hz, once a day to {FASTEST:g}, not {_told(rate)}")
+        raise Refused(f"a rate is a number of Hz, once a day to {FASTEST:g}, not {_told(rate)}")
     return 1.0 / float(rate)
 
 
@@ -161,7 +159,7 @@ def _paths(fields: Any) -> tuple[str, ...]:
     if fields is None:
         return ()
     if not isinstance(fields, list) or not fields or not all(isinstance(path, str) and path for path in fields):
-        raise SelectionNotValid(f'fields are a list of names, like ["nearest"], not {_told(fields)}')
+        raise Refused(f'fields are a list of names, like ["nearest"], not {_told(fields)}')
     return tuple(fields)
 
 
@@ -169,10 +167,10 @@ def _tolerances(on_change: Any) -> dict[str, float]:
     if on_change is None:
         return {}
     if not isinstance(on_change, Mapping) or not on_change:
-        raise SelectionNotValid(f'on_change says by how much, like {{"nearest": 0.05}}, not {_told(on_change)}')
+        raise Refused(f'on_change says by how much, like {{"nearest": 0.05}}, not {_told(on_change)}')
     for path, by in on_change.items():
         if not _is_number(by) or by < 0:
-            raise SelectionNotValid(f"on_change takes {path} with a number that is not below 0, not {_told(by)}")
+            raise Refused(f"on_change takes {path} with a number that is not below 0, not {_told(by)}")
     return {path: float(by) for path, by in on_change.items()}
 
 
@@ -180,17 +178,17 @@ def _conditions(where: Any) -> dict[str, dict[str, Any]]:
     if where is None:
         return {}
     if not isinstance(where, Mapping) or not where:
-        raise SelectionNotValid(f'where is like {{"nearest": {{"below": 0.5}}}}, not {_told(where)}')
+        raise Refused(f'where is like {{"nearest": {{"below": 0.5}}}}, not {_told(where)}')
     return {path: _condition(path, bounds) for path, bounds in where.items()}
 
 
 def _condition(path: str, bounds: Any) -> dict[str, Any]:
     known = ", ".join(_CONDITIONS)
     if not isinstance(bounds, Mapping) or not bounds or not bounds.keys() <= _CONDITIONS.keys():
-        raise SelectionNotValid(f"where compares {path} by one or several of {known}, not by {_told(bounds)}")
+        raise Refused(f"where compares {path} by one or several of {known}, not by {_told(bounds)}")
     for name, bound in bounds.items():
         if name != "equals" and not _is_number(bound):
-            raise SelectionNotValid(f"where takes {name} with a number, not {_told(bound)}")
+            raise Refused(f"where takes {name} with a number, not {_told(bound)}")
     return dict(bounds)
 
 

@@ -1,39 +1,13 @@
-"""The steady streams of a robot, and the state of those that are watched. No bus, no clock.
+"""The state of the streams that are watched. No bus, no clock."""
 
-Watched is what flows by itself as long as its element works: odometry, sonar, scans, bumpers, battery and state, and
-the results of the agents of these elements. Not watched are streams that rest when nothing happens (ptz, arm,
-gripper, ...) and pictures: whoever listens to a camera makes it draw and send.
-"""
-
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 from agents.platform import AgentName
-from agents.services.diagnostics import Standing
-from agents.services.events import Level
+from agents.services.events import Level, Standing
 from agents.services.pulse import Beat, Pulse
 from bus import keys
 
-STEADY = frozenset({keys.ODOM, keys.SONAR, keys.SCAN, keys.BUMPERS, keys.BATTERY, keys.STATE})
-
 Tell = Callable[[object, str, Level], None]
-
-
-def steady_streams(robot: str, description: Mapping[str, Any]) -> dict[str, float | None]:
-    """Return the keys of a robot's steady streams by its description, each with its rate in Hz if it is known."""
-    found: dict[str, float | None] = {}
-    elements = description.get("elements")
-    for element in elements if isinstance(elements, list) else []:
-        match element:
-            case {"name": str(name), "streams": list(streams)}:
-                steady = [key for key in streams if isinstance(key, str) and keys.topic_of(key) in STEADY]
-            case _:
-                continue  # not an element as gateways describe them
-        rate = element.get("rate")
-        declared = float(rate) if isinstance(rate, int | float) and rate > 0 else None
-        if steady:
-            found |= dict.fromkeys([*steady, AgentName(name, robot).results_key], declared)
-    return found
 
 
 class StreamPulses:

@@ -20,7 +20,7 @@ from agents.platform.errors import in_words
 from agents.platform.names import ContainerName
 from agents.services.events import Level
 from agents.services.loaded import KIND as APPLICATION
-from agents.services.restarts import RestartRules, Restarts
+from agents.services.restarts import Restarts
 from agents.services.streams import Tell
 from agents.services.watching import Named
 from bus import BusError, NoAnswer, Refused, TimedOut
@@ -39,7 +39,7 @@ class Supervision:
     def __init__(
         self,
         team: str,
-        rules: RestartRules,
+        restarts: Restarts,
         is_there: Callable[[Named], bool],
         ask: Ask,
         tell: Tell,
@@ -49,13 +49,13 @@ class Supervision:
 
         Args:
             team: The team of the host.
-            rules: When agents are restarted.
+            restarts: When agents are restarted.
             is_there: Returns whether an agent or a container is present.
             ask: Queries a key of the bus, with a timeout in s.
             tell: Called with each action and its subject.
             do: Starts a behaviour.
         """
-        self.restarts = Restarts(rules)
+        self.restarts = restarts
         self._team = team
         self._is_there = is_there
         self._ask = ask

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from agents.platform import AgentName, NameNotValid
 from agents.platform.container.context import AgentEnd
 from agents.platform.names import PASSER_BY, ContainerName
-from agents.services.diagnostics import Standing
-from agents.services.events import Level
+from agents.services.events import Level, Standing
 from agents.services.streams import StreamPulses, Tell
 from bus import keys
 from bus.messages import DiagnosticArray, DiagnosticStatus, RobotState

@@ -21,7 +21,7 @@ REQUESTS = {"blobs": b"0", "quit": b"1"}
 
 
 @dataclass(frozen=True, slots=True)
-class Version:
+class _Version:
     """How wide numbers are, in bytes: index and count in the header, then a blob's area and its other fields.
 
     largest: the largest byte; six bits and one more, or eight where a number has one byte only.
@@ -43,8 +43,8 @@ class Version:
         return self.area + self.other * (len(FIELDS) - 1)
 
 
-WIDE = Version(header=2, area=4, other=2, largest=64)
-VERSIONS = {"": WIDE, "1.2": WIDE, "2.0": WIDE, "1.0": Version(header=1, area=4, other=1, largest=255)}
+WIDE = _Version(header=2, area=4, other=2, largest=64)
+VERSIONS = {"": WIDE, "1.2": WIDE, "2.0": WIDE, "1.0": _Version(header=1, area=4, other=1, largest=255)}
 
 
 class ActsCodec(ProgramCodec):

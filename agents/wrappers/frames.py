@@ -13,21 +13,12 @@ from agents.wrappers.codec import Answered, Event, NonsenseHeard, ProgramCodec, 
 LARGEST = 64 * 1024 * 1024  # bytes of one frame; a picture of 4000 by 4000 in colour has 48 million
 
 
-def call(function: str, arguments: Mapping[str, Any]) -> bytes:
-    """Return the frame that calls a function."""
-    plain, blobs = _parted(arguments)
-    return _packed({"function": function, "arguments": plain}, blobs)
-
-
-def answer(values: Mapping[str, Any]) -> bytes:
-    """Return the frame with the result."""
-    plain, blobs = _parted(values)
+def answer(said: Mapping[str, Any] | str) -> bytes:
+    """Return the frame with the result of a call, or with the text of its error."""
+    if isinstance(said, str):
+        return _packed({"error": said}, {})
+    plain, blobs = _parted(said)
     return _packed({"answer": plain}, blobs)
-
-
-def error(why: str) -> bytes:
-    """Return the frame with an error."""
-    return _packed({"error": why}, {})
 
 
 def _parted(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, bytes]]:
@@ -90,7 +81,8 @@ class FramesCodec(ProgramCodec):
 
     def ask(self, name: str, arguments: Mapping[str, Any]) -> bytes:
         """Encode one call."""
-        return call(name, arguments)
+        plain, blobs = _parted(arguments)
+        return _packed({"function": name, "arguments": plain}, blobs)
 
     def receive(self, data: bytes) -> list[Event]:
         """Decode the results of calls."""

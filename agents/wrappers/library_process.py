@@ -12,8 +12,8 @@ from math import isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from agents.wrappers.frames import LARGEST, FrameSplitter, answer, error
-from agents.wrappers.wrapper_file import FunctionArgument, FunctionRow, load_wrapper
+from agents.wrappers.frames import LARGEST, FrameSplitter, answer
+from agents.wrappers.wrapper_file import FunctionArgument, FunctionRow, WrapperFile
 
 NUMBERS: dict[str, Any] = {
     "int8": ctypes.c_int8,
@@ -122,7 +122,7 @@ def _functions_of(file: str) -> dict[str, Callable[[Mapping[str, Any]], dict[str
         ConfigError: The file has an error.
         ValueError, OSError: The library cannot be used.
     """
-    wrapper, path = load_wrapper(file)
+    wrapper, path = WrapperFile.load(file)
     if wrapper.library is None:
         raise ValueError(f"{file} has no [library]")
     library = ctypes.CDLL(_library_path(wrapper.library.file, path))
@@ -144,7 +144,7 @@ def main(file: str) -> int:
             try:
                 said = answer(functions[head["function"]]({**head["arguments"], **blobs}))
             except ValueError as err:
-                said = error(str(err))
+                said = answer(str(err))
             _write(answers, said)
     return 0
 

@@ -67,7 +67,7 @@ class Wrapped(Agent):
         self._program: ProgramRun | None = None
         self._why_not = "it has not been started yet"
         self._tried = asyncio.Event()  # whether it has been, with or without success
-        check(wrapper, file)
+        _check(wrapper, file)
 
     @property
     def image_key(self) -> str:
@@ -186,7 +186,7 @@ class Wrapped(Agent):
         self.listen(f"{self.name.platform}/{row.topic}", look)
 
 
-def check(wrapper: WrapperFile, file: Path) -> None:
+def _check(wrapper: WrapperFile, file: Path) -> None:
     """Check that the protocol has what the file demands.
 
     Raises:

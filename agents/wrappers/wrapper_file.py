@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from configs import ConfigError, build, find, read
 
@@ -166,6 +166,27 @@ class WrapperFile:
     functions: tuple[FunctionRow, ...] = ()
     pictures: tuple[PictureRow, ...] = ()
 
+    @classmethod
+    def load(cls, name: str) -> tuple[Self, Path]:
+        """Read a wrapper's file; also gives where it is, since paths in it are relative to it.
+
+        Args:
+            name: Of a file in `configs/wrappers`, or a path.
+        Raises:
+            ConfigError: There is none, or it has an error; the message names it.
+        """
+        path = find("wrappers", name)
+        try:
+            wrapper = build(cls, read(path), str(path))
+        except ConfigError:
+            raise
+        except ValueError as error:  # of values that no type rules out
+            raise ConfigError(f"{path}: {error}") from error
+        library = wrapper.library.file if wrapper.library else ""
+        if "/" in library and not (path.parent / library).exists():
+            raise ConfigError(f"{path}: there is no library {path.parent / library}; a path is relative to this file")
+        return wrapper, path.resolve()
+
     def __post_init__(self) -> None:
         if (self.program is None) == (self.library is None):
             raise ValueError("a wrapper has either a [program] or a [library]")
@@ -179,27 +200,6 @@ class WrapperFile:
         for asked in (*(row.request for row in self.results if row.request), *(row.function for row in self.pictures)):
             if asked not in names:
                 raise ValueError(f"there is no request {asked!r}; there are {', '.join(names) or 'none'}")
-
-
-def load_wrapper(name: str) -> tuple[WrapperFile, Path]:
-    """Read a wrapper's file; also gives where it is, since paths in it are relative to it.
-
-    Args:
-        name: Of a file in `configs/wrappers`, or a path.
-    Raises:
-        ConfigError: There is none, or it has an error; the message names it.
-    """
-    path = find("wrappers", name)
-    try:
-        wrapper = build(WrapperFile, read(path), str(path))
-    except ConfigError:
-        raise
-    except ValueError as error:  # of values that no type rules out
-        raise ConfigError(f"{path}: {error}") from error
-    library = wrapper.library.file if wrapper.library else ""
-    if "/" in library and not (path.parent / library).exists():
-        raise ConfigError(f"{path}: there is no library {path.parent / library}; a path is relative to this file")
-    return wrapper, path.resolve()
 
 
 def _check_expression(where: str, expression: str) -> None:

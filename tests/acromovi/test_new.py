@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.__main__ import main
-from agents.client.program import find_program
+from agents.client.program import RunningApplication
 
 
 def test_a_new_application_is_one_as_it_is(
@@ -17,7 +17,7 @@ def test_a_new_application_is_one_as_it_is(
     text = Path("patrol.py").read_text()
     assert "acromovi run patrol.py robot=happy" in text
     assert "acromovi ask patrol@apps turns" in text
-    program = find_program("patrol.py")
+    program = RunningApplication.find("patrol.py")
     program.check({"robot": "happy", "speed": 0.3})
     assert program.services == ("patrol",)
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import pytest
 
 from acromovi.__main__ import main
-from acromovi.team.host_control import control_key
+from acromovi.team.host_control import HostControl
 from agents import Refused, Team
 from agents.components.component import ElementAgent
 from agents.platform import AclMessage, AgentName, Performative, asker, request
@@ -109,7 +109,7 @@ def test_every_key_of_agents_is_for_those_it_is_meant_for(site: Site, owner: str
     for (message, key), others in ALLOWED.items():
         expected = owner in others or owner in ("robot.happy", "admin.root")
         assert permit.allows(message, key) is expected, (message, key)
-    assert permit.allows("query", control_key("dwarfs")) is (owner == "admin.root")
+    assert permit.allows("query", HostControl.key("dwarfs")) is (owner == "admin.root")
 
 
 def test_a_viewer_sees_who_is_there_and_what_they_are(as_owner: AsOwner) -> None:
@@ -168,7 +168,7 @@ def test_the_router_stops_a_program_that_does_not_stop_itself(
         rogue.declare_alive(keys.ELEMENT_ALIVE.key("happy", "forged"))
         rogue.serve("happy/agents/forged/description", lambda arguments: {"forged": True})
         assert "base@happy" in str(rogue.query(BASE.description_key)[0].value), "it may look"
-        barred = [HOME.control_key, keys.LEASE.key("happy"), control_key("dwarfs")]
+        barred = [HOME.control_key, keys.LEASE.key("happy"), HostControl.key("dwarfs")]
         for key in [*barred, BASE.acl_key] if is_viewer else barred:
             with pytest.raises(NoAnswer):
                 rogue.query(key, {"do": "list"}, timeout=5.0)

@@ -19,7 +19,7 @@ from agents.platform.conversations.askers import Askers
 from agents.platform.directory import check_free
 from agents.platform.errors import AlreadyThere, SetupFailed, UnknownAgent, in_words
 from agents.platform.heartbeat import Heartbeats
-from agents.platform.kinds import Kinds, kind_of
+from agents.platform.kinds import Kinds
 from agents.platform.life import AgentState
 from agents.platform.names import AgentName, ContainerName
 from agents.platform.watchdog import LoopWatchdog
@@ -45,10 +45,9 @@ class Report:
     what: str
     error: Exception | None = None
 
-
-def log_report(report: Report) -> None:
-    """Write a report into the log `agents`."""
-    log.error("%s: %s", report.agent, report.what, exc_info=report.error)
+    def log(self) -> None:
+        """Write it into the log `agents`."""
+        log.error("%s: %s", self.agent, self.what, exc_info=self.error)
 
 
 class Container:
@@ -63,7 +62,7 @@ class Container:
         self,
         bus: Bus,
         name: str | None = None,
-        report: Callable[[Report], None] = log_report,
+        report: Callable[[Report], None] = Report.log,
         wall_time: Callable[[], float] = time.time,
         *,
         platform: str | None = None,
@@ -118,7 +117,7 @@ class Container:
     @property
     def identity(self) -> str:
         """A unique identifier, which differs from that of a container with the same name."""
-        return self._control.identity
+        return self._control.process.identity
 
     @property
     def process(self) -> BusProgram:
@@ -297,7 +296,7 @@ class Container:
 
     def _tell_end(self, agent: Agent, end: AgentEnd) -> None:
         """Publish why an agent ends, with what is needed to start it again."""
-        told = {"agent": str(agent.name), "what": f"it has ended: {end}", "ended": end, "kind": kind_of(agent)}
+        told = {"agent": str(agent.name), "what": f"it has ended: {end}", "ended": end, "kind": agent.kind}
         self._tell({**told, "properties": agent.properties})
 
     def _tell_blocked(self, agent: AgentName | None, what: str) -> None:

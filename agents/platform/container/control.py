@@ -27,14 +27,14 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from agents.platform.container.controlled import ControlledContainer
+from agents.platform.container.delivery_gate import QueuedMessage
 from agents.platform.container.introspection import introspect
 from agents.platform.directory import check_free
 from agents.platform.errors import AgentError, in_words
-from agents.platform.kinds import kind_of
 from agents.platform.life import AgentState
 from agents.platform.mobility.arrivals import Arrivals
 from agents.platform.mobility.departures import Departures
-from agents.platform.mobility.migration_state import MigrationState, decode_queued
+from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
 from bus import BusError, BusUnavailable, Conversation, Subscription
 from bus.aio import hand_over
@@ -77,11 +77,6 @@ class Control:
         }
         self._departures = Departures(container)
         self._arrivals = Arrivals(container)
-
-    @property
-    def identity(self) -> str:
-        """A unique identifier of this container."""
-        return self._process.identity
 
     @property
     def process(self) -> BusProgram:
@@ -161,7 +156,7 @@ class Control:
             "platform": called.platform,
             **self._process.told(),
             "agents": [
-                {"name": str(agent.name), "kind": kind_of(agent), "state": str(agent.state)}
+                {"name": str(agent.name), "kind": agent.kind, "state": str(agent.state)}
                 for agent in self._container.agents
             ],
         }
@@ -212,11 +207,11 @@ class Control:
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _settle(self, given: Given) -> dict[str, Any]:
-        self._arrivals.settle(_name_in(given), decode_queued(given.get("letters")))
+        self._arrivals.settle(_name_in(given), QueuedMessage.from_list(given.get("letters")))
         return {}
 
     async def _deliver(self, given: Given) -> dict[str, Any]:
-        self._container.agent(_name_in(given)).migration.gate.bring(decode_queued(given.get("letters")))
+        self._container.agent(_name_in(given)).migration.gate.bring(QueuedMessage.from_list(given.get("letters")))
         return {}
 
     async def _forsake(self, given: Given) -> dict[str, Any]:

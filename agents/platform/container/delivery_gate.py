@@ -8,11 +8,13 @@ import itertools
 import json
 import os
 import threading
+from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from hashlib import blake2b
-from typing import Any
+from typing import Any, Self
 
+from agents.platform.errors import AgentError
 from bus import Conversation, Sample
 
 MOST_CALLERS = 100  # queued conversations; further ones are delivered, to be refused
@@ -34,6 +36,22 @@ class QueuedMessage:
 
     label: str
     payload: bytes
+
+    def to_json(self) -> list[str]:
+        """Return it as JSON."""
+        return [self.label, b64encode(self.payload).decode()]
+
+    @classmethod
+    def from_list(cls, value: Any) -> list[Self]:
+        """Read messages from a list of JSON.
+
+        Raises:
+            AgentError: They are not valid.
+        """
+        try:
+            return [cls(str(label), b64decode(payload)) for label, payload in value]
+        except (TypeError, ValueError) as err:
+            raise AgentError("the messages for the agent that moves are not valid") from err
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,6 @@ from typing import Any
 from agents.platform.acl import AclMessage
 from agents.platform.agent import Agent
 from agents.platform.conversations.responder_conversation import ResponderConversation
-from agents.platform.kinds import kind_of
 from agents.platform.schedule import Running
 from agents.platform.stream import Stream
 
@@ -24,7 +23,7 @@ def introspect(agent: Agent) -> dict[str, Any]:
     box = agent.mailbox.state
     return {
         **agent.describe(),
-        "kind": kind_of(agent),
+        "kind": agent.kind,
         "malformed": agent.malformed,
         "mailbox": {
             "waiting": box.waiting,

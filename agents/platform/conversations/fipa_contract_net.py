@@ -33,6 +33,9 @@ class Bid:
     proposal: Any
 
 
+Choose = Callable[[list[Bid]], Bid | Iterable[Bid] | None]
+
+
 @dataclass(frozen=True, slots=True)
 class Tender:
     """The end of a call for proposals.
@@ -50,9 +53,6 @@ class Tender:
     def done(self) -> dict[AgentName, Any]:
         """The results of the peers that have done it."""
         return {peer: outcome.result for peer, outcome in self.outcomes.items() if outcome.is_done}
-
-
-Choose = Callable[[list[Bid]], Bid | Iterable[Bid] | None]
 
 
 async def call_for(dialogues: Sequence[InitiatorConversation], choose: Choose, bids_within: float) -> Tender:

@@ -9,15 +9,11 @@ so. A query changes nothing.
 """
 
 import asyncio
-from collections.abc import Awaitable, Generator
+from collections.abc import Generator
 from typing import Any
 
-from agents.platform.conversations.handler import Handler as Handler
-from agents.platform.conversations.handler import NotUnderstood as NotUnderstood
-from agents.platform.conversations.handler import ParsedRequest
 from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.outcome import Ending, Outcome
-from agents.platform.conversations.responder_conversation import ResponderConversation
 
 PROTOCOL = "fipa-request"
 QUERY_PROTOCOL = "fipa-query"
@@ -51,20 +47,3 @@ class Request:
                 self._unconfirmed = Outcome(Ending.CANCELLED, why=why, agreed=self._initiated.agreed)
                 self._asking.cancel()
         return await self.outcome()
-
-
-def do(conversation: ResponderConversation, opening: ParsedRequest) -> Awaitable[Any]:
-    """Do what was requested; the result is that of the handler."""
-    return opening.handler.call(opening.arguments)
-
-
-async def answer_whether(conversation: ResponderConversation, opening: ParsedRequest) -> bool:
-    """Answer query-if with true or false.
-
-    Raises:
-        TypeError: The handler has returned something else.
-    """
-    result = await opening.handler.call(opening.arguments)
-    if not isinstance(result, bool):
-        raise TypeError(f"{opening.handler.name} is not something that is so or not; ask what it is, with query-ref")
-    return result

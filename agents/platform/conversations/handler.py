@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from inspect import Parameter
 from typing import Any, get_type_hints
 
-from agents.platform.acl import ONTOLOGY, AclMessage
-from configs.suggestion import hint, not_taken
+from configs.suggestion import not_taken
 
 
 class NotUnderstood(Exception):
@@ -88,32 +87,3 @@ class ParsedRequest:
     handler: Handler
     arguments: Mapping[str, Any]
     task: Handler | None = None
-
-
-def read_opening(message: AclMessage, protocol: str, noun: str, handlers: Mapping[str, Handler]) -> ParsedRequest:
-    """Return the handler for a message, and its arguments.
-
-    Args:
-        message: The first of a conversation.
-        protocol: The protocol of its performative.
-        noun: What the initiator asks for, for messages.
-        handlers: By name.
-    Raises:
-        NotUnderstood: None of the handlers can answer it.
-    """
-    if message.protocol not in ("", protocol):
-        raise NotUnderstood(f"{message.performative} does not begin {message.protocol!r} here; it begins {protocol}")
-    if message.ontology not in ("", ONTOLOGY):
-        raise NotUnderstood(f"the ontology {message.ontology!r} is not known here; {ONTOLOGY} is")
-    match message.content:
-        case {"action": str(action), "arguments": dict(arguments)}:
-            pass
-        case {"action": str(action), **rest} if not rest:
-            arguments = {}
-        case _:
-            raise NotUnderstood(f'the content of {message.performative} is {{"action": name, "arguments": {{...}}}}')
-    if action not in handlers:
-        known = ", ".join(sorted(handlers)) or "none"
-        raise NotUnderstood(f"there is no {noun} {action!r} here{hint(action, handlers)}; known: {known}")
-    handlers[action].check(arguments)
-    return ParsedRequest(handlers[action], arguments)

@@ -1,15 +1,20 @@
 """The side of an agent that begins conversations with others."""
 
+import uuid
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from agents.platform.acl import AclMessage, Performative
+from agents.platform.acl import ONTOLOGY, AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import new_label
 from agents.platform.conversations.initiator_conversation import InitiatorConversation
 from agents.platform.conversations.protocols import PROTOCOLS
 from agents.platform.errors import AclError, AgentError
 from agents.platform.names import AgentName
+
+LANGUAGE = "json"
+MOVING = (Performative.REQUEST, Performative.CFP)
+"""Performatives that may start a motion: the initiator's heartbeat is published until the conversation ends."""
 
 
 class Initiator:
@@ -61,10 +66,21 @@ class Initiator:
             answer_within: s until an answer is of no use any more; None for ever.
         """
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
-        protocol = PROTOCOLS[performative].name
-        return InitiatorConversation(
-            self._home_there, self._me(), peer, performative, protocol, action, arguments, within, answer_within
+        home, me, label = self._home_there, self._me(), uuid.uuid4().hex
+        opening = AclMessage(
+            performative=performative,
+            sender=me,
+            receivers=(peer,),
+            content={"action": action, "arguments": dict(arguments)},
+            language=LANGUAGE,
+            ontology=ONTOLOGY,
+            protocol=PROTOCOLS[performative].name,
+            conversation_id=label,
+            reply_with=label,
+            reply_by=None if answer_within is None else home.wall_time() + answer_within,
+            x_heartbeat=me.heartbeat_key if performative in MOVING else "",
         )
+        return InitiatorConversation(home, opening, within)
 
     @property
     def _home_there(self) -> ContainerContext:

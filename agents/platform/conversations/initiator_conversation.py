@@ -5,7 +5,6 @@ conversation id. A conversation that the initiator leaves before its end, for wh
 """
 
 import contextlib
-import uuid
 from collections.abc import AsyncGenerator, Mapping
 from contextlib import aclosing
 from typing import Any
@@ -13,15 +12,10 @@ from typing import Any
 from agents.platform.acl import ONTOLOGY, AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.container.delivery_gate import new_label
-from agents.platform.conversations.outcome import Ending, Outcome, why_of
+from agents.platform.conversations.outcome import Ending, Outcome
 from agents.platform.errors import AclError
-from agents.platform.names import AgentName
 from bus import BusError, NoAnswer, NotAllowed, Refused, TimedOut
 from bus.aio import ReplyQueue
-
-LANGUAGE = "json"
-MOVING = (Performative.REQUEST, Performative.CFP)
-"""Performatives that may start a motion: the initiator's heartbeat is published until the conversation ends."""
 
 
 class ConversationEnded(Exception):
@@ -39,48 +33,18 @@ class InitiatorConversation:
     agreed: whether the peer has agreed.
     """
 
-    def __init__(
-        self,
-        home: ContainerContext,
-        me: AgentName,
-        peer: AgentName,
-        performative: Performative,
-        protocol: str,
-        action: str,
-        arguments: Mapping[str, Any],
-        within: float,
-        answer_within: float | None = None,
-    ) -> None:
+    def __init__(self, home: ContainerContext, opening: AclMessage, within: float) -> None:
         """Prepare it; nothing is sent yet.
 
         Args:
             home: The container of the initiator.
-            me: The initiator.
-            peer: The agent that answers.
-            performative: That of the first message.
-            protocol: The FIPA protocol, for logs and records.
-            action: The name of what is requested.
-            arguments: JSON values by name.
+            opening: The first message, to the one agent that answers. The initiator's heartbeat is published until the
+                conversation ends, if the message names one.
             within: s of the loop's time until its end.
-            answer_within: s until the reply-by time of the first message; None for none.
         """
-        label = uuid.uuid4().hex
-        self._beats = performative in MOVING
-        self.peer = peer
+        self.opening = opening
+        self.peer = opening.receivers[0]
         self.agreed = False
-        self.opening = AclMessage(
-            performative=performative,
-            sender=me,
-            receivers=(peer,),
-            content={"action": action, "arguments": dict(arguments)},
-            language=LANGUAGE,
-            ontology=ONTOLOGY,
-            protocol=protocol,
-            conversation_id=label,
-            reply_with=label,
-            reply_by=None if answer_within is None else home.wall_time() + answer_within,
-            x_heartbeat=me.heartbeat_key if self._beats else "",
-        )
         self._home = home
         self._within = within
         self._is_open = False
@@ -117,7 +81,7 @@ class InitiatorConversation:
         written = self.opening.to_dict()
         self._home.trace(self.opening)
         self._is_open = True
-        beating = self._home.beating(self.opening.sender) if self._beats else contextlib.nullcontext()
+        beating = self._home.beating(self.opening.sender) if self.opening.x_heartbeat else contextlib.nullcontext()
         try:
             with beating:
                 heard = ReplyQueue(self._within)
@@ -166,7 +130,7 @@ class InitiatorConversation:
             sender=self.opening.sender,
             receivers=(self.peer,),
             content=content,
-            language=LANGUAGE,
+            language=self.opening.language,
             ontology=ONTOLOGY,
             protocol=self.opening.protocol,
             conversation_id=self.opening.conversation_id,
@@ -187,7 +151,7 @@ class InitiatorConversation:
         if reply.performative in _ENDINGS and (is_ours or reply.performative is Performative.NOT_UNDERSTOOD):
             ending = _ENDINGS[reply.performative]
             is_negative = ending in (Ending.REFUSED, Ending.FAILED)
-            raise self._ended(Ending.CANCELLED if is_negative and self._is_cancelled else ending, why_of(reply))
+            raise self._ended(Ending.CANCELLED if is_negative and self._is_cancelled else ending, reply.why)
         if not is_ours or (reply.performative is Performative.AGREE and self.agreed):
             raise self.misplaced(reply)
         self.agreed = self.agreed or reply.performative is Performative.AGREE

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from agents.platform.acl import AclMessage
 from agents.platform.errors import RequestNotDone
 
 
@@ -50,13 +49,3 @@ class Outcome:
         if not self.is_done:
             raise RequestNotDone(f"{self.ending}: {self.why}")
         return self.result
-
-
-def why_of(message: AclMessage) -> str:
-    """Return the reason in a refusal or failure, as one sentence."""
-    match message.content:
-        case {"why": str(why)} if why.strip():
-            return why
-        case None | {"why": str()}:
-            return "no reason is given"
-    return str(message.content)

@@ -15,10 +15,11 @@ from typing import Any
 from agents.platform.acl import AclMessage, Performative
 from agents.platform.container.context import ContainerContext
 from agents.platform.conversations.handler import Handler, NotUnderstood, ParsedRequest
-from agents.platform.conversations.protocols import REQUESTS, Protocol, read
+from agents.platform.conversations.protocols import PROTOCOLS, REQUESTS, Protocol
 from agents.platform.conversations.responder_conversation import ResponderConversation
 from agents.platform.errors import AclError
 from agents.platform.life import AgentState, Life
+from agents.platform.mailbox import Mailbox
 from agents.platform.names import AgentName
 from agents.platform.schedule import LETTING_GO
 from bus import Conversation, Refused
@@ -35,21 +36,23 @@ FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJEC
 class RequestDispatcher:
     """Answers the conversations that others begin with one agent.
 
-    malformed: number of first messages that were not valid.
+    malformed: number of payloads that were no valid message or no valid request.
     """
 
-    def __init__(self, me: AgentName, life: Life, rouse: Callable[[], None]) -> None:
+    def __init__(self, me: AgentName, life: Life, mailbox: Mailbox, rouse: Callable[[], None]) -> None:
         """Make one that is not open yet.
 
         Args:
             me: The agent.
             life: The state of the agent.
-            rouse: Called on the bus's thread when a conversation begins.
+            mailbox: Gets the messages that belong to no conversation under way.
+            rouse: Called on the bus's thread when a conversation begins or a message has come.
         """
         self.malformed = 0
         self.handlers: dict[str, dict[str, Handler]] = {}  # by protocol and name
         self._me = me
         self._life = life
+        self._mailbox = mailbox
         self._rouse = rouse
         self._home: ContainerContext | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -112,7 +115,10 @@ class RequestDispatcher:
             if self._life.state not in AT_WORK:
                 self._turn_away(message, Performative.REFUSE, f"{self._me} is {self._life.state}", conversation)
                 return
-            protocol, opening = read(message, self.handlers)
+            if message.performative not in PROTOCOLS:
+                raise NotUnderstood(f"{message.performative} begins no conversation that is known here")
+            protocol = PROTOCOLS[message.performative]
+            opening = protocol.read(message, self.handlers)
             key = self._key(message)
         except (AclError, NotUnderstood) as err:
             self.malformed += 1
@@ -139,8 +145,18 @@ class RequestDispatcher:
             work.close()
             responder.close()
 
-    def hear(self, message: AclMessage) -> bool:
-        """Take a one-way message if it belongs to a conversation under way; return whether it does."""
+    def take(self, payload: bytes) -> None:
+        """Take a one-way message: of a conversation under way, or for the mailbox."""
+        try:
+            message = AclMessage.decode(payload)
+        except AclError:
+            self.malformed += 1
+            return
+        if self._hear(message) or self._mailbox.deliver(message, len(payload)):
+            self._rouse()
+
+    def _hear(self, message: AclMessage) -> bool:
+        """Take a message if it belongs to a conversation under way; return whether it does."""
         if message.performative not in FURTHER:
             return False
         with self._lock:

@@ -10,7 +10,7 @@ from agents.platform.agent import Agent
 from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import QueuedMessage
-from agents.platform.errors import NotMoved, UnknownAgent
+from agents.platform.errors import AgentError, UnknownAgent
 from agents.platform.life import AgentState
 from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
@@ -61,7 +61,7 @@ class Arrivals:
         Raises:
             AlreadyThere: This container has an agent of this name.
             SetupFailed: Its setup failed, or it cannot unpack.
-            NotMoved: It was forsaken or stopped before it had arrived.
+            AgentError: It was forsaken or stopped before it had arrived.
         """
         arrival = _Arrival(agent, migration, origin)
 
@@ -76,7 +76,7 @@ class Arrivals:
             raise
         if agent.state is not AgentState.TRANSIT:
             self._strike_off(arrival)
-            raise NotMoved(f"{agent.name} was ended while it arrived in {self._container.name}")
+            raise AgentError(f"{agent.name} was ended while it arrived in {self._container.name}")
         arrival.is_awaiting = True
         self._begin(self._judge(arrival))
 
@@ -84,11 +84,11 @@ class Arrivals:
         """Continue an agent that has arrived.
 
         Raises:
-            NotMoved: No agent of this name waits for it.
+            AgentError: No agent of this name waits for it.
         """
         arrival = self._arrivals.get(name)
         if arrival is None or not arrival.is_awaiting:
-            raise NotMoved(f"no agent {name} has arrived in {self._container.name}")
+            raise AgentError(f"no agent {name} has arrived in {self._container.name}")
         self._settle(arrival, waiting)
 
     async def forsake(self, name: AgentName, origin: str) -> None:

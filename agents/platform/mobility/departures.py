@@ -18,17 +18,16 @@ until the new one receives `forsake`.
 
 import asyncio
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from agents.platform.agent import Agent
 from agents.platform.container.context import AgentEnd
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import Caller, QueuedMessage
-from agents.platform.errors import AgentError, NotMoved, UnknownAgent, in_words
-from agents.platform.kinds import kind_of
+from agents.platform.errors import AgentError, UnknownAgent, in_words
 from agents.platform.life import AgentState
-from agents.platform.mobility.migration_state import MigrationState, encode_queued
+from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName, ContainerName
 from bus import Answer, BusError, BusUnavailable, Conversation, NoAnswer, Refused, Subscription
 from bus.aio import query
@@ -68,19 +67,19 @@ class Departures:
         Returns:
             Its new container, and its state.
         Raises:
-            NotMoved: It is still in this container; the message says why.
+            AgentError: It is still in this container; the message says why.
             IllegalTransition: It is in another state.
         """
         there = await self._find(to)
         if agent.state is AgentState.TRANSIT:
-            raise NotMoved(f"{agent.name} is moving already")
+            raise AgentError(f"{agent.name} is moving already")
         migration = await self._pack(agent)
         try:
             await self._hand_over(agent, migration, there)
         except BaseException as err:
             agent.migration.come_back(migration)
             if isinstance(err, AgentError | BusError | TimeoutError):
-                raise NotMoved(f"{agent.name} stays in {self._container.name}: {_why(err, there)}") from err
+                raise AgentError(f"{agent.name} stays in {self._container.name}: {_why(err, there)}") from err
             raise
         agent.leave_directory()
         await self._linger(agent, there)
@@ -88,14 +87,14 @@ class Departures:
 
     async def _find(self, to: str) -> ContainerName:
         if to == self._container.name:
-            raise NotMoved(f"it lives in {to} already")
+            raise AgentError(f"it lives in {to} already")
         try:
             anywhere = f"*/containers/{ContainerName(to, to)}/description"
             found = await query(self._container.bus, anywhere, None, ORDER_TIME)
         except (NoAnswer, TimeoutError) as err:
-            raise NotMoved(f"there is no container {to!r}") from err
+            raise AgentError(f"there is no container {to!r}") from err
         if len(found) > 1:
-            raise NotMoved(f"{len(found)} containers are called {to}")
+            raise AgentError(f"{len(found)} containers are called {to}")
         return ContainerName.of_key(found[0].key)
 
     async def _pack(self, agent: Agent) -> MigrationState:
@@ -104,7 +103,7 @@ class Departures:
         except AgentError:
             raise
         except Exception as err:
-            raise NotMoved(f"{agent.name} cannot pack: {in_words(err)}") from err
+            raise AgentError(f"{agent.name} cannot pack: {in_words(err)}") from err
 
     async def _hand_over(self, agent: Agent, migration: MigrationState, there: ContainerName) -> None:
         """Continue the agent in the new container; undo the move after an error."""
@@ -128,10 +127,9 @@ class Departures:
             is_adopted = True
             await asyncio.sleep(MEET_TIME)
             if agent.state is not AgentState.TRANSIT:
-                raise NotMoved("it has been ended meanwhile")
+                raise AgentError("it has been ended meanwhile")
             waiting = agent.migration.gate.waiting()
-            settle: Order = {"do": "settle", "name": str(agent.name), "letters": encode_queued(waiting)}
-            await self._tell(there, settle, ORDER_TIME)
+            await self._tell(there, _bringing("settle", agent, waiting), ORDER_TIME)
             return len(waiting)
         except (BusError, TimeoutError) as err:
             if isinstance(err, Refused) and not is_adopted:
@@ -144,7 +142,7 @@ class Departures:
         return {
             "do": "adopt",
             "name": str(agent.name),
-            "kind": kind_of(agent),
+            "kind": agent.kind,
             "properties": agent.properties,
             "from": self._container.called.control_key,
             "luggage": migration.to_dict(),
@@ -168,8 +166,7 @@ class Departures:
             self._pass_on(agent.name, there, caller)
         if waiting:
             try:
-                order: Order = {"do": "deliver", "name": str(agent.name), "letters": encode_queued(waiting)}
-                await self._tell(there, order, ORDER_TIME)
+                await self._tell(there, _bringing("deliver", agent, waiting), ORDER_TIME)
             except (BusError, TimeoutError) as err:
                 self._container.report(agent.name, f"{len(waiting)} messages could not follow it to {there}", err)
 
@@ -226,3 +223,8 @@ def _why(error: BaseException, there: ContainerName) -> str:
     if isinstance(error, TimeoutError):
         return f"{there} does not answer"
     return in_words(error)
+
+
+def _bringing(do: str, agent: Agent, waiting: Sequence[QueuedMessage]) -> Order:
+    """Return an order with messages for an agent."""
+    return {"do": do, "name": str(agent.name), "letters": [queued.to_json() for queued in waiting]}

@@ -10,8 +10,8 @@ from typing import Any
 from agents.platform.acl import Performative
 from agents.platform.container.delivery_gate import DeliveryGate, QueuedMessage
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
-from agents.platform.errors import NotMoved
-from agents.platform.life import AgentState, Life, Step, after
+from agents.platform.errors import AgentError
+from agents.platform.life import AgentState, Life, Step
 from agents.platform.mailbox import Mailbox
 from agents.platform.mobility.migration_state import MigrationState
 from agents.platform.names import AgentName
@@ -49,11 +49,11 @@ class Migration:
             within: s for the conversations to end.
             pack: Returns what the agent keeps.
         Raises:
-            NotMoved: They have not ended; the agent goes on as before.
+            AgentError: They have not ended; the agent goes on as before.
             IllegalTransition: The agent is not at work.
         """
         was = self._life.state
-        after(was, Step.MOVE)
+        self._life.after(Step.MOVE)
         self.gate.keep_callers()  # before the agent is in transit, so that those let in are admitted as before
         self._life.go(Step.MOVE)
         self._schedule.gate.shut()
@@ -108,7 +108,7 @@ class Migration:
 
     def _check_leaving(self, within: float) -> None:
         if self._life.state is not AgentState.TRANSIT:
-            raise NotMoved(f"{self._me} has ended before it could move")
+            raise AgentError(f"{self._me} has ended before it could move")
         if busy := self._dispatcher.under_way:
             what = ", ".join(sorted({f"{each.message.performative} of {each.message.sender}" for each in busy}))
-            raise NotMoved(f"{self._me} stays where it is: it has not finished within {within:g} s with the {what}")
+            raise AgentError(f"{self._me} stays where it is: it has not finished within {within:g} s with the {what}")

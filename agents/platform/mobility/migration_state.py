@@ -1,13 +1,11 @@
-"""What an agent takes along when it moves, and the messages that follow it, as objects and as JSON."""
+"""What an agent takes along when it moves, as an object and as JSON."""
 
-from base64 import b64decode, b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
 from agents.platform.acl import AclMessage
-from agents.platform.container.delivery_gate import QueuedMessage
-from agents.platform.errors import NotMoved
+from agents.platform.errors import AgentError
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,26 +31,9 @@ class MigrationState:
         """Read it from a JSON object.
 
         Raises:
-            NotMoved, AclError: The object is not valid.
+            AgentError: The object is not valid.
         """
         match value:
             case {"state": dict(state), "mailbox": list(mailbox), "suspended": bool(is_suspended)}:
                 return cls(state, tuple(AclMessage.from_dict(message) for message in mailbox), is_suspended)
-        raise NotMoved("the state of the agent that moves is not valid")
-
-
-def encode_queued(waiting: Sequence[QueuedMessage]) -> list[list[str]]:
-    """Return queued messages as JSON."""
-    return [[queued.label, b64encode(queued.payload).decode()] for queued in waiting]
-
-
-def decode_queued(value: Any) -> list[QueuedMessage]:
-    """Read queued messages from JSON.
-
-    Raises:
-        NotMoved: They are not valid.
-    """
-    try:
-        return [QueuedMessage(str(label), b64decode(payload)) for label, payload in value]
-    except (TypeError, ValueError) as err:
-        raise NotMoved("the messages for the agent that moves are not valid") from err
+        raise AgentError("the state of the agent that moves is not valid")

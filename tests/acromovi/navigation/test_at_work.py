@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from acromovi.navigation.at_work import FROZEN_AFTER, NavigationAtWork, NotUp
-from acromovi.team.plan import PlannedProcess, navigation_process
+from acromovi.team.plan import PlannedProcess
 from agents.platform import ContainerName
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork, Subscription
@@ -23,7 +23,7 @@ class Site:
         self.complaints: list[str] = []
         self.network = MemoryNetwork()
         self.programs: list[PlannedProcess] = [
-            navigation_process("happy", name, [], "local") for name in ("hardware", "reactive")
+            PlannedProcess.of_navigation("happy", name, [], "local") for name in ("hardware", "reactive")
         ]
         self.tokens: dict[str, Subscription] = {}
         self.at_work = self.loop.run_until_complete(self._begin())
@@ -74,7 +74,7 @@ def site() -> Iterator[Site]:
 
 
 def test_a_process_is_the_same_command_with_the_same_options(site: Site) -> None:
-    command = navigation_process("happy", "reactive", ["--processes", "each"], "lan").command
+    command = PlannedProcess.of_navigation("happy", "reactive", ["--processes", "each"], "lan").command
     assert command[1:] == (
         *("-m", "acromovi", "navigate", "process", "happy", "reactive"),
         *("--processes", "each", "--bus", "lan", "--json"),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.host_control import control_key
+from acromovi.team.host_control import HostControl
 from tests.acromovi.team.running import ROOT, RunningTeam, running
 from tests.waiting import end_of, wait_until
 
@@ -36,7 +36,7 @@ def house(tmp_path: Path) -> Iterator[RunningTeam]:
 
 def processes(team: RunningTeam) -> dict[str, int]:
     """The navigation's containers, and their processes."""
-    (answer,) = team.bus.query(control_key("house"), {"do": "status"})
+    (answer,) = team.bus.query(HostControl.key("house"), {"do": "status"})
     rows = answer.value["processes"]
     return {str(row["container"]): row["pid"] for row in rows if str(row["container"]).startswith("happy-")}
 

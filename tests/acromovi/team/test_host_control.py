@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from acromovi.team.host_control import MOST_EXTRAS, HostControl, alive_key, control_key
+from acromovi.team.host_control import MOST_EXTRAS, HostControl
 from acromovi.team.plan import PlannedProcess, ProcessKind
 from acromovi.team.supervisor import ProcessRow, Supervisor
 from agents.platform.virtual_time import VirtualTimeLoop
@@ -45,16 +45,16 @@ def test_host_tells_its_table_and_has_a_container_started_again(
             for program in (EMULATOR, HAPPY):
                 supervisor.begin(program)
             await asyncio.sleep(0.1)
-            (answer,) = asker.query(control_key("dwarfs"), {"do": "status"})
+            (answer,) = asker.query(HostControl.key("dwarfs"), {"do": "status"})
             assert answer.value["team"] == "dwarfs"
             emulator, happy = answer.value["processes"]
             assert (emulator["name"], emulator["container"], emulator["restarts"]) == ("the emulator", None, 0)
             assert (happy["container"], happy["state"], happy["pid"]) == ("happy", "running", 101)
-            (answer,) = asker.query(control_key("dwarfs"), {"do": "restart", "container": "happy"})
+            (answer,) = asker.query(HostControl.key("dwarfs"), {"do": "restart", "container": "happy"})
             assert answer.value == {"restarting": "happy"}
             assert hands.done == [("restart", HAPPY)]
         with pytest.raises(NoAnswer):
-            asker.query(control_key("dwarfs"), {"do": "status"})
+            asker.query(HostControl.key("dwarfs"), {"do": "status"})
         await supervisor.end()
 
     loop.run_until_complete(main())
@@ -108,7 +108,7 @@ def test_host_has_containers_that_are_asked_for_and_no_more_than_it_can_hold(
 
 def test_token_shows_that_a_team_is_up(loop: VirtualTimeLoop, pretence: Pretence, diary: Diary) -> None:
     network, seen = MemoryNetwork(), []
-    MemoryBus(network).watch_alive(alive_key("dwarfs"), lambda key, is_there: seen.append(is_there))
+    MemoryBus(network).watch_alive(HostControl.alive_key("dwarfs"), lambda key, is_there: seen.append(is_there))
 
     async def main() -> None:
         HostControl(MemoryBus(network), "dwarfs", Supervisor(pretence.start, diary), PretendedHands()).close()

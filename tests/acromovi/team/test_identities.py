@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team import plan
-from acromovi.team.host_control import control_key
-from acromovi.team.identities import folder_of_keys
-from acromovi.team.plan import TeamOptions, load_team
+from acromovi.team.host_control import HostControl
+from acromovi.team.identities import TeamOptions, folder_of_keys
+from acromovi.team.plan import TeamPlan, TeamProcesses
 from bus import NotAllowed, keys
 from configs import ConfigError
 from tests.acromovi.conftest import AsOwner
@@ -43,18 +42,19 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_without_keys_all_come_to_the_bus_alike() -> None:
     assert folder_of_keys("local", "dwarfs", ["happy"]) is None
-    assert TeamOptions("lan").bus_of("robot.happy") == "lan"
+    assert TeamOptions("lan").bus_of_robot("happy") == "lan"
 
 
 def test_each_process_comes_with_its_own_key(site: Site, file: Path) -> None:
     profile = site.profile("")
-    team = load_team(str(file))
+    team = TeamPlan.load(str(file))
     (robot,) = team.robots
     choices = TeamOptions(profile, keys=folder_of_keys(profile, team.name, [robot.name]))
+    processes = TeamProcesses(team, choices, file.parent)
     programs = {
-        plan.gateway(team, robot, {}, file.parent, choices): "robot.happy",
-        plan.container("happy", choices): "robot.happy",
-        plan.services(team, choices): "admin.dwarfs",
+        processes.gateway(robot, {}): "robot.happy",
+        processes.container("happy"): "robot.happy",
+        processes.services(): "admin.dwarfs",
     }
     for program, owner in programs.items():
         bus = program.command[program.command.index("--bus") + 1]
@@ -91,11 +91,11 @@ def test_a_team_on_a_secure_bus_serves_those_who_may(site: Site, file: Path, as_
             code, _, complaint = as_owner("viewer.vera", *request)
             assert code == 1
             assert "a viewer may read everything and move nothing; ask for an operator's key" in complaint
-        for barred in control_key("dwarfs"), "happy/containers/happy/control":
+        for barred in HostControl.key("dwarfs"), "happy/containers/happy/control":
             with pytest.raises(NotAllowed, match="ask for an admin's key"):
                 team.bus.query(barred, {"do": "list"})
         with site.open("admin.dwarfs") as admin:
-            assert admin.query(control_key("dwarfs"), {"do": "status"})[0].value["team"] == "dwarfs"
+            assert admin.query(HostControl.key("dwarfs"), {"do": "status"})[0].value["team"] == "dwarfs"
             assert admin.query(keys.DESCRIPTION.key("happy"))[0].value["emulated"] is True
         team.end(signal.SIGINT)
         assert team.left_behind() == []

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.host_control import control_key
+from acromovi.team.host_control import HostControl
 from tests.acromovi.team.running import RunningTeam, running
 from tests.waiting import wait_until
 
@@ -51,7 +51,7 @@ def dwarfs(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[R
 
 
 def process_of(team: RunningTeam, container: str) -> int | None:
-    (answer,) = team.bus.query(control_key("dwarfs"), {"do": "status"})
+    (answer,) = team.bus.query(HostControl.key("dwarfs"), {"do": "status"})
     rows = [row for row in answer.value["processes"] if row["container"] == container]
     return rows[0]["pid"] if rows else None
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team import plan
-from acromovi.team.plan import ProcessKind, TeamOptions, load_team
+from acromovi.team.identities import TeamOptions
+from acromovi.team.plan import ProcessKind, TeamPlan, TeamProcesses
 from bus import KeyNotValid
 from configs import ConfigError
 
@@ -44,19 +44,19 @@ def options(command: tuple[str, ...]) -> dict[str, str]:
 
 
 def test_team_is_called_as_its_file(file: Path) -> None:
-    team = load_team(str(file))
+    team = TeamPlan.load(str(file))
     assert (team.name, [robot.name for robot in team.emulated]) == ("dwarfs", ["happy", "grumpy"])
-    assert load_team("acromovi").name == "acromovi"
+    assert TeamPlan.load("acromovi").name == "acromovi"
 
 
 def test_some_robots_of_a_team_are_had_without_the_others(file: Path) -> None:
-    team = load_team(str(file), ["iron", "grumpy"])
+    team = TeamPlan.load(str(file), ["iron", "grumpy"])
     assert [robot.name for robot in team.robots] == ["grumpy", "iron"]
-    assert options(plan.emulator(team, Path("f"), TeamOptions()).command)["--only"] == "grumpy"
+    assert options(TeamProcesses(team, TeamOptions(), Path("f")).emulator().command)["--only"] == "grumpy"
 
 
 def test_emulator_is_given_team_ports_and_seed(file: Path, tmp_path: Path) -> None:
-    program = plan.emulator(load_team(str(file)), tmp_path, TeamOptions(seed=7))
+    program = TeamProcesses(TeamPlan.load(str(file)), TeamOptions(seed=7), tmp_path).emulator()
     given = options(program.command)
     assert (given["--team"], given["--seed"], given["--only"]) == (str(file), "7", "happy,grumpy")
     assert (given["--control"], given["--pty"]) == (str(tmp_path / "control"), str(tmp_path / "port"))
@@ -64,9 +64,9 @@ def test_emulator_is_given_team_ports_and_seed(file: Path, tmp_path: Path) -> No
 
 
 def test_gateway_of_an_emulated_robot_is_told_where_the_emulator_has_put_it(file: Path, tmp_path: Path) -> None:
-    team = load_team(str(file))
+    team = TeamPlan.load(str(file))
     ports = {"port": "/dev/pts/5", "laser_port": "/dev/pts/6", "arm_port": None, "camera_url": "http://x/video"}
-    program = plan.gateway(team, team.robots[0], ports, tmp_path, TeamOptions(bus="lan"))
+    program = TeamProcesses(team, TeamOptions(bus="lan"), tmp_path).gateway(team.robots[0], ports)
     given = options(program.command)
     assert program.command[3] == "/dev/pts/5"
     assert (given["--name"], given["--bus"], given["--laser"]) == ("happy", "lan", "/dev/pts/6")
@@ -76,15 +76,15 @@ def test_gateway_of_an_emulated_robot_is_told_where_the_emulator_has_put_it(file
 
 
 def test_gateway_behind_radio_modems_is_told_so(file: Path, tmp_path: Path) -> None:
-    team = load_team(str(file))
-    assert "--radio" in plan.gateway(team, team.robots[1], {"port": "x"}, tmp_path, TeamOptions()).command
+    team = TeamPlan.load(str(file))
+    assert "--radio" in TeamProcesses(team, TeamOptions(), tmp_path).gateway(team.robots[1], {"port": "x"}).command
 
 
 def test_gateway_of_a_real_robot_is_told_what_the_file_says_and_not_that_it_is_emulated(
     file: Path, tmp_path: Path
 ) -> None:
-    team = load_team(str(file))
-    command = plan.gateway(team, team.robots[2], {}, tmp_path, TeamOptions()).command
+    team = TeamPlan.load(str(file))
+    command = TeamProcesses(team, TeamOptions(), tmp_path).gateway(team.robots[2], {}).command
     assert (command[3], options(command)["--laser"]) == ("/dev/ttyUSB7", "/dev/ttyUSB8")
     assert "--radio" in command
     assert "--wait" in command
@@ -92,9 +92,10 @@ def test_gateway_of_a_real_robot_is_told_what_the_file_says_and_not_that_it_is_e
 
 
 def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_path: Path) -> None:
-    happy = plan.container("happy", TeamOptions(bus="lan"))
+    team = TeamPlan.load(str(file))
+    happy = TeamProcesses(team, TeamOptions(bus="lan"), tmp_path).container("happy")
     assert (happy.container, options(happy.command)["--robot"]) == ("happy", "happy")
-    services = plan.services(load_team(str(file)), TeamOptions(apps=(tmp_path,)))
+    services = TeamProcesses(team, TeamOptions(apps=(tmp_path,)), tmp_path).services()
     assert (services.container, options(services.command)["--services"]) == ("services", "dwarfs")
     assert options(services.command)["--apps"] == str(tmp_path)
     assert happy.stage is services.stage is ProcessKind.AGENTS
@@ -102,9 +103,9 @@ def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_
 
 def test_a_robot_that_navigates_has_the_processes_of_its_wiring(file: Path) -> None:
     file.write_text(DWARFS.replace('model = "p2dx"', 'model = "p2dx"\nnavigation = true'))
-    team = load_team(str(file))
+    team = TeamPlan.load(str(file))
     assert [robot.name for robot in team.robots if robot.navigation] == ["grumpy"]
-    programs = plan.navigation("grumpy", TeamOptions("lan"))
+    programs = TeamProcesses(team, TeamOptions("lan"), file.parent).navigation("grumpy")
     assert "grumpy-hardware" in [program.container for program in programs]
     assert all(program.stage is ProcessKind.AGENTS and program.robot == "grumpy" for program in programs)
     assert programs[0].command[3:] == ("navigate", "process", "grumpy", "hardware", "--bus", "lan", "--json")
@@ -112,7 +113,7 @@ def test_a_robot_that_navigates_has_the_processes_of_its_wiring(file: Path) -> N
 
 def test_services_are_given_the_properties_of_the_teams_file(file: Path) -> None:
     file.write_text(DWARFS + '[services.arbiter]\naudit_file = "who moved what.jsonl"\n')
-    services = plan.services(load_team(str(file)), TeamOptions())
+    services = TeamProcesses(TeamPlan.load(str(file)), TeamOptions(), file.parent).services()
     assert options(services.command)["--property"] == 'arbiter.audit_file="who moved what.jsonl"'
 
 
@@ -136,21 +137,21 @@ def test_services_are_given_the_properties_of_the_teams_file(file: Path) -> None
 def test_mistake_in_a_teams_file_is_told_in_one_sentence(file: Path, text: str, why: str) -> None:
     file.write_text(text)
     with pytest.raises(ConfigError, match=why) as caught:
-        load_team(str(file))
+        TeamPlan.load(str(file))
     assert "\n" not in str(caught.value)
 
 
 def test_name_that_the_bus_cannot_carry_is_refused(file: Path) -> None:
     file.write_text(DWARFS.replace("iron", "i/ron"))
     with pytest.raises(KeyNotValid, match="'i/ron' cannot name a robot"):
-        load_team(str(file))
+        TeamPlan.load(str(file))
 
 
 def test_robot_that_a_team_does_not_have_cannot_be_chosen(file: Path) -> None:
     with pytest.raises(ConfigError, match="no robot 'hapy' in this team; did you mean 'happy'"):
-        load_team(str(file), ["hapy"])
+        TeamPlan.load(str(file), ["hapy"])
 
 
 def test_team_that_is_not_there_names_the_nearest() -> None:
     with pytest.raises(ConfigError, match="acromovi"):
-        load_team("acromov")
+        TeamPlan.load("acromov")

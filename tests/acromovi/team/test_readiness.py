@@ -2,7 +2,7 @@
 
 import pytest
 
-from acromovi.team.readiness import PATIENCE, QUIET_TIME, Readiness, fitted
+from acromovi.team.readiness import PATIENCE, QUIET_TIME, Readiness
 from configs.team_file import TeamRobot
 
 HAPPY = TeamRobot("happy", "p3dx-sh", fit=("gripper", "laser", "no-rear-sonar", "joystick"))
@@ -25,7 +25,7 @@ def come_up(readiness: Readiness, *agents: str) -> None:
     ],
 )
 def test_parts_that_must_show_themselves_are_those_that_the_file_names(robot: TeamRobot, parts: set[str]) -> None:
-    assert fitted(robot) == parts
+    assert Readiness([robot])[robot.name].parts == parts
 
 
 def test_robot_serves_when_its_parts_have_agents_and_no_more_come() -> None:

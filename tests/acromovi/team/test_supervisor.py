@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 
 from acromovi.team.plan import PlannedProcess, ProcessKind
-from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, Hear, ProcessState, Supervisor, ending
+from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, Hear, ProcessState, Supervisor
 from agents.platform.virtual_time import VirtualTimeLoop
 from tests.acromovi.team.conftest import Diary, Pretence, PretendedChild
 
@@ -137,9 +137,20 @@ def test_process_that_is_just_being_started_ends_with_the_others(
     loop.run_until_complete(main())
 
 
-def test_exit_codes_are_told_in_words() -> None:
-    assert ending(-9) == "ended by SIGKILL"
-    assert ending(3) == "ended with exit code 3"
+@pytest.mark.parametrize(("code", "how"), [(-9, "ended by SIGKILL"), (3, "ended with exit code 3")])
+def test_exit_codes_are_told_in_words(
+    loop: VirtualTimeLoop, pretence: Pretence, diary: Diary, code: int, how: str
+) -> None:
+    async def main() -> None:
+        supervisor = Supervisor(pretence.start, diary)
+        entry = supervisor.begin(HAPPY)
+        await asyncio.sleep(1.0)
+        pretence.children[0].end(code)
+        await asyncio.sleep(0.01)
+        assert entry.why == how
+        await supervisor.end()
+
+    loop.run_until_complete(main())
 
 
 @pytest.mark.parametrize("ignores", [False, True])

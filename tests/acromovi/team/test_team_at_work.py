@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.host_control import control_key
-from acromovi.team.plan import TeamOptions, TeamPlan
+from acromovi.team.host_control import HostControl
+from acromovi.team.identities import TeamOptions
+from acromovi.team.plan import TeamPlan
 from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed, TeamTimedOut
 from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
@@ -342,13 +343,13 @@ def test_container_that_is_asked_for_comes_once_stays_and_ends_for_good(play: Pl
         await stage.says(SERVICES, container="services")
         await coming_up
         for _ in range(2):
-            stage.bus.query(control_key("dwarfs"), {"do": "start", "container": "patrol-apps"})
+            stage.bus.query(HostControl.key("dwarfs"), {"do": "start", "container": "patrol-apps"})
         await asyncio.sleep(0.1)
         stage.pretence.of(PATROL).end(-9)
         await asyncio.sleep(0.1)
         assert stage.pretence.names().count(PATROL) == 2
         assert stage.complaints == ["the container patrol-apps ended by SIGKILL; it is started again"]
-        stage.bus.query(control_key("dwarfs"), {"do": "end", "container": "patrol-apps"})
+        stage.bus.query(HostControl.key("dwarfs"), {"do": "end", "container": "patrol-apps"})
         await asyncio.sleep(60.0)
         assert stage.pretence.names().count(PATROL) == 2
         assert len(stage.complaints) == 1

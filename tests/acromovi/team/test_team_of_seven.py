@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import configs
-from acromovi.team.host_control import control_key
+from acromovi.team.host_control import HostControl
 from agents import Team
 from agents.platform import AgentName
 from configs.team_file import TeamFile
@@ -121,7 +121,7 @@ def assert_laser_goes_and_comes_with_its_agent(team: RunningTeam, tokens: set[st
 
 def assert_killed_container_comes_back(team: RunningTeam, robot: str, tokens: set[str]) -> None:
     agents = {AgentName(element, robot).alive_key for element in AGENTS[robot]}
-    (answer,) = team.bus.query(control_key("acromovi"), {"do": "status"})
+    (answer,) = team.bus.query(HostControl.key("acromovi"), {"do": "status"})
     (pid,) = (row["pid"] for row in answer.value["processes"] if row["container"] == robot)
     os.kill(pid, signal.SIGKILL)
     wait_until(lambda: not agents & tokens, "its agents have gone")

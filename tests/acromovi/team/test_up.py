@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.team.host_control import control_key
+from acromovi.team.host_control import HostControl
 from acromovi.team.team import STARTING_TIME
 from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import RunningTeam, run, running
@@ -47,7 +47,7 @@ def dwarfs(file: str) -> Iterator[RunningTeam]:
 
 
 def processes(team: RunningTeam) -> dict[str, dict[str, object]]:
-    (answer,) = team.bus.query(control_key("dwarfs"), {"do": "status"})
+    (answer,) = team.bus.query(HostControl.key("dwarfs"), {"do": "status"})
     return {process["name"]: process for process in answer.value["processes"]}
 
 
@@ -81,7 +81,7 @@ def test_container_that_is_started_again_has_its_agents_back(dwarfs: RunningTeam
     before = processes(dwarfs)["the container of grumpy"]["pid"]
     assert isinstance(before, int)
     if how == "is told to":
-        dwarfs.bus.query(control_key("dwarfs"), {"do": "restart", "container": "grumpy"})
+        dwarfs.bus.query(HostControl.key("dwarfs"), {"do": "restart", "container": "grumpy"})
     else:
         os.kill(before, signal.SIGKILL)
     wait_until(lambda: processes(dwarfs)["the container of grumpy"]["pid"] not in (before, None), "a new process runs")

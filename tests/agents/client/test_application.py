@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from agents import Failed, NotThere, Refused, RobotError, Team
-from agents.client.application import application_agent
-from agents.client.program import find_program
-from agents.platform import AgentState
+from agents.client.application import Application
+from agents.client.program import RunningApplication
+from agents.platform import AgentName, AgentState
 from tests.agents.client.conftest import BasePart, World
 from tests.waiting import wait_until
 
@@ -62,13 +62,22 @@ def main(team):
 """
 
 
+def application_agent(file: str, name: str = "", arguments: dict[str, Any] | None = None) -> Application:
+    """An agent of a file's program."""
+    program = RunningApplication.find(file)
+    program.check(arguments or {})
+    return Application(program, name or AgentName(program.name, "apps"), arguments or {})
+
+
 def write(folder: Path, text: str, name: str = "patrol.py") -> str:
     (folder / name).write_text(text)
     return str(folder / name)
 
 
 def test_an_application_runs_with_a_team_and_its_arguments(tmp_path: Path, team: Team) -> None:
-    program = find_program(write(tmp_path, "def main(team, robot, by=1.0):\n    team.robot(robot).base.move(by)\n"))
+    program = RunningApplication.find(
+        write(tmp_path, "def main(team, robot, by=1.0):\n    team.robot(robot).base.move(by)\n")
+    )
     program.check({"robot": "happy", "by": 2.0})
     program.run(team, {"robot": "happy", "by": 2.0})
     assert team.robot("happy").base.pose().x == 2.0
@@ -76,7 +85,7 @@ def test_an_application_runs_with_a_team_and_its_arguments(tmp_path: Path, team:
 
 def test_an_application_is_found_by_name_in_a_folder(tmp_path: Path) -> None:
     write(tmp_path, PATROL)
-    assert find_program("patrol", [tmp_path]).services == ("patrol",)
+    assert RunningApplication.find("patrol", [tmp_path]).services == ("patrol",)
 
 
 @pytest.mark.parametrize(
@@ -91,7 +100,7 @@ def test_an_application_is_found_by_name_in_a_folder(tmp_path: Path) -> None:
 )
 def test_what_is_no_application_is_told_in_one_sentence(tmp_path: Path, text: str, told: str) -> None:
     with pytest.raises(RobotError) as caught:
-        find_program(write(tmp_path, text))
+        RunningApplication.find(write(tmp_path, text))
     assert told in str(caught.value)
 
 
@@ -99,11 +108,11 @@ def test_the_nearest_name_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     write(tmp_path, PATROL)
     monkeypatch.chdir(tmp_path)
     with pytest.raises(RobotError, match=r"there is no application 'patroll.py'; did you mean patrol.py\?"):
-        find_program("patroll.py")
+        RunningApplication.find("patroll.py")
     with pytest.raises(RobotError, match=r"there is no application 'patrol'; did you mean the file patrol.py\?"):
-        find_program("patrol")
+        RunningApplication.find("patrol")
     with pytest.raises(RobotError, match="write one with `acromovi new zebra`"):
-        find_program("zebra")
+        RunningApplication.find("zebra")
 
 
 @pytest.mark.parametrize(
@@ -116,19 +125,21 @@ def test_the_nearest_name_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 )
 def test_arguments_are_checked_before_it_runs(tmp_path: Path, arguments: dict[str, Any], told: str) -> None:
     with pytest.raises(RobotError) as caught:
-        find_program(write(tmp_path, PATROL)).check(arguments)
+        RunningApplication.find(write(tmp_path, PATROL)).check(arguments)
     assert told in str(caught.value)
 
 
 def test_a_mistake_of_the_program_is_told_with_its_line(tmp_path: Path, team: Team) -> None:
-    program = find_program(write(tmp_path, "def main(team):\n    robots = team.robots()\n    robots[7].stop()\n"))
+    program = RunningApplication.find(
+        write(tmp_path, "def main(team):\n    robots = team.robots()\n    robots[7].stop()\n")
+    )
     with pytest.raises(RobotError) as caught:
         program.run(team, {})
     assert str(caught.value) == "patrol.py, line 3: IndexError: list index out of range"
 
 
 def test_a_robots_error_stays_what_it_is(tmp_path: Path, team: Team) -> None:
-    program = find_program(write(tmp_path, "def main(team):\n    team.robot('nobody')\n"))
+    program = RunningApplication.find(write(tmp_path, "def main(team):\n    team.robot('nobody')\n"))
     with pytest.raises(NotThere, match="there is no robot 'nobody'"):
         program.run(team, {})
 

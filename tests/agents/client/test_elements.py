@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from agents import RobotError, Team
-from agents.client.element import numbered
 from agents.client.readings import OtherReading
 from agents.client.robot import ELEMENTS
 from agents.client.sensors import Picture
@@ -210,12 +209,14 @@ def test_numbers_are_keys_as_in_python(world: World, team: Team) -> None:
 @pytest.mark.parametrize(
     "value", [{}, {"1": 2, "x": 3}, {"01": 1}, {"1.0": 1}, {"": 1}, {"-": 1}, {"\u0661": 1}, [1, "2"], "3", None]
 )
-def test_other_keys_stay_text(value: Any) -> None:
-    assert numbered(value) == value
+def test_other_keys_stay_text(world: World, team: Team, value: Any) -> None:
+    world.add(Part("sonar@happy", {"value": value}))
+    assert team.ask("sonar@happy", "read")["value"] == value
 
 
-def test_keys_are_numbers_at_any_depth() -> None:
-    assert numbered([{"a": {"-1": {"0": "x"}}}]) == [{"a": {-1: {0: "x"}}}]
+def test_keys_are_numbers_at_any_depth(world: World, team: Team) -> None:
+    world.add(Part("sonar@happy", {"value": [{"a": {"-1": {"0": "x"}}}]}))
+    assert team.ask("sonar@happy", "read")["value"] == [{"a": {-1: {0: "x"}}}]
 
 
 def test_what_is_no_picture_is_told() -> None:

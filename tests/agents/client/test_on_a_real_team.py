@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from acromovi.__main__ import main
-from acromovi.team.host_control import control_key
+from acromovi.team.host_control import HostControl
 from agents import Failed, NotThere, Robot, RobotError, Team
 from tests.acromovi.team.running import RunningTeam, running
 from tests.live_team import SCRIPT
@@ -186,7 +186,7 @@ def test_a_laser_that_is_unplugged_while_it_is_watched(dwarfs: RunningTeam, team
 
 
 def test_a_gateway_that_is_killed_in_a_motion(dwarfs: RunningTeam, team: Team) -> None:
-    (answer,) = dwarfs.bus.query(control_key("dwarfs"), {"do": "status"})
+    (answer,) = dwarfs.bus.query(HostControl.key("dwarfs"), {"do": "status"})
     (pid,) = (each["pid"] for each in answer.value["processes"] if each["name"] == "the gateway of happy")
     told = during_a_move(dwarfs, team.robot("happy"), threading.Thread(target=os.kill, args=[pid, signal.SIGKILL]))
     assert told.startswith("base@happy could not move: ")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.components.pose_control import PoseControlLimits, PoseGoal, along, towards
+from agents.components.pose_control import PoseControlLimits, PoseGoal
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
 LIMITS = PoseControlLimits(0.4, 0.8)
@@ -19,7 +19,7 @@ headings = st.floats(-pi + 1e-6, pi)
 def test_every_goal_is_reached_from_everywhere(x: float, y: float, start: float, end: float | None) -> None:
     pose, goal, is_there = Pose2D(0.0, 0.0, start), PoseGoal(x, y, end), False
     for _ in range(round((10.0 + 4.0 * hypot(x, y)) / LIMITS.linear / DT)):
-        velocity, is_there = towards(goal, pose, LIMITS, is_there)
+        velocity, is_there = LIMITS.towards(goal, pose, is_there)
         assert abs(velocity.linear) <= LIMITS.linear
         assert abs(velocity.angular) <= LIMITS.angular
         assert velocity.linear >= 0.0  # its sensors look ahead
@@ -38,7 +38,7 @@ def test_a_straight_way_is_kept_to_forward_and_backward(
     start = Pose2D(1.0, -2.0, heading)
     pose = start.compose(Pose2D(0.0, aside, askew))
     for _ in range(1000):
-        velocity = along(start, distance, pose, LIMITS)
+        velocity = LIMITS.along(start, distance, pose)
         if velocity.is_done:
             break
         assert velocity.linear * distance > 0.0
@@ -50,19 +50,19 @@ def test_a_straight_way_is_kept_to_forward_and_backward(
 
 
 def test_who_comes_near_slows_down() -> None:
-    speeds = [towards(PoseGoal(left, 0.0), Pose2D(), LIMITS)[0].linear for left in (2.0, 0.3, 0.1)]
+    speeds = [LIMITS.towards(PoseGoal(left, 0.0), Pose2D())[0].linear for left in (2.0, 0.3, 0.1)]
     assert speeds == sorted(speeds, reverse=True)
     assert speeds[0] == LIMITS.linear
     assert speeds[-1] < 0.2
 
 
 def test_a_goal_behind_is_turned_to_before_anything_is_driven() -> None:
-    velocity, _ = towards(PoseGoal(cos(2.5), sin(2.5)), Pose2D(), LIMITS)
+    velocity, _ = LIMITS.towards(PoseGoal(cos(2.5), sin(2.5)), Pose2D())
     assert velocity.linear == 0.0
     assert velocity.angular > 0.0
 
 
 def test_at_the_place_a_small_slip_is_not_driven_back() -> None:
     goal = PoseGoal(0.07, 0.0, 1.0)
-    assert towards(goal, Pose2D(), LIMITS, was_there=True)[0].linear == 0.0
-    assert towards(goal, Pose2D(), LIMITS, was_there=False)[0].linear > 0.0
+    assert LIMITS.towards(goal, Pose2D(), was_there=True)[0].linear == 0.0
+    assert LIMITS.towards(goal, Pose2D(), was_there=False)[0].linear > 0.0

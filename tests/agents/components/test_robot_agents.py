@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from agents.components.robot_agents import RobotAgents, described_elements
+from agents.components.robot_agents import RobotAgents
 from agents.platform import Agent, AgentName, AlreadyThere, Container, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, Refused, Subscription, keys
@@ -342,9 +342,9 @@ def make_of(kind: type[Agent]) -> Callable[[str], Any]:
     "nonsense", [None, 3, ["base"], [{"name": "base"}], [{"name": 1, "streams": [], "commands": []}]]
 )
 def test_a_description_without_sense_describes_nothing(nonsense: Any) -> None:
-    assert described_elements({"elements": nonsense}) == {}
+    assert RobotAgents.described({"elements": nonsense}) == {}
 
 
 def test_an_element_that_is_described_twice_has_the_streams_of_both() -> None:
     rows = [{"name": "gyro", "streams": [], "commands": []}, {"name": "gyro", "streams": ["a/imu"], "commands": []}]
-    assert described_elements({"elements": rows})["gyro"]["streams"] == ["a/imu"]
+    assert RobotAgents.described({"elements": rows})["gyro"]["streams"] == ["a/imu"]

@@ -29,7 +29,6 @@ from agents.platform import (
     on,
     request,
 )
-from agents.platform.conversations.outcome import why_of
 from agents.platform.conversations.request_dispatcher import MOST_REQUESTS
 from agents.platform.schedule import FAIL_AGENT
 from agents.platform.virtual_time import VirtualTimeLoop
@@ -182,7 +181,7 @@ def test_a_reason_is_never_empty(bench: Bench, error: Exception, why: str) -> No
 
 def test_who_gives_no_reason_has_that_said() -> None:
     refusal = AclMessage(performative=Performative.REFUSE, sender=BASE, receivers=(CONSOLE,), content={"why": " "})
-    assert why_of(refusal) == "no reason is given"
+    assert refusal.why == "no reason is given"
 
 
 def test_a_handler_can_tell_who_asks(bench: Bench) -> None:

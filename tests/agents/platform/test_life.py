@@ -3,17 +3,19 @@
 import pytest
 
 from agents.platform import AgentState, IllegalTransition, Step
-from agents.platform.life import TRANSITIONS, after
+from agents.platform.life import TRANSITIONS, Life
 
 
 @pytest.mark.parametrize("state", AgentState)
 @pytest.mark.parametrize("step", Step)
 def test_only_the_steps_of_the_table_are_taken(state: AgentState, step: Step) -> None:
+    life = Life()
+    life.state = state
     if (state, step) in TRANSITIONS:
-        assert after(state, step) is TRANSITIONS[state, step]
+        assert life.after(step) is TRANSITIONS[state, step]
     else:
         with pytest.raises(IllegalTransition, match=f"an agent that is {state} cannot {step}"):
-            after(state, step)
+            life.go(step)
 
 
 def test_every_state_but_the_last_can_be_left_and_the_last_cannot() -> None:

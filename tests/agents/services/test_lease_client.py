@@ -9,7 +9,7 @@ from agents.platform import Agent, RequestNotDone
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
 from agents.services.lease_client import NOTICE, TIME_TO_TAKE_OVER, HeldLease, leased
-from agents.services.leases import LeaseEnded, LeaseEvent, LeaseNews
+from agents.services.leases import LeaseEvent, LeaseNews
 from tests.agents.services.lease_world import ARBITER, LeaseWorld
 
 
@@ -46,7 +46,6 @@ def test_lease_is_renewed_during_the_block_and_given_back_after_it(world: LeaseW
     async def use(lease: HeldLease) -> None:
         await asyncio.sleep(20.0)
         assert lease.is_held
-        lease.check()
         assert world.gateway.moves("base", lease.token)
         assert not world.gateway.moves("base", "")
 
@@ -65,8 +64,7 @@ def test_holder_is_warned_of_a_higher_priority_and_then_told_that_it_is_over(wor
         assert lease.is_held
         assert lease.news == LeaseNews(LeaseEvent.PREEMPTED, 0.5, "chief@lab")
         await asyncio.wait_for(lease.ended.wait(), 0.4)
-        with pytest.raises(LeaseEnded, match="base@happy has ended: preempted by chief@lab"):
-            lease.check()
+        assert (lease.is_held, str(lease.news)) == (False, "preempted by chief@lab")
         assert (await asking).is_done
 
     told = holding(world, app, use)
@@ -174,7 +172,7 @@ def test_warning_that_comes_to_nothing_is_over(world: LeaseWorld, app: Agent) ->
         assert lease.wanted_by == "chief@lab"
         await asyncio.sleep(NOTICE + TIME_TO_TAKE_OVER)
         assert lease.wanted_by == ""
-        lease.check()
+        assert lease.is_held
 
     assert len(holding(world, app, use)) == 1
 

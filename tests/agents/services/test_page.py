@@ -14,7 +14,7 @@ from acromovi.command import argument
 from agents.platform import Agent, AgentName
 from agents.platform.hooks import hooks_of
 from agents.services.all_services import SERVICES
-from agents.services.restarts import RestartRules
+from agents.services.restarts import Restarts
 
 PAGE = (Path(__file__).resolve().parents[3] / "docs" / "services.md").read_text()
 SECTIONS = {
@@ -93,4 +93,4 @@ def test_properties_that_it_shows_can_be_given() -> None:
     assert shown.keys() == {"arbiter", "monitor", "loader"}
     for service, properties in shown.items():
         assert isinstance(SERVICES[service](AgentName(service, "acromovi"), properties), Agent)
-        RestartRules(properties.get("restart"))
+        Restarts(properties.get("restart"))

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.services.selection import Selection, SelectionNotValid, Sieve, look_up
+from agents.services.selection import Selection, Sieve
+from bus import Refused
 
 nearest = st.one_of(st.none(), st.floats(0.0, 5.0))
 gaps = st.floats(0.0, 0.5)
@@ -112,7 +113,7 @@ def test_fields_are_found_through_objects_and_lists_and_keep_the_stamp() -> None
         "pose.x.y": None,
         "stamp": 5.0,
     }
-    assert look_up(value, "front.-1") is None
+    assert Selection.read(fields=["front.-1"]).part(value)["front.-1"] is None
 
 
 def test_a_field_that_a_source_does_not_have_is_noticed() -> None:
@@ -166,7 +167,7 @@ def test_conditions(value: Any, bounds: dict[str, Any], expected: bool) -> None:
     ],
 )
 def test_a_bad_wish_is_refused_in_one_sentence(wrong: dict[str, Any]) -> None:
-    with pytest.raises(SelectionNotValid) as refusal:
+    with pytest.raises(Refused) as refusal:
         Selection.read(**wrong)
     assert "\n" not in str(refusal.value)
     assert len(str(refusal.value)) < 200

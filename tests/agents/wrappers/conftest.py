@@ -13,7 +13,7 @@ import pytest
 
 from agents.platform import Agent, AgentName, Container, Outcome, Report
 from agents.wrappers.wrapped import Wrapped
-from agents.wrappers.wrapper_file import load_wrapper
+from agents.wrappers.wrapper_file import WrapperFile
 from bus import MemoryBus
 from tests.waiting import waiting
 
@@ -49,7 +49,7 @@ async def bench(file: Path) -> AsyncIterator[Bench]:
             made.results.append(result)
 
         made.console.listen(NAME.results_key, hear, keep=100)
-        await container.start(Wrapped(NAME, *load_wrapper(str(file))))
+        await container.start(Wrapped(NAME, *WrapperFile.load(str(file))))
         yield made
 
 

@@ -8,7 +8,7 @@ import numpy
 import pytest
 
 from agents.platform import Ending
-from agents.wrappers.frames import FrameSplitter, call
+from agents.wrappers.frames import FramesCodec, FrameSplitter
 from bus import keys
 from bus.messages import CompressedImage, header
 from tests.agents.wrappers.conftest import bench
@@ -146,7 +146,7 @@ def test_a_library_that_cannot_be_loaded_is_told(tmp_path: Path) -> None:
 
 
 def test_frames_come_whole_out_of_any_portions() -> None:
-    said = call("f", {"image": b"\n{}\n", "level": 3}) * 2
+    said = FramesCodec().ask("f", {"image": b"\n{}\n", "level": 3}) * 2
     splitter = FrameSplitter()
     frames = [frame for i in range(len(said)) for frame in splitter.receive(said[i : i + 1])]
     assert [(head["function"], head["arguments"], blobs) for head, blobs in frames] == [

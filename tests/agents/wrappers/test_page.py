@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from agents.wrappers.wrapped import Wrapped
-from agents.wrappers.wrapper_file import load_wrapper
+from agents.wrappers.wrapper_file import WrapperFile
 from tests.agents.wrappers.conftest import bench
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "wrappers.md"
@@ -42,4 +42,4 @@ def test_the_filters_of_the_page_filter(tmp_path: Path, filters: Path) -> None:
 def test_the_files_of_the_page_are_read_without_complaint(tmp_path: Path) -> None:
     (tmp_path / "filters.so").touch()
     for name in ("counter.toml", "filters.toml"):
-        Wrapped("it@happy", *load_wrapper(str(file_of_the_page(name, tmp_path))))
+        Wrapped("it@happy", *WrapperFile.load(str(file_of_the_page(name, tmp_path))))

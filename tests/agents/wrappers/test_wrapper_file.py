@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from agents.wrappers.wrapped import Wrapped
-from agents.wrappers.wrapper_file import load_wrapper
+from agents.wrappers.wrapper_file import WrapperFile
 from configs import ConfigError, names
 
 PROGRAM = '[program]\ncommand = ["cat"]\n'
@@ -14,7 +14,7 @@ LIBRARY = '[library]\nfile = "m"\n[[functions]]\nname = "f"\n'
 
 @pytest.mark.parametrize("name", names("wrappers"))
 def test_each_wrapper_that_comes_with_the_project_can_be_used(name: str) -> None:
-    wrapper, path = load_wrapper(name)
+    wrapper, path = WrapperFile.load(name)
     Wrapped("it@happy", wrapper, path)
 
 
@@ -45,5 +45,5 @@ def test_an_error_is_told_with_the_file(tmp_path: Path, text: str, why: str) -> 
     path = tmp_path / "wrong.toml"
     path.write_text(text)
     with pytest.raises(ConfigError, match=why) as caught:
-        Wrapped("it@happy", *load_wrapper(str(path)))
+        Wrapped("it@happy", *WrapperFile.load(str(path)))
     assert str(path) in str(caught.value)
