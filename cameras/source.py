@@ -32,15 +32,12 @@ class CameraSource(Protocol):
         Raises:
             CameraLost: None has come in time, or the camera is gone.
         """
-        ...
 
     def interrupt(self) -> None:
         """Let a `read` under way in another thread end, where that can be done."""
-        ...
 
     def close(self) -> None:
         """Let go of it."""
-        ...
 
 
 def check_source(where: str) -> None:

@@ -93,12 +93,10 @@ class _BridgeListener(Protocol):
             now: Steady time of the bridge, s.
             stamp_ns: Wall clock when the bytes were read that brought them about.
         """
-        ...
 
     @property
     def deadline(self) -> float:
         """When the next call is due even without events, s."""
-        ...
 
 
 class Bridge(Generic[D]):

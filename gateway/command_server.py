@@ -55,7 +55,6 @@ class Commander(Protocol):
 
     def command(self, call: Callable[[Driver, float], T]) -> T:
         """Call a function with the driver and the steady time under the robot's lock, and write the bytes due."""
-        ...
 
 
 class CommandServer(Subscription):

@@ -15,15 +15,12 @@ class _ProcessCommands(Protocol):
 
     def restart(self, entry: ProcessRow) -> None:
         """Restart a process."""
-        ...
 
     def start(self, container: str) -> None:
         """Start an empty container, in addition to those of the team."""
-        ...
 
     def retire(self, entry: ProcessRow) -> None:
         """End such a container and do not restart it."""
-        ...
 
 
 class HostControl(Closeable):

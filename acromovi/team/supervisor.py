@@ -21,24 +21,19 @@ class _Child(Protocol):
     @property
     def pid(self) -> int:
         """Its number."""
-        ...
 
     @property
     def turns(self) -> int:
         """How often it has had a processor; one that is frozen gets no more."""
-        ...
 
     async def wait(self) -> int:
         """Its exit code, once it has ended; negative when a signal ended it."""
-        ...
 
     def terminate(self) -> None:
         """Ask it to end."""
-        ...
 
     def kill(self) -> None:
         """End it."""
-        ...
 
 
 Hear = Callable[[str], None]
@@ -91,15 +86,12 @@ class _Watcher(Protocol):
 
     def heard(self, program: PlannedProcess, line: str) -> None:
         """A line of standard output."""
-        ...
 
     def complained(self, program: PlannedProcess, line: str) -> None:
         """A line of standard error."""
-        ...
 
     def ended(self, entry: ProcessRow) -> None:
         """A process has ended unexpectedly and will be restarted."""
-        ...
 
 
 class Supervisor:

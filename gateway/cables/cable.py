@@ -13,43 +13,34 @@ class CableDriver(Protocol):
     @property
     def baud(self) -> int:
         """The rate for writing the bytes due and for reading from now on, bit/s; 0 for a line without a rate."""
-        ...
 
     @property
     def deadline(self) -> float:
         """When to call `receive` and `bytes_due` again even without bytes, s."""
-        ...
 
     @property
     def is_moving(self) -> bool:
         """Something moves that must stand still before the closing bytes are written."""
-        ...
 
     @property
     def stopping_bytes(self) -> bytes:
         """The bytes that stop everything; written first on closing."""
-        ...
 
     @property
     def closing_bytes(self) -> bytes:
         """The bytes to write at the end, when everything stands still or the time to stop has passed."""
-        ...
 
     def port_opened(self, now: float) -> None:
         """Begin: the port is open."""
-        ...
 
     def port_lost(self, reason: str, now: float) -> None:
         """Note that the port is lost or cannot be opened, and why. `receive` reports what follows."""
-        ...
 
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Take bytes as read; none lets time pass. now: steady time, s."""
-        ...
 
     def bytes_due(self, now: float) -> bytes:
         """Take what must be written now."""
-        ...
 
 
 class ElementDriver(CableDriver, Protocol):
@@ -66,15 +57,12 @@ class ElementDriver(CableDriver, Protocol):
 
     def faults(self) -> Sequence[str]:
         """Return what is wrong with the element, a sentence each."""
-        ...
 
     def figures(self) -> Mapping[str, Any]:
         """Return the values for diagnostics, beside the counters."""
-        ...
 
     def halt(self, now: float) -> None:
         """Stop where it is, because the robot was stopped. Does nothing for an element that cannot move."""
-        ...
 
 
 PublishEvents = Callable[[Sequence[Event], int], None]
@@ -94,20 +82,16 @@ class ElementCable(Protocol):
     @property
     def driver(self) -> Any:
         """Its driver, of which only the plain state may be read."""
-        ...
 
     @property
     def bridge(self) -> Any:
         """Takes commands for the driver by its `command`; None where nothing can be commanded."""
-        ...
 
     def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
         """Publish the driver's events from now on."""
-        ...
 
     def halt(self) -> None:
         """Stop everything that moves; does not wait for a slow cable."""
-        ...
 
 
 class ElementThread(ElementCable, Protocol):
@@ -115,8 +99,6 @@ class ElementThread(ElementCable, Protocol):
 
     def start(self) -> None:
         """Let the thread run."""
-        ...
 
     def close(self) -> None:
         """Bring the element to rest, close the port, end the thread."""
-        ...

@@ -34,7 +34,6 @@ class _Ask(Protocol):
 
     def __call__(self, command: Command, value: CommandValue | None = None, kind: Hashable = None) -> None:
         """Queue a command that can wait."""
-        ...
 
 
 class AuxLine:

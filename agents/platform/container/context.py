@@ -32,38 +32,29 @@ class ContainerContext(Protocol):
     @property
     def bus(self) -> Bus:
         """The bus of its agents."""
-        ...
 
     @property
     def name(self) -> str:
         """The container's name."""
-        ...
 
     @property
     def folders(self) -> Sequence[Path]:
         """The folders with the programs whose agents the container can be told to start."""
-        ...
 
     def report(self, agent: AgentName, what: str, error: Exception | None = None) -> None:
         """Report an error."""
-        ...
 
     def end(self, agent: AgentName, end: AgentEnd = AgentEnd.STOPPED) -> None:
         """Stop an agent soon, and publish why."""
-        ...
 
     def trace(self, message: AclMessage) -> None:
         """Take each message that an agent sends; called on any thread, so it must be quick."""
-        ...
 
     def attend(self, asker: AgentName, gone: Callable[[], None]) -> Callable[[], None]:
         """Call `gone` when the initiator of a conversation dies; call the returned function to stop watching."""
-        ...
 
     def beating(self, agent: AgentName) -> AbstractContextManager[None]:
         """Publish an agent's heartbeat during a block."""
-        ...
 
     def wall_time(self) -> float:
         """Return s since 1970."""
-        ...

@@ -15,17 +15,14 @@ class ControlledContainer(ContainerContext, Protocol):
     @property
     def called(self) -> ContainerName:
         """Its name and platform, and its keys."""
-        ...
 
     @property
     def kinds(self) -> Kinds:
         """The agents that it can be told to start."""
-        ...
 
     @property
     def agents(self) -> list[Agent]:
         """Its agents, the oldest first."""
-        ...
 
     def agent(self, name: AgentName | str) -> Agent:
         """Return one of its agents.
@@ -33,7 +30,6 @@ class ControlledContainer(ContainerContext, Protocol):
         Raises:
             UnknownAgent: It has none of this name.
         """
-        ...
 
     async def bring_up(self, agent: Agent, begin: Callable[[Any], Awaitable[None]]) -> None:
         """Start an agent by a function of the caller.
@@ -42,8 +38,6 @@ class ControlledContainer(ContainerContext, Protocol):
             AlreadyThere: This container has an agent of this name.
             SetupFailed: It raised or took too long, which has been reported; the agent is removed.
         """
-        ...
 
     async def stop(self, name: AgentName | str, end: AgentEnd = AgentEnd.STOPPED) -> None:
         """Stop an agent, and wait until it has ended."""
-        ...

@@ -43,31 +43,24 @@ class ArmCommands(Protocol):
     @property
     def limits(self) -> Sequence[JointLimits]:
         """The limits of every joint."""
-        ...
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
         """Send joints to their targets, rad (m), each turning one at `speed`, rad/s; at its usual one if None."""
-        ...
 
     def home(self, now: float) -> None:
         """Send every joint home."""
-        ...
 
     def park(self, now: float) -> None:
         """Send every joint home, then take the power off."""
-        ...
 
     def duration(self, targets: Mapping[int, float] | None, speed: float | None) -> float:
         """Return the expected duration until the joints are at their targets, s; home if None."""
-        ...
 
     def halt(self, now: float) -> None:
         """Stop every joint where it is."""
-        ...
 
     def switch(self, on: bool, now: float) -> None:
         """Switch the power."""
-        ...
 
 
 class ArmAdapter(BusAdapter):

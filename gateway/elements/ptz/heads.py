@@ -57,19 +57,15 @@ class HeadProtocol(Protocol):
     @property
     def pending(self) -> int:
         """Bytes of an answer that is not complete yet."""
-        ...
 
     def hear(self, data: bytes) -> list[HeadReply]:
         """Take bytes from the head."""
-        ...
 
     def turn(self, pan: float, tilt: float) -> AuxExchange:
         """Return the exchange that turns the head, rad."""
-        ...
 
     def zoom(self, ratio: float) -> AuxExchange:
         """Return the exchange that sets the magnification."""
-        ...
 
 
 class _Vcc4Protocol:
