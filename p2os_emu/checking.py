@@ -3,6 +3,7 @@
 The host's bytes reach the emulator at their recorded times, so both robots' packets lie on one clock. They are compared
 kind by kind: how many, how often, when, how long, and field by field. Rooms differ, so what only the room decides is
 left out, and odometry counts from the first SIP of each. A value that the other robot shows within a cycle is the same.
+SIPs from before or after the other robot's are not compared: its cycle began at another time.
 """
 
 from bisect import bisect_left, bisect_right
@@ -166,7 +167,7 @@ class _Comparison:
         self._recorded = recorded
         self._emulated = emulated
         self._span = POSITION_UNITS * model.scales.distance
-        self._pairs = list(zip(recorded, self._counterparts(), strict=True))
+        self._pairs = [pair for pair in zip(recorded, self._counterparts(), strict=True) if pair[1]]
 
     def differences(self) -> list[RecordingDifference]:
         """All of them."""
@@ -187,6 +188,9 @@ class _Comparison:
             return
         times = [entry.time for entry in self._emulated]
         for entry in self._recorded:
+            if self._kind == SIP and not times[0] <= entry.time <= times[-1]:
+                yield []
+                continue
             first = bisect_left(times, entry.time - ONE_CYCLE)
             near = self._emulated[first : bisect_right(times, entry.time + ONE_CYCLE)]
             yield near or self._emulated[min(first, len(times) - 1) :][:1]

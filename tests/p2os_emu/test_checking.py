@@ -10,6 +10,7 @@ from p2os import Command, Frame, FrameDecoder, RobotModel, encode_command, encod
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import FrameSource
 from p2os_emu.checking import RecordingDifference, compare, replay
+from p2os_emu.emulator import STEP
 from p2os_emu.recording import RecordedBytes, Recording, read
 from tests.p2os_emu.flat_world import FlatWorld
 
@@ -53,6 +54,17 @@ def changed(recorded: list[RecordedBytes], change: Change) -> list[RecordingDiff
 
 def test_emulator_agrees_with_itself(recorded: list[RecordedBytes]) -> None:
     assert changed(recorded, lambda time, payload: payload) == []
+
+
+@pytest.mark.parametrize("steps", range(1, 12))
+def test_robot_whose_cycle_began_at_another_time_is_the_same(steps: int) -> None:
+    """Where the motors are enabled at once, only one of the two robots may have told of the time before."""
+    hurried = [(0.3083 if command is Command.ENABLE else time, command, value) for time, command, value in SCRIPT]
+    hurried = [said for said in hurried if said[1] is not Command.ENCODER]  # counts on, so the moment matters
+    earlier = RecordedBytes(5.0 - steps * STEP, FrameSource.HOST, encode_command(Command.STOP))
+    host = [RecordedBytes(5.0 + time, FrameSource.HOST, encode_command(*said)) for time, *said in sorted(hurried)]
+    recorded = sorted([*host, *replay(Recording((earlier, *host)), P3DX, FlatWorld())])
+    assert compare(recorded, replay(Recording(tuple(recorded)), P3DX, FlatWorld()), P3DX) == []
 
 
 def test_missing_and_extra_packets_are_named(recorded: list[RecordedBytes]) -> None:
