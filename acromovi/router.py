@@ -2,7 +2,9 @@
 
 import argparse
 import json
-import threading
+import signal
+import socket
+from typing import NoReturn
 
 from acromovi.subcommand import Subcommand
 
@@ -57,8 +59,24 @@ def _run(arguments: argparse.Namespace) -> int:
         listen = _addresses(config.get_json("listen/endpoints"))
         for_people = f"routing on {', '.join(listen)}; stop with Ctrl-C"
         print(json.dumps({"listen": listen}) if arguments.json else for_people, flush=True)
-        threading.Event().wait()
-    return 0
+        _sleep_until_a_signal_ends_it()
+
+
+def _sleep_until_a_signal_ends_it() -> NoReturn:
+    """Sleep until the handler of a signal raises.
+
+    Python runs a handler between two steps of the main thread, which may have begun to sleep by then; the byte that
+    Python writes at once for every signal ends this sleep.
+    """
+    reader, writer = socket.socketpair()
+    writer.setblocking(False)
+    with reader, writer:
+        before = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+        try:
+            while True:
+                reader.recv(1)
+        finally:
+            signal.set_wakeup_fd(before)
 
 
 def _addresses(endpoints_json: str) -> list[str]:
