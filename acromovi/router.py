@@ -2,9 +2,7 @@
 
 import argparse
 import json
-import signal
-import socket
-from typing import NoReturn
+import time
 
 from acromovi.subcommand import Subcommand
 
@@ -24,6 +22,9 @@ With --json it prints one line once it routes: {"listen": [ENDPOINT, ...]}
 It runs until stopped. Exit codes: 1 the address is taken or not understood (the reason is on stderr), 2 wrong usage,
 130 stopped by Ctrl-C, 143 by SIGTERM.
 """
+
+LOOK_PERIOD = 1.0
+"""Seconds of one sleep: a signal that arrives just before one is noticed after it."""
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,24 +60,8 @@ def _run(arguments: argparse.Namespace) -> int:
         listen = _addresses(config.get_json("listen/endpoints"))
         for_people = f"routing on {', '.join(listen)}; stop with Ctrl-C"
         print(json.dumps({"listen": listen}) if arguments.json else for_people, flush=True)
-        _sleep_until_a_signal_ends_it()
-
-
-def _sleep_until_a_signal_ends_it() -> NoReturn:
-    """Sleep until the handler of a signal raises.
-
-    Python runs a handler between two steps of the main thread, which may have begun to sleep by then; the byte that
-    Python writes at once for every signal ends this sleep.
-    """
-    reader, writer = socket.socketpair()
-    writer.setblocking(False)
-    with reader, writer:
-        before = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
-        try:
-            while True:
-                reader.recv(1)
-        finally:
-            signal.set_wakeup_fd(before)
+        while True:
+            time.sleep(LOOK_PERIOD)
 
 
 def _addresses(endpoints_json: str) -> list[str]:

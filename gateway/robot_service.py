@@ -30,6 +30,10 @@ RESTART_PERIOD = 1.0
 """Seconds until a robot is served again after an unexpected error, in a process that serves others."""
 ENDING_TIMEOUT = 2.0 * BRAKING_TIME + 1.0
 """Seconds for all robots and their elements to stop at the end."""
+OPENING_TIMEOUT = 0.5
+"""Seconds at the end for robots whose port is not open yet: they have nothing to stop, and may hang in opening it."""
+LOOK_PERIOD = 1.0
+"""Seconds of one sleep of the main thread: a signal that arrives just before one is noticed after it."""
 
 log = logging.getLogger("gateway")
 
@@ -159,12 +163,14 @@ def serve_robots(plans: Sequence[RobotPlan], on_failure: Callable[[RobotPlan, Ex
                 name = f"robot {service.plan.options.port}"
                 threading.Thread(target=run, args=(service,), name=name, daemon=True).start()
             running = set(services)
-            # At the end, one that still opens its port has nothing to stop, and may hang in opening it.
-            while any(service.has_port or not is_ending for service in running):
+            while running:
+                may_take = ENDING_TIMEOUT if any(service.has_port for service in running) else OPENING_TIMEOUT
                 try:
-                    end = ended.get(timeout=ENDING_TIMEOUT if is_ending else None)
+                    end = ended.get(timeout=may_take if is_ending else LOOK_PERIOD)
                 except queue.Empty:
-                    break  # the remaining ports hang; their robots stop by their watchdogs
+                    if is_ending:
+                        break  # the remaining ports hang; their robots stop by their watchdogs
+                    continue
                 if end is not None:
                     service, error = end
                     running.discard(service)
