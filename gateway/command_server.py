@@ -71,7 +71,7 @@ class CommandServer(Subscription):
         commander: Commander,
         new_token: Callable[[], str],
         wall_clock: Callable[[], int],
-        adapters: Sequence[BusAdapter],
+        adapters: Sequence[BusAdapter[Any]],
     ) -> None:
         self._driver = robot.driver
         self._adapters = adapters
@@ -269,7 +269,7 @@ class CommandServer(Subscription):
         self._change_holders(standing, now)
         return {"token": token, **lease.told(now)}
 
-    def _handler(self, adapter: BusAdapter, row: CommandRow) -> Handler:
+    def _handler(self, adapter: BusAdapter[Any], row: CommandRow) -> Handler:
         name = row.topic.suffix.rpartition("/")[2]
 
         def handle(given: dict[str, Any], now: float) -> dict[str, Any]:
@@ -284,7 +284,7 @@ class CommandServer(Subscription):
         return handle
 
     def _begin(
-        self, name: str, adapter: BusAdapter, row: CommandRow, duration: float, arguments: Arguments, now: float
+        self, name: str, adapter: BusAdapter[Any], row: CommandRow, duration: float, arguments: Arguments, now: float
     ) -> dict[str, Any]:
         """Begin a motion, bound to its commander's heartbeat if the command names one; return the reply's contents.
 

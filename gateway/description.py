@@ -30,7 +30,7 @@ class RobotDescription:
     def __init__(
         self,
         robot: RobotContext,
-        adapters: Iterable[BusAdapter],
+        adapters: Iterable[BusAdapter[Any]],
         process: BusProgram | None,
         clock: Callable[[], float],
     ) -> None:
@@ -93,7 +93,7 @@ def _version() -> str:
     return version("acromovi")  # read from files at each call
 
 
-def _describe_element(name: str, adapter: BusAdapter) -> dict[str, Any]:
+def _describe_element(name: str, adapter: BusAdapter[Any]) -> dict[str, Any]:
     """Describe one element, with the keys of its streams and of its commands."""
     commands = (*adapter.subscriptions, *(row.topic for row in adapter.commands))
     return {

@@ -12,6 +12,7 @@ import random
 from collections import Counter
 from collections.abc import Callable, Sequence
 from math import inf
+from typing import Any
 
 from gateway.accelerations import acceleration_frames, known_accelerations, travel_time
 from gateway.connector import CLOSE, STOP, Connector
@@ -81,7 +82,7 @@ class Driver(RobotCommands):
         self._decoder = FrameDecoder()
         self._codec: SipCodec | None = None
         self._plausibility: Plausibility | None = None
-        self._takers: dict[type, list[Element]] = {}
+        self._takers: dict[type, list[Element[Any]]] = {}
         for element in self._elements.values():
             for packet in element.takes:
                 self._takers.setdefault(packet, []).append(element)

@@ -7,7 +7,7 @@ import itertools
 import re
 from abc import ABC, abstractmethod
 from math import isfinite
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from gateway.elements.all_elements import ELEMENTS
 from gateway.elements.element import Element
@@ -26,7 +26,7 @@ LONGEST_MOVE = 30.0
 LONGEST_TURN = 100.0
 """rad."""
 
-E = TypeVar("E", bound=Element)
+E = TypeVar("E", bound=Element[Any])
 
 
 class RobotCommands(ABC):
@@ -157,7 +157,7 @@ class RobotCommands(ABC):
             self._motion.halt(now, end)
         self._elements[JoystickElement].halt(now)
 
-    def halt_element(self, kind: type[Element], now: float) -> None:
+    def halt_element(self, kind: type[Element[Any]], now: float) -> None:
         """Stop one element where it is."""
         self._wake(now)
         self._elements[kind].halt(now)
@@ -189,7 +189,7 @@ class RobotCommands(ABC):
         self._check_link(now)
         self._motion.enable(on, now)
 
-    def has(self, kind: type[Element]) -> bool:
+    def has(self, kind: type[Element[Any]]) -> bool:
         """Return whether the robot is known to have an element."""
         return self._elements[kind].is_present
 
@@ -238,6 +238,6 @@ class RobotCommands(ABC):
         return f"{kind}-{next(self._motion_ids)}"
 
 
-def _words(kind: type[Element]) -> str:
+def _words(kind: type[Element[Any]]) -> str:
     """Return the name of an element in sentences: "power outputs" for `PowerOutputs`, "arm" for `ArmElement`."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__.removesuffix("Element")).lower()

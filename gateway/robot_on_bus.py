@@ -56,7 +56,7 @@ class ElementTokens(Subscription):
         self.follow(())
 
 
-def _adapter_on(cable: ElementCable, robot: RobotContext) -> BusAdapter:
+def _adapter_on(cable: ElementCable, robot: RobotContext) -> BusAdapter[Any]:
     """Make the bus adapter of an element on a cable of its own."""
     (row,) = (row for row in ELEMENTS if row.cable is not None and row.cable.name == cable.name)
     (kind,) = adapter_types(row)
@@ -168,7 +168,7 @@ class RobotOnBus(Subscription):
         while self._declared:
             self._declared.pop().close()
 
-    def _publish_element(self, adapter: BusAdapter, events: Sequence[Event], stamp_ns: int) -> None:
+    def _publish_element(self, adapter: BusAdapter[Any], events: Sequence[Event], stamp_ns: int) -> None:
         """Publish what follows from the events of an element on a cable of its own; on that cable's thread."""
         with suppress(BusUnavailable):  # the bus is being closed
             for event in events:

@@ -53,13 +53,13 @@ class RobotPublishers(Subscription):
     unpublished: messages lost to errors, counted by stream and kind of error.
     """
 
-    def __init__(self, robot: RobotContext, bus: Bus, adapters: Sequence[BusAdapter]) -> None:
+    def __init__(self, robot: RobotContext, bus: Bus, adapters: Sequence[BusAdapter[Any]]) -> None:
         self._name = robot.name
         self._bus = bus
         self._driver = robot.driver
         self._telemetry = Telemetry(robot.name, robot.model)
         self._adapters = adapters
-        self._takers: dict[type, list[BusAdapter]] = {}  # on the robot's line, by the class of the event
+        self._takers: dict[type, list[BusAdapter[Any]]] = {}  # on the robot's line, by the class of the event
         for adapter in adapters:
             if adapter.cable is None:
                 for kind in adapter.events:
@@ -104,7 +104,7 @@ class RobotPublishers(Subscription):
                 self._has_io_packets = False
                 telemetry.forget_ticks()
 
-    def publish_element(self, adapter: BusAdapter, event: Event, stamp: int) -> None:
+    def publish_element(self, adapter: BusAdapter[Any], event: Event, stamp: int) -> None:
         """Publish what follows for one element from an event of its line; from any thread. stamp: as in `publish`."""
         if isinstance(event, adapter.events) and self.is_wanted(adapter):
             with self.guarded(adapter.name):
@@ -200,7 +200,7 @@ class RobotPublishers(Subscription):
             transforms.transforms.extend(adapter.transforms(stamp))
         return transforms
 
-    def is_wanted(self, adapter: BusAdapter) -> bool:
+    def is_wanted(self, adapter: BusAdapter[Any]) -> bool:
         """Return whether anybody subscribes to a stream of an element now; from any thread."""
         with suppress(BusUnavailable):  # it is being closed
             return any(self._stream(topic).has_listeners for topic in adapter.streams)

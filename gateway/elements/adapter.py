@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from bus.keys import Topic
 from bus.messages import TransformStamped
@@ -30,15 +30,19 @@ class RobotContext:
     driver: Driver
 
 
-class BusAdapter:
+E = TypeVar("E", bound=Event, contravariant=True)
+"""The events from which an adapter makes messages."""
+
+
+class BusAdapter(Generic[E]):
     """One element on the bus, on the robot's line or on a cable of its own.
 
     Commands, `halt` and `is_moving` run under the robot's lock. The rest only reads plain state, and runs without it.
 
     name: as the robot's description and the agents call it. streams: what it publishes. events: classes of the events
-    from which it makes messages. subscriptions: streams that it
-    obeys. commands: requests that it obeys; each handler is a method. element: the driver's side of an element on the
-    robot's line. cable: the element's own cable; None on the robot's line.
+    from which it makes messages. subscriptions: streams that it obeys. commands: requests that it obeys; each handler
+    is a method. element: the driver's side of an element on the robot's line. cable: the element's own cable; None on
+    the robot's line.
     """
 
     name: ClassVar[str]
@@ -46,7 +50,7 @@ class BusAdapter:
     events: ClassVar[tuple[type, ...]] = ()
     subscriptions: ClassVar[tuple[Topic, ...]] = ()
     commands: ClassVar[tuple[CommandRow, ...]] = ()
-    element: ClassVar[type[Element] | None] = None
+    element: ClassVar[type[Element[Any]] | None] = None
 
     def __init__(self, robot: RobotContext, cable: ElementCable | None = None) -> None:
         """Prepare the adapter for one robot."""
@@ -61,7 +65,7 @@ class BusAdapter:
             return bool(self.cable.driver.is_connected)
         return self.element is None or self._driver.has(self.element)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: E, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return the messages that follow from an event, with their topics.
 
         Args:
@@ -97,7 +101,7 @@ class BusAdapter:
         return {}
 
 
-def adapter_types(row: ElementRow) -> tuple[type[BusAdapter], ...]:
+def adapter_types(row: ElementRow) -> tuple[type[BusAdapter[Any]], ...]:
     """Load the bus adapters of a row of the table."""
-    types: tuple[type[BusAdapter], ...] = import_module(f"gateway.elements.{row.folder}.adapter").ADAPTERS
+    types: tuple[type[BusAdapter[Any]], ...] = import_module(f"gateway.elements.{row.folder}.adapter").ADAPTERS
     return types

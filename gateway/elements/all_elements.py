@@ -6,6 +6,7 @@ the robot to be found. Drivers of elements on cables of their own are loaded whe
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from configs import load
 from gateway.cables.cable import ElementDriver
@@ -41,7 +42,7 @@ class ElementRow:
     """
 
     folder: str
-    elements: tuple[type[Element], ...] = ()
+    elements: tuple[type[Element[Any]], ...] = ()
     cable: CableKind | None = None
 
 

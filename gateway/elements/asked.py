@@ -3,7 +3,7 @@
 from math import inf
 from typing import ClassVar
 
-from gateway.elements.element import Element
+from gateway.elements.element import Element, P
 from p2os import Command, CommandValue, RobotModel
 from p2os.arguments import PacketRequest
 
@@ -16,7 +16,7 @@ TIMES = 3
 Question = tuple[Command, CommandValue | None]
 
 
-class AskedElement(Element):
+class AskedElement(Element[P]):
     """Asks after every handshake until a packet comes, a few times.
 
     question: a command with its argument. stream: what asks for more packets once one has come; None if one is enough.
@@ -48,7 +48,7 @@ class AskedElement(Element):
         self._streams = False
         self.deadline = inf
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: P, now: float) -> None:
         """Note the answer, and request the stream."""
         self._outbox.drop(self.question[0])
         self.deadline = inf
@@ -72,7 +72,7 @@ class AskedElement(Element):
             self.deadline = now + pause if self._asks_left else inf
 
 
-class PolledElement(Element):
+class PolledElement(Element[P]):
     """Requests packets with every cycle, and again when none comes, since robot or line may have dropped the frame.
 
     Asked for one packet after another where the line does not carry that many.
@@ -88,7 +88,7 @@ class PolledElement(Element):
         self._tries_left = TIMES
         self.watch(now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: P, now: float) -> None:
         """Note that the packets arrive."""
         if self.deadline < inf and self._settings.line.streams:
             self._tries_left = TIMES

@@ -7,15 +7,18 @@ are arguments here as in the driver.
 
 from collections.abc import Callable, Hashable, Sequence
 from math import inf
-from typing import ClassVar
+from typing import ClassVar, Generic, TypeVar
 
 from gateway.events import Event
 from gateway.outbox import Outbox
 from gateway.settings import Settings
 from p2os import Command, CommandValue, Configuration, RobotModel, StandardSip, encode_command
 
+P = TypeVar("P", contravariant=True)
+"""The packets that an element takes."""
 
-class Element:
+
+class Element(Generic[P]):
     """One element of a robot.
 
     takes: the classes of the packets that it takes.
@@ -59,7 +62,7 @@ class Element:
     def see(self, sip: StandardSip, now: float) -> None:
         """Take a plausible SIP."""
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: P, now: float) -> None:
         """Take a packet of one of the classes in `takes`."""
 
     def watch(self, now: float) -> None:

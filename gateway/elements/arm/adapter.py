@@ -18,7 +18,7 @@ from gateway.elements.adapter import BusAdapter
 from gateway.elements.arm.element import ArmElement
 from gateway.elements.arm.joint_limits import JointLimits
 from gateway.errors import CommandRefused
-from gateway.events import ArmSeen, Event
+from gateway.events import ArmSeen
 
 T = TypeVar("T")
 
@@ -63,7 +63,7 @@ class ArmCommands(Protocol):
         """Switch the power."""
 
 
-class ArmAdapter(BusAdapter):
+class ArmAdapter(BusAdapter[ArmSeen]):
     """`<robot>/arm`, its joints among `<robot>/joint_states`, and `command/arm`.
 
     The joints are `<robot>/arm_joint_1` and so on; that of a gripper is the last.
@@ -74,10 +74,8 @@ class ArmAdapter(BusAdapter):
     events = (ArmSeen,)
     element = ArmElement
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: ArmSeen, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return two messages for each report of the arm."""
-        if not isinstance(event, ArmSeen):
-            return
         base = header(stamp, frame(self._robot, "base_link"))
         yield keys.ARM, Arm(base, event.powered, event.homed, event.moving)
         joints = JointState(

@@ -41,7 +41,7 @@ class _ServoScale(NamedTuple):
         return min(max(round(abs(self.per_tick) / speed / MS), 1), LONGEST_MS)
 
 
-class ArmElement(AskedElement):
+class ArmElement(AskedElement[ArmInformation | ArmReport]):
     """Asks whether there is one, and then requests its reports.
 
     version: what the arm's board calls itself, once it is known.
@@ -66,7 +66,7 @@ class ArmElement(AskedElement):
         self._paces = {}
         super().begin_link(model, now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: ArmInformation | ArmReport, now: float) -> None:
         """Take the arm's data or its state."""
         if isinstance(packet, ArmInformation):
             self._meet(packet)

@@ -10,10 +10,10 @@ from bus.keys import Topic, frame
 from bus.messages import CompressedImage, header
 from gateway.cables.cable import ElementCable
 from gateway.elements.adapter import BusAdapter, RobotContext
-from gateway.events import Event, PictureTaken
+from gateway.events import PictureTaken
 
 
-class CameraAdapter(BusAdapter):
+class CameraAdapter(BusAdapter[PictureTaken]):
     """`<robot>/camera/image/compressed`."""
 
     name = "camera"
@@ -25,10 +25,8 @@ class CameraAdapter(BusAdapter):
         self._camera = cable.driver
         self._field_of_view = robot.settings.camera.field_of_view_rad
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: PictureTaken, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return every picture, as the camera encoded it."""
-        if not isinstance(event, PictureTaken):
-            return
         data = np.frombuffer(event.jpeg, np.uint8)
         yield keys.CAMERA, CompressedImage(header(stamp, frame(self._robot, "camera")), format="jpeg", data=data)
 

@@ -7,10 +7,10 @@ from bus.keys import Topic, frame
 from bus.messages import Compass, Vector3, header
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.compass.element import CompassElement
-from gateway.events import CompassSeen, Event
+from gateway.events import CompassSeen
 
 
-class _CompassAdapter(BusAdapter):
+class _CompassAdapter(BusAdapter[CompassSeen]):
     """`<robot>/compass`."""
 
     name = "compass"
@@ -18,10 +18,8 @@ class _CompassAdapter(BusAdapter):
     streams = (keys.COMPASS,)
     events = (CompassSeen,)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: CompassSeen, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if not isinstance(event, CompassSeen):
-            return
         report = event.report
         message = Compass(
             header(stamp, frame(self._robot, "base_link")),

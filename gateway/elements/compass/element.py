@@ -9,7 +9,7 @@ from p2os import Command, CompassReport, RobotModel
 from p2os.arguments import CompassMode
 
 
-class CompassElement(AskedElement):
+class CompassElement(AskedElement[CompassReport]):
     """Asks for one packet, and if it arrives, for all of them."""
 
     takes = (CompassReport,)
@@ -28,10 +28,9 @@ class CompassElement(AskedElement):
         if self._settings.fitted.compass:
             super().begin_link(model, now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: CompassReport, now: float) -> None:
         """Turn the heading the way REP 103 counts it."""
         super().take(packet, now)
-        assert isinstance(packet, CompassReport)
         self.is_present = True
         self._errors = packet.error_bits
         self._announce(CompassSeen(packet, wrap_angle(-packet.heading)))

@@ -1,6 +1,7 @@
 """The gripper on the bus."""
 
 from collections.abc import Iterable
+from typing import Never
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from gateway.elements.gripper.element import STOPPING, GripperElement
 from gateway.events import Event, GripperJoints, GripperSeen
 
 
-class _GripperAdapter(BusAdapter):
+class _GripperAdapter(BusAdapter[Never]):
     """`<robot>/gripper`, its joints in `<robot>/joint_states`, and `command/gripper`.
 
     Joints, in m: `<robot>/lift` from its lowest place, `<robot>/left_paddle` and `right_paddle` from the middle, to the

@@ -51,7 +51,7 @@ TRAVELS = {GripperKind.PIONEER: "gripper-pioneer", GripperKind.PEOPLEBOT: "gripp
 """Files of `configs/accessories`."""
 
 
-class GripperElement(AskedElement):
+class GripperElement(AskedElement[GripperReport]):
     """Asks once whether there is one; SIPs bring its state."""
 
     takes = (GripperReport,)
@@ -76,10 +76,9 @@ class GripperElement(AskedElement):
         self._asks_left = 0
         self.deadline = inf
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: GripperReport, now: float) -> None:
         """Take the robot's gripper."""
         super().take(packet, now)
-        assert isinstance(packet, GripperReport)
         self._meet(packet.kind)
 
     def see(self, sip: StandardSip, now: float) -> None:

@@ -1,6 +1,7 @@
 """The gyro on the bus."""
 
 from collections.abc import Iterable
+from typing import Never
 
 import numpy as np
 
@@ -9,13 +10,13 @@ from bus.keys import Topic, frame
 from bus.messages import Imu, Quaternion, Vector3, header
 from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.elements.gyro.element import Gyro
-from gateway.events import Event, TurnRateSeen
+from gateway.events import TurnRateSeen
 
 FIXED_VARIANCE = 1e-9
 """Of the axes about which a robot in the plane does not turn, (rad/s)²."""
 
 
-class _GyroAdapter(BusAdapter):
+class _GyroAdapter(BusAdapter[TurnRateSeen]):
     """`<robot>/imu`: the turn rate about the vertical axis; orientation and acceleration are unknown."""
 
     name = "gyro"
@@ -28,10 +29,8 @@ class _GyroAdapter(BusAdapter):
         self._unknown = np.array([-1.0, *[0.0] * 8])  # sensor_msgs/Imu: not measured
         self._covariance = np.diag([FIXED_VARIANCE, FIXED_VARIANCE, 0.0]).reshape(9)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: TurnRateSeen, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if not isinstance(event, TurnRateSeen):
-            return
         self._covariance[8] = event.variance
         message = Imu(
             header=header(stamp, frame(self._robot, "base_link")),
@@ -45,7 +44,7 @@ class _GyroAdapter(BusAdapter):
         yield keys.IMU, message
 
 
-class _InnerGyroAdapter(BusAdapter):
+class _InnerGyroAdapter(BusAdapter[Never]):
     """A gyro that the controller uses itself: it improves the odometry, and its readings are not published."""
 
     name = "gyro"

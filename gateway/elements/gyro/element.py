@@ -24,7 +24,7 @@ ENOUGH = 20.0
 """Readings at rest after which a heading may be built on the gyro: half a second."""
 
 
-class Gyro(Element):
+class Gyro(Element[GyroReport]):
     """Learns the rest count of the gyro while the wheels stand, and reports the turn rate.
 
     is_present: readings come as packets. is_inside: the controller uses the gyro by itself.
@@ -67,9 +67,8 @@ class Gyro(Element):
         else:
             self._standing_since = min(self._standing_since, now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: GyroReport, now: float) -> None:
         """Turn readings into a turn rate; a gyro that has failed has none."""
-        assert isinstance(packet, GyroReport)
         if self.is_present:
             self.deadline = now + SILENCE
         counts = [sample.rate for sample in packet.samples if sample.rate != GYRO_DEAD]

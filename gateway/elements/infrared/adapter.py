@@ -8,13 +8,13 @@ from bus.keys import Topic, frame
 from bus.messages import Header, Range, RangeArray, TransformStamped, header, placed
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.infrared.element import InfraredElement
-from gateway.events import Event, InfraredSeen
+from gateway.events import InfraredSeen
 
 THRESHOLD = 0.0
 """m; each frame lies where its sensor sees something, since a switch measures no distance."""
 
 
-class _InfraredAdapter(BusAdapter):
+class _InfraredAdapter(BusAdapter[InfraredSeen]):
     """`<robot>/ir`: each sensor is a switch. REP 117: -inf where something is near, and +inf where nothing is."""
 
     name = "ir"
@@ -22,10 +22,8 @@ class _InfraredAdapter(BusAdapter):
     streams = (keys.IR,)
     events = (InfraredSeen,)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: InfraredSeen, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each reading of the sensors."""
-        if not isinstance(event, InfraredSeen):
-            return
         base = header(stamp, frame(self._robot, "base_link"))
         ranges = [self._range(base, number, near) for number, near in event.near]
         yield keys.IR, RangeArray(base, ranges)

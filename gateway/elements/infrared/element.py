@@ -18,7 +18,7 @@ _ON_USER_INPUTS = tuple(InfraredSensor(pin, ACTIVE_LOW, 1, 0.0, 0.0) for pin in 
 """Of a PeopleBot of the first generation; the places of these sensors are not known."""
 
 
-class InfraredElement(Element):
+class InfraredElement(Element[IoReport]):
     """is_present: the model has such sensors."""
 
     takes = (IoReport,)
@@ -32,9 +32,8 @@ class InfraredElement(Element):
         self._triggered_for = [0] * len(self._sensors)
         self.is_present = bool(self._sensors)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: IoReport, now: float) -> None:
         """Read the fourth byte, where the robot has one."""
-        assert isinstance(packet, IoReport)
         if self._sensors and not self._on_user_inputs and len(packet.digital_in) > INFRARED_BYTE:
             self._read(packet.digital_in[INFRARED_BYTE])
 

@@ -10,11 +10,10 @@ from bus.messages import Joy, header
 from gateway.commands import BASE, Arguments, CommandRow
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.joystick.element import JoystickElement
-from gateway.events import Event
 from p2os import JoystickReport
 
 
-class _JoystickAdapter(BusAdapter):
+class _JoystickAdapter(BusAdapter[JoystickReport]):
     """`<robot>/joystick` and `command/joystick`.
 
     Axes as ROS has them: to the left, forward, throttle. Buttons: 1 and 2.
@@ -25,10 +24,8 @@ class _JoystickAdapter(BusAdapter):
     streams = (keys.JOYSTICK,)
     events = (JoystickReport,)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: JoystickReport, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each packet."""
-        if not isinstance(event, JoystickReport):
-            return
         message = Joy(
             header=header(stamp, frame(self._robot, "base_link")),
             axes=np.array([-event.x, event.y, event.throttle], np.float32),

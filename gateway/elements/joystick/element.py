@@ -14,7 +14,7 @@ REST = 0.02
 """How far from its centre a stick at rest may read."""
 
 
-class JoystickElement(AskedElement):
+class JoystickElement(AskedElement[JoystickReport]):
     """is_present: it was moved, or the settings say so."""
 
     takes = (JoystickReport,)
@@ -28,9 +28,8 @@ class JoystickElement(AskedElement):
             self.is_present = self.is_present or bool(self._settings.fitted.joystick)
             super().begin_link(model, now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: JoystickReport, now: float) -> None:
         """Announce a packet of a joystick that is there."""
-        assert isinstance(packet, JoystickReport)
         self.is_present = self.is_present or _is_held(packet)
         if self.is_present:
             super().take(packet, now)

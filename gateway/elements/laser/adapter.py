@@ -12,7 +12,7 @@ from bus.messages import NS_PER_S, LaserScan, TransformStamped, header, placed
 from gateway.cables.cable import ElementCable
 from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.elements.laser.driver import NAME, LaserDriver
-from gateway.events import Event, LaserScanned
+from gateway.events import LaserScanned
 from p2os.accessories.lms import MIRROR_PERIOD
 
 NEAREST = 0.01
@@ -21,7 +21,7 @@ FARTHEST = 80.0
 """m; the range of the scanner at best, whatever its values could represent."""
 
 
-class LaserAdapter(BusAdapter):
+class LaserAdapter(BusAdapter[LaserScanned]):
     """Publishes `<robot>/scan` in `<robot>/laser`.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no measurement. The stamp is the time
@@ -44,10 +44,8 @@ class LaserAdapter(BusAdapter):
         self._heading = mount.heading if own.heading_deg is None else radians(own.heading_deg)
         self._is_flipped = mount.flipped if own.flipped is None else own.flipped
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: LaserScanned, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return the scan."""
-        if not isinstance(event, LaserScanned):
-            return
         yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:

@@ -1,6 +1,6 @@
 """Elements without feedback on the bus: charging contacts, display, servo pulses, power outputs."""
 
-from typing import Any
+from typing import Any, Never
 
 from bus import keys
 from gateway.commands import NOTHING, Arguments, CommandRow
@@ -8,7 +8,7 @@ from gateway.elements.adapter import BusAdapter
 from gateway.elements.panel.element import ChargerElement, Display, PowerOutputs, Servos
 
 
-class _ChargerAdapter(BusAdapter):
+class _ChargerAdapter(BusAdapter[Never]):
     """`command/charge`."""
 
     name = "charger"
@@ -26,7 +26,7 @@ class _ChargerAdapter(BusAdapter):
     commands = (CommandRow(keys.CHARGE, {"on": bool}, _charge, name),)
 
 
-class _DisplayAdapter(BusAdapter):
+class _DisplayAdapter(BusAdapter[Never]):
     """`command/lcd`."""
 
     name = "lcd"
@@ -38,7 +38,7 @@ class _DisplayAdapter(BusAdapter):
     commands = (CommandRow(keys.LCD, {"text": str}, _write, NOTHING),)
 
 
-class _ServosAdapter(BusAdapter):
+class _ServosAdapter(BusAdapter[Never]):
     """`command/servo`."""
 
     name = "servos"
@@ -53,7 +53,7 @@ class _ServosAdapter(BusAdapter):
     commands = (CommandRow(keys.SERVO, {"port": int, "pulse": float}, _servo, name),)
 
 
-class _PowerAdapter(BusAdapter):
+class _PowerAdapter(BusAdapter[Never]):
     """`command/power`."""
 
     name = "power"

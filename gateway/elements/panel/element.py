@@ -5,6 +5,7 @@ power commands; SETPBIOPORT as output number and state, output 11 the laser).
 """
 
 from collections.abc import Mapping
+from typing import Never
 
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused
@@ -32,7 +33,7 @@ _POWER_COMMANDS: Mapping[str, Command] = {
 """Where a CONFIGpac has power bits, each output has its own command."""
 
 
-class ChargerElement(Element):
+class ChargerElement(Element[Never]):
     """kind: of the charging contacts."""
 
     kind = ""
@@ -47,7 +48,7 @@ class ChargerElement(Element):
         self._ask(Command.CHARGE, int(on))
 
 
-class Display(Element):
+class Display(Element[Never]):
     """A display; only the settings tell whether there is one."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -65,7 +66,7 @@ class Display(Element):
         self._ask(Command.LCDWRITE, display_data(text))
 
 
-class Servos(Element):
+class Servos(Element[Never]):
     """Four ports for the pulses of RC servos."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -85,7 +86,7 @@ class Servos(Element):
         self._ask(Command.PTUPOS, (port, round(pulse / PULSE_UNIT)), kind=(Command.PTUPOS, port))
 
 
-class PowerOutputs(Element):
+class PowerOutputs(Element[Never]):
     """outputs: names of those that can be switched."""
 
     outputs: tuple[str, ...] = ()

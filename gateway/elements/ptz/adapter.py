@@ -10,10 +10,10 @@ from gateway.commands import Arguments, CommandRow
 from gateway.elements.adapter import BusAdapter
 from gateway.elements.ptz.element import PtzElement
 from gateway.errors import CommandRefused
-from gateway.events import Event, HeadSeen
+from gateway.events import HeadSeen
 
 
-class _PtzAdapter(BusAdapter):
+class _PtzAdapter(BusAdapter[HeadSeen]):
     """`<robot>/ptz` and `command/ptz`."""
 
     name = "ptz"
@@ -21,10 +21,8 @@ class _PtzAdapter(BusAdapter):
     streams = (keys.PTZ,)
     events = (HeadSeen,)
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: HeadSeen, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return one message for each report of the head."""
-        if not isinstance(event, HeadSeen):
-            return
         yield keys.PTZ, PanTiltZoom(header(stamp, frame(self._robot, "ptz")), *event)
 
     def describe(self) -> Mapping[str, Any]:

@@ -37,7 +37,7 @@ MOST_MISSED = 3
 """Answers in a row that may fail to come before the head counts as silent."""
 
 
-class PtzElement(Element):
+class PtzElement(Element[AuxData]):
     """One camera head."""
 
     takes = (AuxData,)
@@ -129,9 +129,8 @@ class PtzElement(Element):
         if tracker is not None and tracker.is_moving(now) and (tracker.turns or tracker.zooms):
             self.stop(now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: AuxData, now: float) -> None:
         """Take bytes from the head."""
-        assert isinstance(packet, AuxData)
         if packet.port != HEAD_PORT or self._protocol is None or self._aux.current is None:
             return
         heard = self._protocol.hear(packet.data)

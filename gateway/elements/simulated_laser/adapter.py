@@ -11,7 +11,7 @@ from bus.keys import Topic, frame
 from bus.messages import NS_PER_S, LaserScan, TransformStamped, header, placed
 from gateway.elements.adapter import BusAdapter, RobotContext
 from gateway.elements.simulated_laser.element import FIRST_BEARING, LAST_BEARING, SimulatedLaserScanner
-from gateway.events import Event, SweepReceived
+from gateway.events import SweepReceived
 
 NEAREST = 0.01
 """m; simulators write 0 where there is no reading."""
@@ -19,7 +19,7 @@ FARTHEST = 32.0
 """m; what MobileSim's laser sees. A simulator writes its own farthest range where nothing was near enough."""
 
 
-class _SimulatedLaserAdapter(BusAdapter):
+class _SimulatedLaserAdapter(BusAdapter[SweepReceived]):
     """Publishes `<robot>/scan` in `<robot>/laser`, which sits where the robot's model has its laser.
 
     Ranges follow REP 117: `inf` where nothing was near enough, NaN where there is no reading.
@@ -35,10 +35,8 @@ class _SimulatedLaserAdapter(BusAdapter):
         self._frame = frame(robot.name, "laser")
         self._base = frame(robot.name, "base_link")
 
-    def messages(self, event: Event, stamp: int) -> Iterable[tuple[Topic, object]]:
+    def messages(self, event: SweepReceived, stamp: int) -> Iterable[tuple[Topic, object]]:
         """Return a scan for each sweep."""
-        if not isinstance(event, SweepReceived):
-            return
         yield keys.SCAN, self._scan(event, stamp)
 
     def transforms(self, stamp: int) -> Iterable[TransformStamped]:

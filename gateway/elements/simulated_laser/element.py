@@ -30,7 +30,7 @@ SMOOTHING = 0.1
 """Part of each new interval in the mean between sweeps."""
 
 
-class SimulatedLaserScanner(Element):
+class SimulatedLaserScanner(Element[SimulatedLaser | ExtendedLaser]):
     """Requests the laser of a simulator and assembles its sweeps.
 
     is_present: a whole sweep has come. beams: readings in the last one.
@@ -76,9 +76,8 @@ class SimulatedLaserScanner(Element):
         self._ask(Command.SIM_LRF_ENABLE, mode)
         self.deadline = now + PATIENCE
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: SimulatedLaser | ExtendedLaser, now: float) -> None:
         """Add the readings to the sweep; one of which a packet was lost is not published."""
-        assert isinstance(packet, SimulatedLaser | ExtendedLaser)
         if packet.first == 0:
             self._forget_sweep()
             self._began = now

@@ -1,6 +1,6 @@
 """Buzzer and sounds on the bus."""
 
-from typing import Any
+from typing import Any, Never
 
 from bus import keys
 from gateway.commands import NOTHING, Arguments, CommandRow
@@ -9,7 +9,7 @@ from gateway.elements.sound.element import SoundElement
 from gateway.errors import CommandRefused
 
 
-class _SoundAdapter(BusAdapter):
+class _SoundAdapter(BusAdapter[Never]):
     """`command/sound`."""
 
     name = "sound"

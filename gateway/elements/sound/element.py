@@ -12,7 +12,7 @@ from p2os.accessories.notes import HIGHEST_NOTE, LONGEST_NOTE, MOST_NOTES, NOTE_
 from p2os.arguments import HIGHEST_SOUND, WHOLE_PLAYLIST
 
 
-class SoundElement(AskedElement):
+class SoundElement(AskedElement[PlaylistEntry]):
     """Every robot has a buzzer; an AmigoBot is asked for its sounds.
 
     sounds: number to name, as far as they have come.
@@ -37,10 +37,9 @@ class SoundElement(AskedElement):
         if self.has_sounds:
             super().begin_link(model, now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: PlaylistEntry, now: float) -> None:
         """Take a sound; the first packet of a list only carries their number."""
         super().take(packet, now)
-        assert isinstance(packet, PlaylistEntry)
         if self._has_count:
             self.sounds[packet.number] = packet.name
         self._has_count = True

@@ -3,7 +3,7 @@
 `gateway.telemetry` makes the messages, since several elements share one packet.
 """
 
-from typing import Any
+from typing import Any, Never
 
 from bus import keys
 from gateway.commands import BASE, NOTHING, Arguments, CommandRow
@@ -13,7 +13,7 @@ from gateway.events import MotionEnd
 from geometry import wrap_angle
 
 
-class _BaseAdapter(BusAdapter):
+class _BaseAdapter(BusAdapter[Never]):
     """The driven wheels: velocities, long motions, motors, stop and e-stop."""
 
     name = BASE
@@ -70,14 +70,14 @@ class _BaseAdapter(BusAdapter):
     )
 
 
-class _BatteryAdapter(BusAdapter):
+class _BatteryAdapter(BusAdapter[Never]):
     """`<robot>/battery`."""
 
     name = "battery"
     streams = (keys.BATTERY,)
 
 
-class _UserPortsAdapter(BusAdapter):
+class _UserPortsAdapter(BusAdapter[Never]):
     """`<robot>/io` and `command/output`."""
 
     name = "io"
@@ -89,7 +89,7 @@ class _UserPortsAdapter(BusAdapter):
     commands = (CommandRow(keys.OUTPUT, {"mask": int, "value": int}, _set_outputs, NOTHING),)
 
 
-class _SonarAdapter(BusAdapter):
+class _SonarAdapter(BusAdapter[Never]):
     """`<robot>/sonar` and `command/sonar`."""
 
     name = "sonar"
@@ -105,7 +105,7 @@ class _SonarAdapter(BusAdapter):
     commands = (CommandRow(keys.SONAR_POWER, {"on": bool}, _switch, NOTHING),)
 
 
-class _BumpersAdapter(BusAdapter):
+class _BumpersAdapter(BusAdapter[Never]):
     """`<robot>/bumpers`."""
 
     name = "bumpers"
@@ -116,7 +116,7 @@ class _BumpersAdapter(BusAdapter):
         return bool(self._model.front_bumpers or self._model.rear_bumpers)
 
 
-class _EncodersAdapter(BusAdapter):
+class _EncodersAdapter(BusAdapter[Never]):
     """The driven wheels among `<robot>/joint_states`, where the settings ask for them."""
 
     name = "encoders"

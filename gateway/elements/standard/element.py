@@ -3,6 +3,8 @@
 Source of the battery packet: client libraries.
 """
 
+from typing import Never
+
 from gateway.elements.asked import AskedElement, PolledElement
 from gateway.elements.element import Element
 from gateway.errors import CommandRefused
@@ -15,7 +17,7 @@ PERIOD = 10.0
 """Seconds from one answer to the next question; a charge changes slowly."""
 
 
-class ControllerConfiguration(AskedElement):
+class ControllerConfiguration(AskedElement[Configuration]):
     """Asks for the CONFIGpac; firmware before P2OS 1.4 has none."""
 
     takes = (Configuration,)
@@ -24,7 +26,7 @@ class ControllerConfiguration(AskedElement):
     times = 6
 
 
-class SonarElement(Element):
+class SonarElement(Element[Never]):
     """Keeps whether the sonar is to be on, to restore it after a reset."""
 
     def begin_link(self, model: RobotModel, now: float) -> None:
@@ -41,7 +43,7 @@ class SonarElement(Element):
         self._ask(Command.SONAR, int(on))
 
 
-class UserPorts(PolledElement):
+class UserPorts(PolledElement[IoReport]):
     """Requests I/O packets where they are needed; keeps the outputs, to restore them after a reset."""
 
     takes = (IoReport,)
@@ -57,10 +59,9 @@ class UserPorts(PolledElement):
         if self._mask:
             self.set_outputs(self._mask, self._value)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: IoReport, now: float) -> None:
         """Announce the packet."""
         super().take(packet, now)
-        assert isinstance(packet, IoReport)
         self._announce(packet)
 
     def set_outputs(self, mask: int, value: int) -> None:
@@ -77,7 +78,7 @@ class UserPorts(PolledElement):
         self._ask(Command.DIGOUT, (self._mask, self._value))
 
 
-class WheelEncoders(PolledElement):
+class WheelEncoders(PolledElement[Encoders]):
     """is_present: the settings want them."""
 
     takes = (Encoders,)
@@ -90,23 +91,21 @@ class WheelEncoders(PolledElement):
         if self.is_present:
             self.begin(now)
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: Encoders, now: float) -> None:
         """Announce the packet."""
         super().take(packet, now)
-        assert isinstance(packet, Encoders)
         self._announce(packet)
 
 
-class Batteries(AskedElement):
+class Batteries(AskedElement[BatteryReport]):
     """is_present: the robot has answered."""
 
     takes = (BatteryReport,)
     question = Command.BATTERYINFO, PacketRequest.ONE
 
-    def take(self, packet: object, now: float) -> None:
+    def take(self, packet: BatteryReport, now: float) -> None:
         """Report the mean charge of all batteries."""
         super().take(packet, now)
-        assert isinstance(packet, BatteryReport)
         charges = [battery[RELATIVE_CHARGE] for battery in packet.batteries if len(battery) > RELATIVE_CHARGE]
         if charges:
             self.is_present = True

@@ -1,6 +1,7 @@
 """One element on a stand: no robot, no driver, only what it sends and announces."""
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -15,7 +16,7 @@ from p2os import Configuration, Frame, FrameDecoder, ReceivedCommand, RobotModel
 class Stand:
     """now: steady time, s. announced: the element's events so far."""
 
-    def __init__(self, kind: type[Element], model: str, settings: Settings) -> None:
+    def __init__(self, kind: type[Element[Any]], model: str, settings: Settings) -> None:
         self.now = 10.0
         self.model = load(RobotModel, "robots", model)
         self.announced: list[Event] = []
@@ -62,7 +63,7 @@ MakeStand = Callable[..., Stand]
 
 @pytest.fixture
 def make_stand() -> MakeStand:
-    def make(kind: type[Element], model: str = "p3dx-sh", settings: Settings | None = None) -> Stand:
+    def make(kind: type[Element[Any]], model: str = "p3dx-sh", settings: Settings | None = None) -> Stand:
         return Stand(kind, model, settings or Settings())
 
     return make

@@ -1,7 +1,7 @@
 """Elements that a robot is asked for: compass, joystick, batteries."""
 
 from math import inf, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -58,7 +58,7 @@ def test_answer_starts_the_stream_and_silence_starts_it_anew(
 
 
 @pytest.mark.parametrize("kind", [CompassElement, JoystickElement])
-def test_settings_keep_the_question_back(make_stand: "MakeStand", kind: type[Element]) -> None:
+def test_settings_keep_the_question_back(make_stand: "MakeStand", kind: type[Element[Any]]) -> None:
     stand = make_stand(kind, settings=Settings(fitted=Fitted(compass=False, joystick=False)))
     stand.connect()
     assert asked(stand) == []

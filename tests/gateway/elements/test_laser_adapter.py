@@ -113,4 +113,4 @@ def test_its_frame_is_where_the_model_has_it_unless_the_settings_know_better() -
 
 
 def test_other_events_are_none_of_its_business() -> None:
-    assert list(adapter().messages(ElementFound("laser", 9600), STAMP)) == []
+    assert not isinstance(ElementFound("laser", 9600), LaserAdapter.events)
