@@ -4,8 +4,7 @@ import argparse
 import json
 from typing import Any
 
-from acromovi.command import argument
-from acromovi.options import add_bus
+from acromovi.options import add_bus, argument
 from acromovi.subcommand import Subcommand
 
 EPILOG = """\
@@ -75,10 +74,8 @@ def _run(arguments: argparse.Namespace) -> int:
         if arguments.action == "move":
             given |= {"to": find_container(bus, arguments.container).name}
         answer = {"container": there.name, **tell(bus, there, arguments.action, **given)}
-    if arguments.json:
-        print(json.dumps(answer))
-    else:
-        print(f"{answer['name']} is {answer['state']} in {answer['container']}")
+    for_people = f"{answer['name']} is {answer['state']} in {answer['container']}"
+    print(json.dumps(answer) if arguments.json else for_people)
     return 0
 
 

@@ -9,8 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
-from acromovi.command import argument
-from acromovi.options import add_bus, seconds
+from acromovi.options import add_bus, argument, seconds
 from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:

@@ -3,9 +3,8 @@
 import argparse
 import json
 import sys
-from typing import Any
 
-from acromovi.options import add_bus, seconds
+from acromovi.options import add_bus, argument, seconds
 from acromovi.subcommand import Subcommand
 
 EPILOG = """\
@@ -28,17 +27,6 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("arguments", metavar="KEY=VALUE", nargs="*", default=(), type=argument, help="arguments")
     parser.add_argument("--timeout", type=seconds, default=3.0, metavar="S", help="wait for the answer [3 s]")
     add_bus(parser)
-
-
-def argument(text: str) -> tuple[str, Any]:
-    """Read `key=value`."""
-    key, equals, value = text.partition("=")
-    if not (key and equals):
-        raise argparse.ArgumentTypeError(f"{text!r} is not KEY=VALUE; write for example on=true")
-    try:
-        return key, json.loads(value)
-    except ValueError:
-        return key, value
 
 
 def _run(arguments: argparse.Namespace) -> int:

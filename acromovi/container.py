@@ -15,8 +15,7 @@ from importlib import import_module
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-from acromovi.command import argument
-from acromovi.options import add_apps, add_bus
+from acromovi.options import add_apps, add_bus, add_pairs
 from acromovi.subcommand import Subcommand
 from configs.loader import ConfigError
 
@@ -55,14 +54,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     which.add_argument("name", metavar="NAME", nargs="?", help="start an empty container of this name")
     which.add_argument("--robot", metavar="ROBOT", help="start the container of a robot's agents")
     which.add_argument("--services", metavar="TEAM", help="start the container of a team's services")
-    parser.add_argument(
-        "--property",
-        metavar="SERVICE.KEY=VALUE",
-        type=argument,
-        action="append",
-        default=[],
-        help="set a property of a service; a value is JSON, or text where it is not JSON; repeatable",
-    )
+    add_pairs(parser, "--property", "SERVICE.KEY=VALUE", "set a property of a service")
     add_apps(parser)
     parser.add_argument("--json", action="store_true", help="print one line of JSON once it serves")
     parser.add_argument(
@@ -233,10 +225,8 @@ async def _live(container: "Container", arguments: argparse.Namespace, end: EndR
             tasks.append(asyncio.ensure_future(_follow_robot(container, arguments.robot, end)))
         if arguments.services:
             await start_services(container, arguments.services, dict(arguments.property))
-        if arguments.json:
-            print(json.dumps({"container": container.name}), flush=True)
-        else:
-            print(f"the container {container.name} serves; stop with Ctrl-C", flush=True)
+        for_people = f"the container {container.name} serves; stop with Ctrl-C"
+        print(json.dumps({"container": container.name}) if arguments.json else for_people, flush=True)
         await end.wait()
         for task in tasks:
             task.cancel()

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -41,10 +40,7 @@ def _run(arguments: argparse.Namespace) -> int:
         home = find_container(bus, home_of(bus, agent))
         asked = {"do": "introspect", "name": str(agent)}
         seen = bus.query(home.description_key, asked)[0].value
-    if arguments.json:
-        print(json.dumps(seen, ensure_ascii=False))
-    else:
-        sys.stdout.writelines(f"{line}\n" for line in _lines(seen))
+    print(json.dumps(seen, ensure_ascii=False) if arguments.json else "\n".join(_lines(seen)))
     return 0
 
 

@@ -1,7 +1,9 @@
 """Options that several commands share."""
 
 import argparse
+import json
 from pathlib import Path
+from typing import Any
 
 from configs.defaults import VARIABLE, default_bus
 
@@ -29,12 +31,29 @@ def add_apps(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_pairs(parser: argparse.ArgumentParser, option: str, pair: str, what: str) -> None:
+    """Add an option that takes KEY=VALUE, any number of times."""
+    what += "; a value is JSON, or text where it is not JSON; repeatable"
+    parser.add_argument(option, metavar=pair, type=argument, action="append", default=[], help=what)
+
+
 def _folder(text: str) -> Path:
     """A folder that is there."""
     path = Path(text).expanduser()
     if not path.is_dir():
         raise argparse.ArgumentTypeError(f"there is no folder {text}")
     return path
+
+
+def argument(text: str) -> tuple[str, Any]:
+    """Read `key=value`."""
+    key, equals, value = text.partition("=")
+    if not (key and equals):
+        raise argparse.ArgumentTypeError(f"{text!r} is not KEY=VALUE; write for example on=true")
+    try:
+        return key, json.loads(value)
+    except ValueError:
+        return key, value
 
 
 def seconds(text: str) -> float:

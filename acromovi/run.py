@@ -4,8 +4,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from acromovi.command import argument
-from acromovi.options import add_apps, add_bus
+from acromovi.options import add_apps, add_bus, argument
 from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:

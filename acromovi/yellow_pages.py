@@ -6,8 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TextIO
 
-from acromovi.command import argument
-from acromovi.options import add_bus
+from acromovi.options import add_bus, add_pairs
 from acromovi.ps import row
 from acromovi.subcommand import Subcommand
 
@@ -33,14 +32,7 @@ reached, 130 stopped by Ctrl-C.
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--service", metavar="S", help="list only agents with this service")
     parser.add_argument("--robot", metavar="R", help="list only agents of this robot or platform")
-    parser.add_argument(
-        "--property",
-        metavar="KEY=VALUE",
-        type=argument,
-        action="append",
-        default=[],
-        help="list only agents with this property; a value is JSON, or text where it is not JSON; repeatable",
-    )
+    add_pairs(parser, "--property", "KEY=VALUE", "list only agents with this property")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_bus(parser)
 

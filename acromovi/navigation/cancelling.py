@@ -31,10 +31,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
     with ZenohBus.open(arguments.bus) as bus:
         ended = RunningNavigation(bus, arguments.robot).ask("cancel")
-    if arguments.json:
-        print(json.dumps(ended))
-    else:
-        print(f"{ended['mission']} is cancelled" if ended["mission"] else "no mission was active; the robot stands")
+    for_people = f"{ended['mission']} is cancelled" if ended["mission"] else "no mission was active; the robot stands"
+    print(json.dumps(ended) if arguments.json else for_people)
     return 0
 
 

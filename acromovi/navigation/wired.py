@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from acromovi.command import argument
+from acromovi.options import add_pairs
 from configs.loader import ConfigError
 
 if TYPE_CHECKING:
@@ -22,15 +22,8 @@ Processes = Mapping[str, Sequence["ComponentSpec"]]
 def add_wiring(parser: argparse.ArgumentParser) -> None:
     """Add the options that choose components and processes."""
     parser.add_argument("--wiring", metavar="FILE", type=Path, help="wiring file [the application's own]")
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        type=argument,
-        action="append",
-        default=[],
-        dest="changes",
-        help="change a value of the wiring, components.path_planning.numbers.mission.speed=0.3 for example; repeatable",
-    )
+    example = "components.path_planning.numbers.mission.speed=0.3"
+    add_pairs(parser, "--set", "KEY=VALUE", f"change a value of the wiring, as in {example}")
     parser.add_argument(
         "--processes",
         choices=GROUPINGS,
@@ -48,7 +41,7 @@ def processes(arguments: argparse.Namespace) -> Processes:
     from apps.indoor_navigation.parameters import WIRING
     from apps.indoor_navigation.wiring import load_wiring
 
-    parts = load_wiring(arguments.wiring or WIRING, nested(arguments.changes)).parts
+    parts = load_wiring(arguments.wiring or WIRING, nested(arguments.set)).parts
     grouped: dict[str, list[ComponentSpec]] = {}
     for part in parts:
         name = {"file": part.process, "each": part.local, "one": ONE}[arguments.processes]
@@ -60,7 +53,7 @@ def words(arguments: argparse.Namespace) -> list[str]:
     """Return the same options as words of a command line."""
     given = ["--processes", arguments.processes]
     given += ["--wiring", str(arguments.wiring.absolute())] if arguments.wiring else []
-    for key, value in arguments.changes:
+    for key, value in arguments.set:
         given += ["--set", f"{key}={json.dumps(value)}"]
     return given
 

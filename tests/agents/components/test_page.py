@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.command import argument
+from acromovi.options import argument
 from agents.components.all_components import COMPONENTS
 from gateway.elements.adapter import adapter_types
 from gateway.elements.all_elements import ELEMENTS

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from acromovi.command import argument
+from acromovi.options import argument
 from agents.platform import Agent, AgentName
 from agents.platform.hooks import hooks_of
 from agents.services.all_services import SERVICES
