@@ -7,10 +7,11 @@ holds for the programs, and hundreds of missions can be scored in the time of on
 import itertools
 import random
 from collections.abc import Callable, Mapping
-from typing import Self, TypeVar
+from typing import TypeVar
 
 import configs
 from bus import Bus, MemoryBus, MemoryNetwork
+from bus.bus import Closeable
 from bus.messages import NS_PER_S
 from gateway.bridge import LONGEST_WAIT
 from gateway.cables.cable import ElementDriver, IsWanted, PublishEvents
@@ -35,7 +36,7 @@ SETTINGS = Settings(emulated=True, laser=LaserSettings(baud=38400))
 NO_RATE = (0,)  # a line in memory has no baud rate to look for
 
 
-class Lockstep:
+class Lockstep(Closeable):
     """A team of robots in a world, each with its driver, on a bus in memory.
 
     Everything happens in `run`; the same arguments and the same calls call the same bytes and messages.
@@ -139,12 +140,6 @@ class Lockstep:
         for host in self._hosts.values():
             host.close()
         self.world.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
 
 class _Element:

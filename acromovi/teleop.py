@@ -5,7 +5,6 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from acromovi.keyboard import HELP, MOVES, PERIOD, SPECIAL, Action, KeyboardControl, KeyReader
@@ -101,9 +100,7 @@ class Teleop:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._publish(0.0, 0.0)
         for executor in (self._stops, self._requests):
             executor.shutdown()

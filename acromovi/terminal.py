@@ -6,7 +6,6 @@ import sys
 import termios
 import tty
 from collections.abc import Sequence
-from types import TracebackType
 from typing import Self
 
 HOME, CLEAR_LINE, CLEAR_BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
@@ -32,9 +31,7 @@ class Terminal:
         sys.stdout.write(OTHER_SCREEN + HIDE_CURSOR)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         termios.tcsetattr(self._input, termios.TCSADRAIN, self._before)
         sys.stdout.write(SHOW_CURSOR + OWN_SCREEN)
         sys.stdout.flush()

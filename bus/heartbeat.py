@@ -7,7 +7,6 @@ It is a sample on a key of the commanding program that ends in `/heartbeat`; the
 
 import logging
 import threading
-from typing import Self
 
 from bus.bus import JSON, Bus, Subscription
 from bus.errors import BusError, KeyNotValid
@@ -58,9 +57,6 @@ class Heartbeat(Subscription):
         self._is_closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"heartbeat {key}", daemon=True)
         self._thread.start()
-
-    def __enter__(self) -> Self:
-        return self
 
     def close(self) -> None:
         """Stop the heartbeat; motions that are still bound to it stop."""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Awaitable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from apps.indoor_navigation.component import Component, query_key, send_key
 from apps.indoor_navigation.data import GoalPoint, LogMessage
 from apps.indoor_navigation.wiring import load_wiring
 from bus import BusError, Sample, keys
+from bus.bus import Closeable
 from bus.messages import decode, decode_json, heading
 from gateway.settings import DriveLimits
 from geometry import Point, Pose2D, wrap_angle
@@ -94,7 +95,7 @@ class Played:
     touched: tuple[str, ...] = ()
 
 
-class Course:
+class Course(Closeable):
     """A robot, its world and its navigation. Same arguments and same calls, same missions."""
 
     def __init__(
@@ -223,12 +224,6 @@ class Course:
         self._do(self._home.close())
         self.lockstep.close()
         self.loop.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
     def _do(self, work: Awaitable[T]) -> T:
         async def done() -> T:

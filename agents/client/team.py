@@ -6,7 +6,6 @@ import threading
 import uuid
 from collections.abc import Coroutine, Iterator
 from contextlib import contextmanager, suppress
-from types import TracebackType
 from typing import Any, Self, SupportsFloat
 
 from agents.client.complaints import complain_in_a_sentence
@@ -18,6 +17,7 @@ from agents.client.loop_thread import LAST_WORDS, LoopThread
 from agents.client.robot import Robot
 from agents.platform import Agent, AgentError, AgentName, Container, NameNotValid
 from bus import Bus, BusError, NotAllowed, ZenohBus
+from bus.bus import Closeable
 from bus.keys import robot_name
 from configs.defaults import default_bus
 from configs.loader import ConfigError
@@ -26,7 +26,7 @@ PLATFORM = "apps"  # where agents live that belong to no robot
 OPENING_TIME = 15.0  # s; only a machine that does nothing else needs so long
 
 
-class Team:
+class Team(Closeable):
     """All robots on a bus.
 
         with Team() as team:
@@ -171,14 +171,6 @@ class Team:
         finally:
             self._discovery.close()
             own_container.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _begin(self, thread: LoopThread, discovery: Discovery) -> None:
         self._thread = thread

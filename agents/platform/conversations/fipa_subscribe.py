@@ -8,7 +8,6 @@ import asyncio
 from collections import deque
 from collections.abc import Mapping
 from contextlib import aclosing
-from types import TracebackType
 from typing import Any, Self
 
 from agents.platform.acl import AclMessage, Performative
@@ -57,9 +56,7 @@ class Values:
         self._hearing = asyncio.ensure_future(self._hear())
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *error: object) -> None:
         assert self._hearing is not None
         self._hearing.cancel()
         await asyncio.gather(self._hearing, return_exceptions=True)
