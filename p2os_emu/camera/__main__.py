@@ -1,4 +1,4 @@
-"""The process of one camera. The emulator starts it, and it ends with the emulator, or when nobody looks."""
+"""The process of one camera. The emulator starts it, and it ends with the emulator."""
 
 import io
 import os
@@ -15,7 +15,7 @@ from PIL import Image
 
 from p2os_emu.camera.feed import Feed
 from p2os_emu.camera.image_format import read_format
-from p2os_emu.camera.news import RESTED, SceneMoment, receive, report_watched
+from p2os_emu.camera.news import SceneMoment, receive, report_watched
 from p2os_emu.camera.server import CameraServer
 from p2os_emu.world.mirror import Mirror, choose_renderer
 from p2os_emu.world.view import View
@@ -61,13 +61,12 @@ class _SceneInbox:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Draw and serve until the emulator ends, or nobody has looked for a while.
+    """Draw and serve until the emulator ends.
 
     Args:
-        argv: Descriptors of the channel and of the listening socket, the picture format, the JPEG's quality, a title,
-            and the s without a viewer after which it ends.
+        argv: Descriptors of the channel and of the listening socket, the picture format, the JPEG's quality, a title.
     """
-    channel_fd, listener_fd, image_format, quality, title, patience = sys.argv[1:] if argv is None else argv
+    channel_fd, listener_fd, image_format, quality, title = sys.argv[1:] if argv is None else argv
     os.nice(NICENESS)
     image = read_format(image_format)
     mirror = Mirror(choose_renderer())
@@ -75,14 +74,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     inbox = _SceneInbox(channel)
     feed = Feed(partial(report_watched, channel))
     server = CameraServer(socket.socket(fileno=int(listener_fd)), feed, title)
-    server.start()
+    threading.Thread(target=server.serve_forever, daemon=True).start()
     inbox.wait()
     view: View | None = None
     due = time.monotonic()
     while True:
         if not feed.has_viewers:
-            if not feed.wait_for_viewers(float(patience)) and server.has_stopped_unwatched():
-                return RESTED
+            feed.wait_for_viewers()
             view = _take(inbox, mirror, view)  # it may be as old as the last viewer
         inbox.wait(LEAST_OFTEN)
         view = _take(inbox, mirror, view)

@@ -39,10 +39,10 @@ class Feed:
         with self._changed:
             return self._viewers > 0
 
-    def wait_for_viewers(self, timeout: float | None = None) -> bool:
-        """Return as soon as there is a viewer, or after a timeout, s; return whether there is one."""
+    def wait_for_viewers(self) -> None:
+        """Return as soon as there is a viewer."""
         with self._changed:
-            return self._changed.wait_for(lambda: self._viewers > 0, timeout)
+            self._changed.wait_for(lambda: self._viewers > 0)
 
     @contextmanager
     def watching(self) -> Iterator[int]:

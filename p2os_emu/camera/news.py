@@ -18,8 +18,6 @@ LARGEST = 2**20
 """Bytes of a packet, at most."""
 WATCHED, UNWATCHED = b"\1", b"\0"
 """What a camera's process reports: somebody looks, or nobody does."""
-RESTED = 0
-"""Exit code of a camera's process that nobody has looked at for a while."""
 
 
 class SceneMoment(NamedTuple):

@@ -2,7 +2,6 @@
 
 import socket
 import sys
-import threading
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -33,18 +32,6 @@ class CameraServer(ThreadingHTTPServer):
         self.socket = listener
         self.feed = feed
         self.title = title
-
-    def start(self) -> None:
-        """Serve on a thread of its own."""
-        threading.Thread(target=self.serve_forever, daemon=True).start()
-
-    def has_stopped_unwatched(self) -> bool:
-        """Accept nobody any more, unless a viewer has come; return whether none has."""
-        self.shutdown()  # viewers that connect from now on wait for the next process
-        if self.feed.has_viewers:
-            self.start()
-            return False
-        return True
 
     def handle_error(self, request: object, client_address: object) -> None:
         """Ignore viewers that disconnect or do not read while a picture is sent."""

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -71,13 +70,6 @@ def red_column(url: str) -> float | None:
 def camera_pid(emulator_pid: int) -> int:
     """The only child of an emulator."""
     return int(Path(f"/proc/{emulator_pid}/task/{emulator_pid}/children").read_text().split()[0])
-
-
-def child_of(pid: int, words: str) -> int:
-    """The child of a process that runs this command."""
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    (child,) = (each for each in children if words in Path(f"/proc/{each}/cmdline").read_text().replace("\0", " "))
-    return int(child)
 
 
 def is_running(pid: int) -> bool:
@@ -175,43 +167,8 @@ def test_first_picture_of_a_late_viewer_shows_where_the_robot_is_now(world: str)
         assert turned < straight - 10
 
 
-def camera_of(name: str, seconds: float = LIMIT) -> CameraProcess:
-    """A camera that rests after so many s without a viewer."""
-    model = configs.load(CameraModel, "accessories", "camera")
-    return CameraProcess(name, read_format("64x48@5"), model, patience(seconds))
-
-
-def shown(camera: CameraProcess) -> int:
-    """Look once, as a viewer in another process does; return how often the camera was told what there is."""
-    told = 0
-    view = View(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    with ThreadPoolExecutor(1) as viewer:
-        looking = viewer.submit(picture, camera.url.replace("/video", "/image"))
-        while not looking.done():
-            assert camera.listen()
-            if camera.wants_news and camera.tell(SceneMoment(SceneChanges(), view)):
-                told += 1
-        assert looking.result().shape == (48, 64, 3)
-    return told
-
-
-def test_camera_that_nobody_looks_at_takes_no_memory_and_looks_again_for_the_next_viewer(
-    until: Callable[..., None],
-) -> None:
-    with closing(camera_of(f"rests-{os.getpid()}", 0.2)) as camera:
-        for _ in range(2):
-            assert shown(camera) > 0
-            process = child_of(os.getpid(), "-m p2os_emu.camera")
-            until(lambda pid=process: camera.listen() and not is_running(pid))
-            assert not camera.wants_news
-        assert camera.listen(), "it can be looked at again"
-
-
-def test_camera_that_is_killed_while_it_rests_or_draws_is_gone(until: Callable[..., None]) -> None:
-    with closing(camera_of(f"killed-{os.getpid()}")) as camera:
-        assert shown(camera) > 0
-        os.kill(child_of(os.getpid(), "-m p2os_emu.camera"), signal.SIGKILL)
-        until(lambda: not camera.listen())
+def camera_of(name: str) -> CameraProcess:
+    return CameraProcess(name, read_format("64x48@5"), configs.load(CameraModel, "accessories", "camera"))
 
 
 def test_ctrl_c_in_the_terminal_ends_emulator_and_camera_without_a_word(world: str) -> None:
