@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from p2os_emu.world.colours import COLOURS, check_colour
 
-PIXELS = 2048
-"""Edge of the picture that covers the whole floor."""
+PIXELS = 512
+"""Edge of the picture that is repeated over the floor."""
+PERIOD = 8
+"""Edge of that picture in pattern lengths: a common multiple of the periods of all patterns, 1, 2, 4 and 8."""
 JOINT = 0.08
 """Width of what separates tiles and planks, in pattern lengths."""
 PLANK_LENGTH, PLANK_SHIFT = 4.0, 1.5
@@ -46,9 +48,9 @@ class Floor:
             raise ValueError("pattern_m must be above 0 m")
 
 
-def picture(floor: Floor, edge: float) -> NDArray[np.uint8]:
-    """The floor from above, a square of `edge` m: rows of pixels with red, green, blue."""
-    across = (np.arange(PIXELS) + 0.5) * edge / PIXELS / floor.pattern_m
+def picture(floor: Floor) -> NDArray[np.uint8]:
+    """A square of `PERIOD` pattern lengths of the floor, from above: rows of pixels with red, green, blue."""
+    across = (np.arange(PIXELS) + 0.5) * PERIOD / PIXELS
     x, y = across[np.newaxis, :], across[:, np.newaxis]
     match floor.texture:
         case Texture.CHECKER:

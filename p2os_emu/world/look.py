@@ -49,7 +49,7 @@ class ShapePart(NamedTuple):
     """One part of a thing, in the thing's own frame.
 
     size: of a box along x, y, z; of a cylinder diameter, diameter, height along its own z; of a sphere its diameter, m.
-    floor: what is painted on the top of a box that is the floor.
+    floor: how the top of a box looks that is the floor.
     """
 
     form: Form

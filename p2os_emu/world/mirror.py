@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from p2os_emu.world.engine import PhysicsClient, engine
-from p2os_emu.world.floor import Floor, picture
-from p2os_emu.world.look import Form, ShapePart
+from p2os_emu.world.floor import PERIOD, Floor, picture
+from p2os_emu.world.look import Form, ShapePart, Triple
 from p2os_emu.world.sight import Placed, SceneChanges
 from p2os_emu.world.view import View
 
@@ -105,6 +105,8 @@ class Mirror:
         return colours
 
     def _build(self, part: ShapePart) -> int:
+        if part.floor is not None:
+            return self._lay(part.floor, part.size)
         x, y, z = part.size
         match part.form:
             case Form.BOX:
@@ -115,17 +117,30 @@ class Mirror:
                 shape = {"shapeType": engine.GEOM_SPHERE, "radius": x / 2}
         visual = self._client.createVisualShape(rgbaColor=part.colour, **shape)
         body: int = self._client.createMultiBody(0.0, -1, visual)
-        if part.floor is not None:
-            self._cover(body, part.floor, x)
         return body
 
-    def _cover(self, body: int, floor: Floor, edge: float) -> None:
-        """Paint a floor; the engine takes pictures from files only."""
+    def _lay(self, floor: Floor, size: Triple) -> int:
+        """Build the top of a floor, and repeat its pattern over it; the engine takes pictures from files only.
+
+        A picture of the whole floor would take four times its size in memory, 50 MB where a pixel is 14 mm.
+        """
+        x, y, z = (edge / 2 for edge in size)
+        corners = ((-x, -y), (x, -y), (x, y), (-x, y))
+        picture_edge = floor.pattern_m * PERIOD
+        visual = self._client.createVisualShape(
+            engine.GEOM_MESH,
+            vertices=[(*corner, z) for corner in corners],
+            indices=[0, 1, 2, 0, 2, 3],
+            uvs=[((east + x) / picture_edge, (north + y) / picture_edge) for east, north in corners],
+            normals=[(0.0, 0.0, 1.0)] * len(corners),
+        )
+        body: int = self._client.createMultiBody(0.0, -1, visual)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "floor.bmp"
-            Image.fromarray(picture(floor, edge)).save(file)
+            Image.fromarray(picture(floor)).save(file)
             texture = self._client.loadTexture(str(file))
         self._client.changeVisualShape(body, -1, textureUniqueId=texture)
+        return body
 
     def _place(self, parts: Iterable[tuple[int, ShapePart]], placed: Placed) -> None:
         for body, part in parts:

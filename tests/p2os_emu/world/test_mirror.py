@@ -128,9 +128,21 @@ def test_what_never_moves_is_told_once(mirror: Mirror) -> None:
 
 @pytest.mark.parametrize("texture", [Texture.CHECKER, Texture.TILES, Texture.PLANKS])
 def test_floor_has_two_colours_in_a_pattern(texture: Texture) -> None:
-    painted = picture(Floor(texture, "white", "black", 1.0), 20.0)
+    painted = picture(Floor(texture, "white", "black", 1.0))
     assert painted.shape == (PIXELS, PIXELS, 3)
     assert {tuple(pixel) for row in painted[::101] for pixel in row} == {(242, 242, 242), (26, 26, 26)}
+
+
+@pytest.mark.parametrize("pattern", [0.5, 1.0])
+def test_floor_has_its_pattern_in_its_size_wherever_one_looks(mirror: Mirror, pattern: float) -> None:
+    """Seen from 1 m above, a row of the picture shows so many changes of colour on so many metres."""
+    floor = Floor(Texture.CHECKER, "white", "black", pattern)
+    height, seen = 1.0, 4.0  # m
+    down = View(5.3, -3.1, height, 0.0, -pi / 2, 2 * np.arctan(seen / 2 / height))
+    with World(WorldSpec("test", floor=floor), perfect=True) as world:
+        mirror.apply(world.sight.news(set()))
+    row = mirror.draw(down, 400, 400)[200, :, 0] > 128
+    assert np.count_nonzero(row[1:] != row[:-1]) == pytest.approx(seen / pattern, abs=1)
 
 
 def test_view_looks_where_head_and_robot_point() -> None:
