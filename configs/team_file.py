@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any
 
 from configs.defaults import LINK, WORLD
@@ -11,6 +12,13 @@ MOST_ROBOTS = 100
 """Robots in one team: an emulator's core has room for about as many, firmware and physics included."""
 EMULATED = "emu"
 """The port of a robot that is emulated."""
+
+
+class GatewayProcesses(StrEnum):
+    """In which processes the gateways of a team run: emulated robots share one, or each robot has its own."""
+
+    SHARED = "shared"
+    SEPARATE = "separate"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,13 +55,15 @@ class TeamRobot:
 class TeamFile:
     """A file of `configs/teams`.
 
-    world, link: of the emulated robots. services: properties of the team's services, by their names.
+    world, link: of the emulated robots. gateways: processes of their gateways; real robots always have their own.
+    services: properties of the team's services, by their names.
     """
 
     robots: tuple[TeamRobot, ...]
     about: str = ""
     world: str = WORLD
     link: str = LINK
+    gateways: GatewayProcesses = GatewayProcesses.SHARED
     services: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 

@@ -59,7 +59,8 @@ class GatewayOptions:
     def report_event(self, sentence: str, facts: dict[str, Any]) -> None:
         """Print an event, as a sentence or as JSON."""
         if self.is_json:
-            _print(json.dumps({**facts, "port": self.port}), sys.stdout)
+            robot = {} if self.name is None else {"robot": self.name}
+            _print(json.dumps({**robot, **facts, "port": self.port}), sys.stdout)
         elif not self.is_quiet:
             _print(f"{self.port}: {sentence}" if self.is_one_of_many else sentence, sys.stdout)
 

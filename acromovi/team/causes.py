@@ -17,7 +17,7 @@ class Causes:
 
         Args:
             table: The team's processes.
-            reports: What each process has reported last, by the name of its program.
+            reports: What was reported last, by the name of the program, or of the robot that its gateway tells of.
         """
         self._table = table
         self._reports = reports
@@ -38,7 +38,7 @@ class Causes:
             return f"there is no port {robot.port}; plug the robot in, or correct its port in the team's file"
         if not progress.is_in_touch:
             waits = "has lost the robot" if progress.is_lost else "has not connected to the robot"
-            return self._process("its gateway", gateway, waits)
+            return self._process("its gateway", gateway, waits, robot.name)
         if not progress.container_serves:
             return self._process("its container", self._row(ProcessKind.AGENTS, robot.name), "does not answer")
         if missing := sorted(progress.parts - progress.agents):
@@ -50,11 +50,11 @@ class Causes:
         entry = next((entry for entry in self._table if entry.program.container == SERVICES), None)
         return self._process("their container", entry, "does not answer")
 
-    def _process(self, what: str, entry: ProcessRow | None, waits: str) -> str:
-        """Return what is wrong with a process; waits: what to say of one that runs."""
+    def _process(self, what: str, entry: ProcessRow | None, waits: str, robot: str = "") -> str:
+        """Return what is wrong with a process. waits: what to say of one that runs. robot: the one that it is about."""
         if entry is None:
             return f"{what} has not been started yet"
-        report = self._reports.get(entry.program.name, "")
+        report = self._reports.get(robot) or self._reports.get(entry.program.name, "")
         if entry.state is ProcessState.RUNNING and not entry.ends:
             pid = "" if entry.child is None else f" (process {entry.child.pid})"
             return f"{what}{pid} {waits}{': ' if report else ''}{report}"
@@ -65,11 +65,16 @@ class Causes:
         return f"{what} {why.replace('ended', f'ended{times}', 1)}"
 
     def _row(self, stage: ProcessKind, robot: str) -> ProcessRow | None:
-        """Return the robot's process of a stage; of its containers the one that is called as the robot is."""
-        wanted = [entry for entry in self._table if entry.program.stage is stage and entry.program.robot == robot]
+        """Return the process of a stage that serves the robot, its own before a shared one.
+
+        Of its containers it is the one that is called as the robot is.
+        """
+        wanted = [
+            entry for entry in self._table if entry.program.stage is stage and robot in (*entry.program.robots, "")
+        ]
         if stage is ProcessKind.AGENTS:
             wanted = [entry for entry in wanted if entry.program.container == robot]
-        return next(iter(wanted), None)
+        return min(wanted, key=lambda entry: len(entry.program.robots), default=None)
 
 
 def plain(sentence: str) -> str:

@@ -3,6 +3,7 @@
 import difflib
 import json
 import sys
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -13,7 +14,7 @@ import configs
 from acromovi.team.identities import TeamOptions
 from bus.keys import robot_name
 from configs import ConfigError
-from configs.team_file import TeamFile, TeamRobot, read_team
+from configs.team_file import GatewayProcesses, TeamFile, TeamRobot, read_team
 from p2os_emu.links.profile import LinkProfile
 
 if TYPE_CHECKING:
@@ -36,23 +37,28 @@ class ProcessKind(IntEnum):
 class PlannedProcess:
     """One process of a team.
 
-    name: for people. robot: whose it is; empty where it is everybody's. container: the one that it runs, if any.
+    name: for people. robots: whose it is; none where it is everybody's. container: the one that it runs, if any.
     is_extra: it belongs to no robot nor to the team; it is there since one of the team's agents asked for it.
     """
 
     name: str
     stage: ProcessKind
     command: tuple[str, ...]
-    robot: str = ""
+    robots: tuple[str, ...] = ()
     container: str = ""
     is_extra: bool = False
+
+    @property
+    def robot(self) -> str:
+        """The only robot whose it is; empty where it is not one robot's."""
+        return self.robots[0] if len(self.robots) == 1 else ""
 
     @classmethod
     def of_navigation(cls, robot: str, process: str, options: Sequence[str], bus: str) -> Self:
         """One process of a robot's indoor navigation. options: of the wiring, for a command line."""
         words = ("navigate", "process", robot, process, *options, "--bus", bus, "--json")
         command = _python("acromovi", *words)
-        return cls(f"{process} of {robot}", ProcessKind.AGENTS, command, robot, container=f"{robot}-{process}")
+        return cls(f"{process} of {robot}", ProcessKind.AGENTS, command, (robot,), container=f"{robot}-{process}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,32 +141,51 @@ class TeamProcesses:
             words += ["--seed", str(self._choices.seed)]
         return PlannedProcess("the emulator", ProcessKind.EMULATOR, _python("p2os_emu", *words))
 
+    def gateways(self, ports: Mapping[str, Mapping[str, Any]]) -> list[PlannedProcess]:
+        """The gateways of the emulated robots: a shared one for those with one bus profile, or one for each.
+
+        Args:
+            ports: What the emulator says of each robot.
+        """
+        robots = self._team.emulated
+        profiles = Counter(self._choices.bus_of_robot(robot.name) for robot in robots)
+        if self._team.file.gateways is GatewayProcesses.SEPARATE or len(profiles) != 1 or len(robots) == 1:
+            return [self.gateway(robot, ports[robot.name]) for robot in robots]
+        words = [word for robot in robots for word in self._gateway_words(robot, ports[robot.name])]
+        command = _python("gateway", *words, "--bus", *profiles, "--json", "--wait")
+        names = tuple(robot.name for robot in robots)
+        return [PlannedProcess("the gateway of the emulated robots", ProcessKind.GATEWAY, command, names)]
+
     def gateway(self, robot: TeamRobot, ports: Mapping[str, Any]) -> PlannedProcess:
-        """A robot's gateway.
+        """A gateway of one robot.
 
         Args:
             robot: One of the team, which has the team's link unless it has one of its own. A real one is found where
                 the file says.
             ports: What the emulator says of an emulated one; nothing of a real one.
         """
+        bus = self._choices.bus_of_robot(robot.name)
+        command = _python("gateway", *self._gateway_words(robot, ports), "--bus", bus, "--json", "--wait")
+        return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, command, (robot.name,))
+
+    def _gateway_words(self, robot: TeamRobot, ports: Mapping[str, Any]) -> list[str]:
+        """The port of a robot, and the options that are its own."""
         emulated = {part: ports.get(key) for part, key in _PORTS.items()}
         real = {"laser": robot.laser, "arm": robot.arm, "camera": robot.camera}
-        bus = self._choices.bus_of_robot(robot.name)
-        words = [ports.get("port") or robot.port, "--name", robot.name, "--bus", bus, "--json", "--wait"]
+        words = [ports.get("port") or robot.port, "--name", robot.name]
         for part, place in (emulated if robot.is_emulated else real).items():
             words += [f"--{part}", place] if place else []
         if configs.load(LinkProfile, "links", robot.link or self._team.file.link).modem is not None:
             words.append("--radio")
         if robot.is_emulated:
             words += ["--config", str(self.settings)]
-        command = _python("gateway", *words)
-        return PlannedProcess(f"the gateway of {robot.name}", ProcessKind.GATEWAY, command, robot.name)
+        return words
 
     def container(self, robot: str) -> PlannedProcess:
         """The container of a robot's agents."""
         words = ("container", "--robot", robot, "--bus", self._choices.bus_of_robot(robot), "--json")
         return PlannedProcess(
-            f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), robot, container=robot
+            f"the container of {robot}", ProcessKind.AGENTS, _python("acromovi", *words), (robot,), container=robot
         )
 
     def navigation(self, robot: str) -> list[PlannedProcess]:

@@ -73,6 +73,7 @@ class ProcessRow:
         return {
             "name": self.program.name,
             "robot": self.program.robot or None,
+            "robots": list(self.program.robots),
             "container": self.program.container or None,
             "state": str(self.state),
             "pid": self.child.pid if self.child is not None and self.state is ProcessState.RUNNING else None,

@@ -74,7 +74,8 @@ class TeamAtWork(Closeable):
         self._said: dict[str, str] = {}
         self._readiness = Readiness(team.robots)
         self._lines = ProgressLines(self._readiness, len(team.robots), tell, self._begun)
-        self._reports: dict[str, str] = {}  # the last one of each program, by its name
+        self._reports: dict[str, str] = {}  # the last one of each program by its name, and of a gateway by its robot
+        self._ports: dict[str, dict[str, Any]] = {}  # of the emulated robots
         self._lost: set[str] = set()  # and that they are lost
         self._under_way: set[asyncio.Future[None]] = set()  # what others have asked for
         self.supervisor = Supervisor(start, self)
@@ -93,7 +94,7 @@ class TeamAtWork(Closeable):
             self._queue.add(self._processes.emulator())
         for robot in self._team.robots:
             if not robot.is_emulated:
-                self._add_gateway(robot, {})
+                self._queue.add(self._processes.gateway(robot, {}))
 
     async def come_up(self, within: float = STARTING_TIME) -> list[str]:
         """Wait until all serve.
@@ -183,12 +184,9 @@ class TeamAtWork(Closeable):
 
     def _emulator_is_there(self, robots: Sequence[dict[str, Any]], control: str) -> None:
         self.control = control
-        ports = {each["name"]: each for each in robots}
-        for robot in self._team.emulated:  # after a new start of the emulator their gateways find its ports again
-            self._add_gateway(robot, ports[robot.name])
-
-    def _add_gateway(self, robot: TeamRobot, ports: dict[str, Any]) -> None:
-        self._queue.add(self._processes.gateway(robot, ports))
+        self._ports = {each["name"]: each for each in robots}
+        for program in self._processes.gateways(self._ports):
+            self._queue.add(program)  # once: after a new start of the emulator they find its ports again
 
     def _add_agents(self, robot: str) -> None:
         self._queue.add(self._processes.container(robot))
@@ -197,15 +195,18 @@ class TeamAtWork(Closeable):
                 self._queue.add(program)
 
     def _gateway_said(self, program: PlannedProcess, event: str, said: dict[str, Any]) -> None:
-        robot = program.robot
+        robot = program.robot or str(said.get("robot"))
         if isinstance(said.get("reason"), str):
-            self._reports[program.name] = said["reason"]
+            self._reports[robot] = said["reason"]
         match event:
             case "connected":
-                self._reports.pop(program.name, None)
+                self._reports.pop(robot, None)
                 self._readiness.connected(robot, self._loop.time())
                 self._add_agents(robot)
                 self._tell_of_return(robot)
+            case "ended":  # of a shared one, which does not serve this robot again
+                (own,) = (each for each in self._team.robots if each.name == robot)
+                self._queue.add(self._processes.gateway(own, self._ports[robot]))
             case "waiting":
                 self._complain(f"{robot} is not there yet: waiting for {said.get('port')}")
             case "lost":

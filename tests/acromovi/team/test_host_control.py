@@ -14,7 +14,7 @@ from tests.acromovi.team.conftest import Diary, Pretence
 
 NAME = "patrol-apps"
 PATROL = PlannedProcess("the container patrol-apps", ProcessKind.AGENTS, ("true",), container=NAME, is_extra=True)
-HAPPY = PlannedProcess("the container of happy", ProcessKind.AGENTS, ("true",), "happy", container="happy")
+HAPPY = PlannedProcess("the container of happy", ProcessKind.AGENTS, ("true",), ("happy",), container="happy")
 EMULATOR = PlannedProcess("the emulator", ProcessKind.EMULATOR, ("true",))
 
 

@@ -8,6 +8,7 @@ from acromovi.team.identities import TeamOptions
 from acromovi.team.plan import ProcessKind, TeamPlan, TeamProcesses
 from bus import KeyNotValid
 from configs import ConfigError
+from gateway.__main__ import parse_arguments
 
 DWARFS = """\
 link = "rs232"
@@ -73,6 +74,29 @@ def test_gateway_of_an_emulated_robot_is_told_where_the_emulator_has_put_it(file
     assert (given["--camera"], given["--config"]) == ("http://x/video", str(tmp_path / "emulated.toml"))
     assert not {"--arm", "--radio"} & given.keys()
     assert program.stage is ProcessKind.GATEWAY
+
+
+def test_emulated_robots_share_a_gateway_unless_the_file_or_their_keys_separate_them(
+    file: Path, tmp_path: Path
+) -> None:
+    team = TeamPlan.load(str(file))
+    ports = {"happy": {"port": "/dev/pts/5"}, "grumpy": {"port": "/dev/pts/6", "laser_port": "/dev/pts/7"}}
+    (program,) = TeamProcesses(team, TeamOptions(bus="lan"), tmp_path).gateways(ports)
+    assert (program.robots, program.robot, program.stage) == (("happy", "grumpy"), "", ProcessKind.GATEWAY)
+    settings = ["--config", str(tmp_path / "emulated.toml")]
+    happy = ["/dev/pts/5", "--name", "happy", *settings]
+    grumpy = ["/dev/pts/6", "--name", "grumpy", "--laser", "/dev/pts/7", "--radio", *settings]
+    assert list(program.command[3:]) == [*happy, *grumpy, "--bus", "lan", "--json", "--wait"]
+    assert [each.name for each in parse_arguments(program.command[3:])] == ["happy", "grumpy"]
+
+    file.write_text('gateways = "separate"\n' + file.read_text())
+    separate = TeamPlan.load(str(file))
+    for plan, choices in ((separate, TeamOptions()), (team, TeamOptions("secure", keys=tmp_path))):
+        programs = TeamProcesses(plan, choices, tmp_path).gateways(ports)
+        assert [program.name for program in programs] == ["the gateway of happy", "the gateway of grumpy"]
+    file.write_text(file.read_text().replace("separate", "both"))
+    with pytest.raises(ConfigError, match=r"gateways must be one of shared, separate, not 'both'"):
+        TeamPlan.load(str(file))
 
 
 def test_gateway_behind_radio_modems_is_told_so(file: Path, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from acromovi.team.supervisor import DELAYS, GRACE, HEALTHY_AFTER, Hear, Process
 from agents.platform.virtual_time import VirtualTimeLoop
 from tests.acromovi.team.conftest import Diary, Pretence, PretendedChild
 
-HAPPY = PlannedProcess("the container of happy", ProcessKind.AGENTS, ("true",), "happy", container="happy")
+HAPPY = PlannedProcess("the container of happy", ProcessKind.AGENTS, ("true",), ("happy",), container="happy")
 
 
 def test_process_that_ends_is_started_again_at_once(loop: VirtualTimeLoop, pretence: Pretence, diary: Diary) -> None:

@@ -5,6 +5,7 @@ import json
 import re
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Protocol
 
 import pytest
 
@@ -15,26 +16,29 @@ from acromovi.team.team import STARTING_TIME, TeamAtWork, TeamFailed, TeamTimedO
 from agents.platform.names import AgentName
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, MemoryNetwork
-from configs.team_file import TeamFile, TeamRobot
+from configs.team_file import GatewayProcesses, TeamFile, TeamRobot
 from tests.acromovi.team.conftest import Pretence
 from tests.waiting import DEADLINE
 
 HAPPY = TeamRobot("happy", "p3dx-sh", fit=("laser",))
 DOC = TeamRobot("doc", "p3dx-sh")
 EMULATOR, SERVICES = "the emulator", "the container of services"
+SHARED = "the gateway of the emulated robots"
 PATROL = "the container patrol-apps"
 
 
 class Stage:
     """A team whose processes are played by the test."""
 
-    def __init__(self, folder: Path, pretence: Pretence, *robots: TeamRobot) -> None:
+    def __init__(
+        self, folder: Path, pretence: Pretence, robots: tuple[TeamRobot, ...], gateways: GatewayProcesses
+    ) -> None:
         self.pretence = pretence
         self.told: list[str] = []
         self.complaints: list[str] = []
         self.network = MemoryNetwork()
         self.bus = MemoryBus(self.network)
-        team = TeamPlan("dwarfs", "dwarfs.toml", TeamFile(robots))
+        team = TeamPlan("dwarfs", "dwarfs.toml", TeamFile(robots, gateways=gateways))
         self.team = TeamAtWork(
             team,
             TeamOptions(),
@@ -70,16 +74,25 @@ class Stage:
 
 
 Scene = Callable[[Stage], Awaitable[None]]
-Play = Callable[[Scene, tuple[TeamRobot, ...]], None]
+
+
+class Play(Protocol):
+    """Plays a scene with a team of these robots."""
+
+    def __call__(
+        self, scene: Scene, robots: tuple[TeamRobot, ...], gateways: GatewayProcesses = GatewayProcesses.SEPARATE
+    ) -> None: ...
 
 
 @pytest.fixture
 def play(loop: VirtualTimeLoop, tmp_path: Path, pretence: Pretence) -> Play:
     """Plays a scene with a team of these robots."""
 
-    def run(scene: Scene, robots: tuple[TeamRobot, ...]) -> None:
+    def run(
+        scene: Scene, robots: tuple[TeamRobot, ...], gateways: GatewayProcesses = GatewayProcesses.SEPARATE
+    ) -> None:
         async def main() -> None:
-            stage = Stage(tmp_path, pretence, *robots)
+            stage = Stage(tmp_path, pretence, robots, gateways)
             with stage.team:
                 stage.team.begin()
                 try:
@@ -404,3 +417,39 @@ def test_complaint_is_repeated_only_when_it_changes(play: Play) -> None:
         coming_up.cancel()
 
     play(scene, (HAPPY,))
+
+
+def test_robots_of_a_shared_gateway_come_and_go_each_for_itself(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up())
+        await stage.emulator_is_ready("happy", "doc")
+        for robot, element in (("doc", "base"), ("happy", "laser")):
+            await stage.says(SHARED, event="connected", robot=robot)
+            await stage.says(f"the container of {robot}", container=robot)
+            stage.bus.declare_alive(AgentName(element, robot).alive_key)
+        await stage.says(SERVICES, container="services")
+        assert await coming_up == ["happy", "doc"]
+        await stage.says(SHARED, event="lost", robot="doc", reason="silence")
+        await stage.says(SHARED, event="element lost", robot="happy", element="laser")
+        await stage.says(SHARED, event="connected", robot="doc")
+        assert stage.told[-3:] == ["doc is lost: silence", "happy has lost its laser", "doc is back"]
+        assert [name for name in stage.pretence.names() if "gateway" in name] == [SHARED]
+
+    play(scene, (HAPPY, DOC), GatewayProcesses.SHARED)
+
+
+def test_robot_that_a_shared_gateway_gives_up_gets_one_of_its_own(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        coming_up = asyncio.ensure_future(stage.team.come_up(within=20.0))
+        await stage.emulator_is_ready("happy", "doc")
+        await stage.says(SHARED, event="connected", robot="doc")
+        await stage.says(SHARED, event="ended", robot="happy", reason="the name is taken", exit_code=4)
+        await stage.says("the gateway of happy", event="no robot", robot="happy", reason="no robot answers")
+        with pytest.raises(TeamTimedOut) as told:
+            await coming_up
+        assert "happy: its gateway (process " in str(told.value)
+        assert "has not connected to the robot: no robot answers" in str(told.value)
+        await stage.says("the gateway of happy", event="connected", robot="happy")
+        assert [name for name in stage.pretence.names() if "gateway" in name] == [SHARED, "the gateway of happy"]
+
+    play(scene, (HAPPY, DOC), GatewayProcesses.SHARED)

@@ -187,7 +187,9 @@ def test_a_laser_that_is_unplugged_while_it_is_watched(dwarfs: RunningTeam, team
 
 def test_a_gateway_that_is_killed_in_a_motion(dwarfs: RunningTeam, team: Team) -> None:
     (answer,) = dwarfs.bus.query(HostControl.key("dwarfs"), {"do": "status"})
-    (pid,) = (each["pid"] for each in answer.value["processes"] if each["name"] == "the gateway of happy")
+    (pid,) = (
+        each["pid"] for each in answer.value["processes"] if "gateway" in each["name"] and "happy" in each["robots"]
+    )
     told = during_a_move(dwarfs, team.robot("happy"), threading.Thread(target=os.kill, args=[pid, signal.SIGKILL]))
     assert told.startswith("base@happy could not move: ")
     assert team.robot("happy", having="base").name == "happy"
