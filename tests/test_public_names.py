@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("p2os", "geometry", "configs", "cameras", "bus", "p2os_emu", "gateway", "agents", "apps", "acromovi")
+ROOMS = ("p2os", "geometry", "configs", "cameras", "vision", "bus", "p2os_emu", "gateway", "agents", "apps", "acromovi")
 PACKAGES = sorted(
     ".".join(init.parent.relative_to(ROOT).parts) for room in ROOMS for init in (ROOT / room).rglob("__init__.py")
 )

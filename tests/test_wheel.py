@@ -10,7 +10,19 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = {"acromovi", "agents", "apps", "bus", "cameras", "configs", "gateway", "geometry", "p2os", "p2os_emu"}
+PACKAGES = {
+    "acromovi",
+    "agents",
+    "apps",
+    "bus",
+    "cameras",
+    "configs",
+    "gateway",
+    "geometry",
+    "p2os",
+    "p2os_emu",
+    "vision",
+}
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,19 @@ from functools import cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = ("p2os", "geometry", "configs", "cameras", "bus", "p2os_emu", "gateway", "agents", "apps", "acromovi")
+PACKAGES = (
+    "p2os",
+    "geometry",
+    "configs",
+    "cameras",
+    "vision",
+    "bus",
+    "p2os_emu",
+    "gateway",
+    "agents",
+    "apps",
+    "acromovi",
+)
 SMALL = 60
 """Lines. A module below this that only one other imports may belong inside that one."""
 
