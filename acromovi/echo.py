@@ -51,7 +51,7 @@ def echo(
     as_json: bool = False,
     count: int | None = None,
     timeout: float | None = None,
-    output: TextIO = sys.stdout,
+    output: TextIO | None = None,
 ) -> int:
     """Print the messages on a key.
 
@@ -61,7 +61,7 @@ def echo(
         as_json: One JSON object a line, in place of text.
         count: End after so many messages; None goes on for ever.
         timeout: s without a message after which to give up; None waits for ever, but says so once.
-        output: Where to print.
+        output: Where to print; None is standard output.
     Returns:
         The exit code.
     """

@@ -9,11 +9,11 @@ from acromovi.subcommand import Subcommand
 
 EPILOG = """\
 examples:
-  acromovi wrap acts --name colours@happy
+  acromovi wrap acts --name acts@happy
       the colour tracker ACTS, which runs already, as an agent of the robot happy
   acromovi wrap ./counter.toml --name counter@happy
       a file of your own; docs/wrappers.md shows how to write one
-  acromovi ask colours@happy blobs
+  acromovi ask acts@happy blobs
       ask it, from anywhere on the bus
 
 The program starts and ends with its agent, and is started again when it ends by itself. Exit codes: 1 not possible
@@ -23,7 +23,7 @@ The program starts and ends with its agent, and is started again when it ends by
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", help="wrapper: a name in configs/wrappers, or a path")
-    parser.add_argument("--name", metavar="AGENT", required=True, help="set the agent's name, such as colours@happy")
+    parser.add_argument("--name", metavar="AGENT", required=True, help="set the agent's name, such as acts@happy")
     add_bus(parser)
 
 

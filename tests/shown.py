@@ -23,6 +23,7 @@ ELSEWHERE = {
     "acromovi navigate go happy 6 2.5 --wait": "tests/acromovi/navigation",
     "acromovi navigate picture happy now.svg": "tests/acromovi/navigation",
     "acromovi navigate wiring happy wiring.svg": "tests/acromovi/navigation",
+    "acromovi ask colours@happy serve_acts port=5001": "tests/agents/components/vision, with other ports",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",
     "p2os-gateway /dev/ttyS0 --name doc --laser /dev/ttyS1 /dev/ttyS2 --name max --config max.toml --wait": (
@@ -39,8 +40,9 @@ ELSEWHERE = {
     "python -m benchmarks --peer 127.0.0.1:8101 --peer-pid 4711": "tests/benchmarks/test_compare.py",
 }
 """Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
-PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "testing": 2}
-"""Programs on pages that other tests run: tests/test_readme.py, tests/agents/components/test_results_together.py."""
+PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "testing": 2, "vision": 1}
+"""Programs on pages that other tests run: tests/test_readme.py, tests/agents/components/test_results_together.py,
+tests/vision/test_operations.py."""
 
 
 def page(name: str) -> str:

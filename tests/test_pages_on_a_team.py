@@ -37,7 +37,7 @@ name = "doc"
 model = "p2dx"
 at_m = [0.0, 5.0]
 """
-ON_THE_TEAM = ("components", "gateway", "services", "accessories", "bus", "command-line", "teams")
+ON_THE_TEAM = ("components", "gateway", "services", "accessories", "bus", "command-line", "teams", "vision")
 LIMITS = {"echo": ["--count", "1"], "topics": ["--seconds", "0.5"], "ask": ["--timeout", "60"]}
 """Of what runs until Ctrl-C, and of what takes long on a busy machine."""
 EVENTS = "acromovi echo acromovi/agents/monitor/results"

@@ -1,5 +1,6 @@
 """The agent classes by element."""
 
+from collections import ChainMap
 from collections.abc import Mapping
 
 from agents.components.arm import ArmAgent
@@ -20,6 +21,9 @@ from agents.components.sensors import (
     SonarAgent,
     SoundAgent,
 )
+from agents.components.vision.colours_agent import ColoursAgent
+from agents.components.vision.flow_agent import FlowAgent
+from agents.components.vision.vision_agent import VisionAgent
 
 COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "base": BaseAgent,
@@ -38,8 +42,13 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "camera": CameraAgent,
 }
 """By the element's name in the robot's description."""
+DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
+    "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent},
+}
+"""By the element's name: further agents by their names, which live as long as it is there."""
+_CLASSES = ChainMap(dict(COMPONENTS), *map(dict, DERIVED.values()))
 
 
-def component_for(element: str) -> type[ElementAgent]:
-    """Return the class for an element; an unknown one gets the generic class."""
-    return COMPONENTS.get(element, Generic)
+def component_for(name: str) -> type[ElementAgent]:
+    """Return the class of an agent by its name; an unknown one is for an element, and gets the generic class."""
+    return _CLASSES.get(name, Generic)

@@ -1,21 +1,23 @@
 """Keeps the agents of a container consistent with the elements of its robot.
 
-Tokens show which elements exist, the robot's description shows their properties. An agent that was stopped by another
-program, or moved into another container, is not started until its element comes back.
+Tokens show which elements exist, the robot's description shows their properties. An element may have further agents
+(`DERIVED`). An agent that was stopped by another program, or moved into another container, is not started until its
+element comes back. What an agent packs is kept meanwhile.
 """
 
 import asyncio
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from typing import Any
 
-from agents.components.all_components import component_for
+from agents.components.all_components import DERIVED, component_for
 from agents.platform import AgentName, AlreadyThere, Container, Restart, UnknownAgent
 from agents.platform.errors import NameNotValid
 from bus import BusUnavailable, Refused
 from bus.aio import hand_over, query
 from bus.keys import DESCRIPTION, ELEMENT_ALIVE, robot_name
+from configs.extras import missing, needs
 
 DESCRIPTION_TIME = 2.0  # s
 LOOK_AGAIN = 10.0  # s between two checks of the description, which may have changed
@@ -41,6 +43,8 @@ class RobotAgents:
         self._container = container
         self._robot = robot_name(robot)
         self._present: set[str] = set()  # elements with a token
+        self._derived: Mapping[str, Collection[str]] | None = None  # when an element has some and they can run here
+        self._kept: dict[str, dict[str, Any]] = {}  # what agents had packed when their elements disappeared
         self._elsewhere: set[str] = set()  # elements with an agent, here or in another container
         self._served: dict[str, Mapping[str, Any]] = {}  # the description when the agent was started
         self._failures: dict[str, int] = {}  # to start an agent, in a row
@@ -70,19 +74,29 @@ class RobotAgents:
 
     async def _follow(self) -> float:
         """Start and stop agents; return after how many seconds to check again, even if no token changes."""
-        gone = self._served.keys() - self._present
-        await asyncio.gather(*(self._stop(element) for element in gone))
-        for element in self._failures.keys() - self._present:
+        wanted = self._wanted()
+        await asyncio.gather(*(self._stop(element) for element in self._served.keys() - wanted))
+        for element in self._failures.keys() - wanted:
             del self._failures[element]
-        if not self._present:
+        if not wanted:
             return LOOK_AGAIN
         described = await self._described()
         if described is None:
             self._silences += 1
             return RETRY.pause(self._silences)
         self._silences = 0
-        await asyncio.gather(*(self._serve(element, described) for element in sorted(self._present)))
+        await asyncio.gather(*(self._serve(element, described) for element in sorted(wanted)))
         return min((RETRY.pause(failures) for failures in self._failures.values()), default=LOOK_AGAIN)
+
+    def _wanted(self) -> set[str]:
+        """Return the names of the agents that are to run: those of the elements, and further ones."""
+        if self._derived is None and self._present & DERIVED.keys():
+            lacking = missing("vision")
+            self._derived = {} if lacking else DERIVED
+            if lacking:
+                log.info("%s has no agents of the camera's images: %s", self._robot, needs("their work", *lacking))
+        derived = self._derived or {}
+        return self._present.union(*(derived.get(element, ()) for element in self._present))
 
     async def _serve(self, element: str, described: Descriptions) -> None:
         """Start the agent of an element, or adapt it to the present description."""
@@ -105,6 +119,8 @@ class RobotAgents:
             log.warning("no agent can serve %s of %s: %s", element, self._robot, err)
             is_active = False
         if is_active:
+            if element in self._kept:
+                agent.unpack(self._kept.pop(element))
             self._served[element] = properties
             self._failures.pop(element, None)
         else:
@@ -125,8 +141,11 @@ class RobotAgents:
 
     async def _stop(self, element: str) -> None:
         self._served.pop(element, None)
+        name = AgentName(element, self._robot)
         with suppress(UnknownAgent):  # another program has stopped or moved it
-            await self._container.stop(AgentName(element, self._robot))
+            if state := self._container.agent(name).pack():
+                self._kept[element] = state
+            await self._container.stop(name)
 
     async def _described(self) -> Descriptions | None:
         """Return the properties of each element's agent, by the element's name; None without a valid description."""
@@ -153,7 +172,8 @@ class RobotAgents:
                     both = {"streams": [*first["streams"], *streams], "commands": [*first["commands"], *commands]}
                     rows[name] = {**first, **row, **both}
         found: Descriptions = {}
-        for name, row in rows.items():
+        agents = [(name, row) for element, row in rows.items() for name in (element, *DERIVED.get(element, ()))]
+        for name, row in agents:
             try:
                 found[name] = component_for(name).properties_of(description, row)
             except (LookupError, TypeError, ValueError) as err:

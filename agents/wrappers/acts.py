@@ -1,4 +1,4 @@
-"""The protocol of ACTS, ActivMedia's colour tracking server: from one byte of request to the blobs of a picture.
+"""The protocol of ACTS, ActivMedia's colour tracking server, for clients and servers.
 
 A client says `0` for the blobs of the newest picture and `1` to end the server; no more than one request is under way.
 Every byte that comes back is one more than it means, so that none is zero; numbers are big-endian, six bits a byte. A
@@ -7,7 +7,7 @@ header tells for each of 32 channels where its blobs begin and how many they are
 Source: the accessories sheet, section 4.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
@@ -104,3 +104,38 @@ class ActsCodec(ProgramCodec):
                 raise NonsenseHeard(f"the byte {byte} has no meaning in ACTS's language")
             number = number * 64 + byte - 1
         return number
+
+
+def packet(channels: Mapping[int, Sequence[Mapping[str, float]]], version: str = "") -> bytes:
+    """Header and blobs of a picture, as a server sends them.
+
+    Args:
+        channels: The blobs of each channel from 1 to 32, the largest first, with the names in `FIELDS`. A number that
+            is larger than the version can carry becomes the largest one.
+        version: Of the language.
+    """
+    form = VERSIONS[version]
+    header, body, first = b"", b"", 0
+    room = _most(form.header, form.largest)  # an index cannot be larger
+    for channel in range(1, CHANNELS + 1):
+        blobs = list(channels.get(channel, ()))[: min(MOST_BLOBS, room - first)]
+        header += _bytes_of(first, form.header, form.largest) + _bytes_of(len(blobs), form.header, form.largest)
+        for blob in blobs:
+            widths = [form.area] + [form.other] * (len(FIELDS) - 1)
+            body += b"".join(
+                _bytes_of(blob[name], width, form.largest) for name, width in zip(FIELDS, widths, strict=True)
+            )
+        first += len(blobs)
+    return header + body
+
+
+def _most(width: int, largest: int) -> int:
+    """The largest number that has a width; a number of one byte uses all that the byte can carry."""
+    return largest - 1 if width == 1 else 64**width - 1
+
+
+def _bytes_of(number: float, width: int, largest: int) -> bytes:
+    rest = min(max(round(number), 0), _most(width, largest))
+    if width == 1:
+        return bytes((rest + 1,))
+    return bytes((rest >> 6 * place & 63) + 1 for place in reversed(range(width)))

@@ -26,11 +26,12 @@ from tests.waiting import end_of, wait_until
 EVERY = {"base", "sonar", "battery", "io", "sound", "servos"}
 """What every controller of these robots has: wheels, the sonar on it, and its own ports."""
 PIONEER = EVERY | {"gripper"}
+IMAGES = {"camera", "vision", "colours", "flow"}
 AGENTS: Mapping[str, set[str]] = {
     "max": EVERY | {"bumpers", "ir", "arm", "power", "charger"},
     "happy": PIONEER | {"laser"},
-    "doc": PIONEER | {"camera", "ptz"},
-    "sneezy": PIONEER | {"camera", "ptz"},
+    "doc": PIONEER | IMAGES | {"ptz"},
+    "sneezy": PIONEER | IMAGES | {"ptz"},
     "grumpy": PIONEER,
     "bashful": PIONEER,
     "sleepy": PIONEER,

@@ -36,7 +36,7 @@ class Application:
         self._agent = agent
         self._robot = robot
 
-    async def ask(self, element: str, name: str, **arguments: Any) -> dict[str, Any]:
+    async def ask(self, element: str, name: str, /, **arguments: Any) -> dict[str, Any]:
         who = AgentName(element, self._robot)
         result = (await self._agent.request(who, name, reply_within=patience(PATIENCE), **arguments)).value()
         assert isinstance(result, dict)

@@ -57,6 +57,8 @@ def tables(element: str, kind: type[ElementAgent]) -> str:
 
 
 def _argument(parameter: Parameter) -> str:
+    if parameter.kind is Parameter.VAR_KEYWORD:
+        return f"[{parameter.name}]"
     match parameter.default:
         case Parameter.empty:
             return parameter.name
@@ -64,6 +66,8 @@ def _argument(parameter: Parameter) -> str:
             return f"[{parameter.name}]"
         case bool(value):
             return f"[{parameter.name}={str(value).lower()}]"
+        case str(value):
+            return f"[{parameter.name}={value}]"
         case value:
             return f"[{parameter.name}={value:g}]"
 
