@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from math import hypot
 from pathlib import Path
 
@@ -119,8 +120,13 @@ def test_the_e_stop_in_a_motion(dwarfs: RunningTeam, team: Team) -> None:
 
 def test_a_program_that_drives_what_another_moves(dwarfs: RunningTeam, team: Team) -> None:
     with Team(dwarfs.profile) as other:
-        turning = threading.Thread(target=other.robot("happy").base.turn, args=[0.1])
-        told = during_a_move(dwarfs, team.robot("happy"), turning)
+        base = other.robot("happy").base
+
+        def turn() -> None:
+            with suppress(Failed):  # on a busy machine, that this program was silent for 0.5 s
+                base.turn(0.1)
+
+        told = during_a_move(dwarfs, team.robot("happy"), threading.Thread(target=turn))
     assert re.fullmatch(r"base@happy could not move: replaced by turn, asked by app-\w+@apps", told)
 
 
