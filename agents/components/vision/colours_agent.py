@@ -196,7 +196,7 @@ class ColoursAgent(ImageAgent["ColourTools"]):
         loop = asyncio.get_running_loop()
         if not self._is_fresh() and (self._hearing is None or loop.time() - self._heard_from < FIRST_TIME):
             self._has_seen.clear()  # the camera is just being opened
-            with suppress(TimeoutError):
+            with suppress(TimeoutError):  # without an image there are no blobs
                 async with asyncio.timeout(FIRST_TIME):
                     await self._has_seen.wait()
         version = self._acts_at[2]

@@ -104,7 +104,7 @@ class FlowAgent(ImageAgent["FlowTools"]):
         if self._compared is None or loop.time() - self._compared[1] > self.fresh:
             self._compared = None
             self._has_compared.clear()
-            with suppress(TimeoutError):
+            with suppress(TimeoutError):  # what is missing is told below
                 async with asyncio.timeout(self.first_within):
                     await self._has_compared.wait()
         self._wanted_until = loop.time() + LINGER
