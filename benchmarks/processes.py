@@ -1,8 +1,11 @@
 """What a process costs, read from the kernel."""
 
 import os
+import subprocess
+import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -69,3 +72,17 @@ class CpuMeter:
     def percent(self) -> float:
         """The share so far, in percent of one core."""
         return 100 * (cpu_seconds(self._pid) - self._cpu) / (time.monotonic() - self._wall)
+
+
+@contextmanager
+def running_team(team: str) -> Iterator[subprocess.Popen[str]]:
+    """Bring a team up, by its name or file, and end it with the block."""
+    command = [sys.executable, "-m", "acromovi", "up", team, "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            if not process.stdout.readline():
+                raise RuntimeError("the team did not come up")
+            yield process
+        finally:
+            process.terminate()

@@ -12,11 +12,9 @@ half an hour with a thousand sessions finds 4 kB for each. All samples are in so
 import argparse
 import csv
 import multiprocessing
-import subprocess
-import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -24,7 +22,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from benchmarks.figures import Figure
-from benchmarks.processes import Usage, family, usage
+from benchmarks.processes import Usage, family, running_team, usage
 from benchmarks.soak_visitor import Leaving, visit
 
 TEAM, ROBOT = "bench-soak", "bench-soaked"
@@ -106,7 +104,7 @@ class Visitors:
 
 def measure(options: argparse.Namespace) -> list[Figure]:
     """One run."""
-    with TemporaryDirectory() as name, _team(Path(name)) as team:
+    with TemporaryDirectory() as name, running_team(_written(Path(name))) as team:
         time.sleep(SETTLE_S)
         visitors = Visitors(60.0 / options.soak_pace)
         try:
@@ -186,16 +184,8 @@ def _write(rows: Sequence[Row], path: Path) -> None:
         writer.writerows([f"{row.time:.1f}", row.sessions, row.process, *row.usage] for row in rows)
 
 
-@contextmanager
-def _team(folder: Path) -> Iterator[subprocess.Popen[str]]:
+def _written(folder: Path) -> str:
+    """Write the team's file; return its path."""
     file = folder / f"{TEAM}.toml"
     file.write_text(TEAM_FILE, encoding="utf-8")
-    command = [sys.executable, "-m", "acromovi", "up", str(file), "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        try:
-            if not process.stdout.readline():
-                raise RuntimeError("the team did not come up")
-            yield process
-        finally:
-            process.terminate()
+    return str(file)

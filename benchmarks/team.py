@@ -5,17 +5,15 @@ means that every robot receives ten velocities a second and turns on the spot. T
 """
 
 import argparse
-import subprocess
-import sys
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from benchmarks.figures import Figure
-from benchmarks.processes import cpu_seconds, family, shared_out_megabytes
+from benchmarks.processes import cpu_seconds, family, running_team, shared_out_megabytes
 from bus import ZenohBus, keys
 from bus.messages import twist
 from configs.team_file import read_team
@@ -34,12 +32,12 @@ START_COST_REACH = 2 * START_REACH  # s on two cores
 def measure(options: argparse.Namespace) -> list[Figure]:
     """One run."""
     begun = time.monotonic()
-    with _team() as team:
+    with running_team(TEAM) as team:
         start = time.monotonic() - begun
-        start_costs = _costs(team.pid)
+        start_costs = _sums(team.pid, cpu_seconds)
         time.sleep(SETTLE_S)
         idle = _shares(team.pid)
-        memory = _memory(team.pid)
+        memory = _sums(team.pid, shared_out_megabytes)
         with _driving():
             time.sleep(SETTLE_S)
             driving = _shares(team.pid)
@@ -60,28 +58,19 @@ def _by_kind(name: str, values: dict[str, float], reach: float, unit: str) -> li
 
 def _shares(root: int) -> dict[str, float]:
     """Share of one core that each kind of process takes for some time, %."""
-    before, begun = _costs(root), time.monotonic()
+    before, begun = _sums(root, cpu_seconds), time.monotonic()
     time.sleep(SECONDS)
-    after, seconds = _costs(root), time.monotonic() - begun
+    after, seconds = _sums(root, cpu_seconds), time.monotonic() - begun
     return {kind: 100 * (after[kind] - before.get(kind, 0.0)) / seconds for kind in after}
 
 
-def _costs(root: int) -> dict[str, float]:
-    """Processor time that each kind of process has used so far, s."""
-    used: defaultdict[str, float] = defaultdict(float)
+def _sums(root: int, measure: Callable[[int], float]) -> dict[str, float]:
+    """What each kind of process has, all together; measure: of one process, by its number."""
+    sums: defaultdict[str, float] = defaultdict(float)
     for pid in family(root):
         with suppress(OSError):  # it has just ended
-            used[_kind(pid)] += cpu_seconds(pid)
-    return used
-
-
-def _memory(root: int) -> dict[str, float]:
-    """Memory of each kind of process, MB."""
-    held: defaultdict[str, float] = defaultdict(float)
-    for pid in family(root):
-        with suppress(OSError):  # it has just ended
-            held[_kind(pid)] += shared_out_megabytes(pid)
-    return held
+            sums[_kind(pid)] += measure(pid)
+    return sums
 
 
 def _kind(pid: int) -> str:
@@ -119,16 +108,3 @@ def _driving() -> Iterator[None]:
         finally:
             done.set()
             thread.join()
-
-
-@contextmanager
-def _team() -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", "acromovi", "up", TEAM, "--json"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        try:
-            if not process.stdout.readline():
-                raise RuntimeError("the team did not come up")
-            yield process
-        finally:
-            process.terminate()
