@@ -6,12 +6,13 @@ cheapest ways turn back. All cells of a row are processed at once, so the time d
 follows the costs downhill, and is straightened where that does not increase its cost, so it may have any direction.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, hypot
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from apps.indoor_navigation.algorithms.planning.area import PASSED
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Strip, Terrain, covered
@@ -35,9 +36,10 @@ MAX_WAY_COST = 5.0  # of the way to that place
 Way = tuple[Place, ...]
 Cell = tuple[int, int]
 
-# Steps to other rows, rows and columns on, in sixteen directions with those along a row: by them no way seems more than
-# 2.8 % longer than it is. And the cells through which they lead, in equal parts.
-STEPS = (1, 0), (1, 1), (1, -1), (1, 2), (1, -2), (2, 1), (2, -1)
+# From a row to a cell of another, rows on and columns aside, in sixteen directions with those back and along a row: by
+# them no way seems more than 2.8 % longer than it is. And the cells through which they lead, in equal parts.
+STEPS: tuple[Cell, ...] = (1, -2), (1, -1), (1, 0), (1, 1), (1, 2), (2, -1), (2, 1)
+NEAR, FAR = slice(0, 5), slice(5, 7)  # those that lead one row on, and two
 THROUGH: dict[Cell, Sequence[Cell]] = {
     (0, 1): ((0, 0), (0, 1)),
     (1, 0): ((0, 0), (1, 0)),
@@ -45,6 +47,9 @@ THROUGH: dict[Cell, Sequence[Cell]] = {
     (1, 2): ((0, 0), (0, 1), (1, 1), (1, 2)),
     (2, 1): ((0, 0), (1, 0), (1, 1), (2, 1)),
 }
+ABOVE, BELOW = STEPS[FAR] + STEPS[NEAR], STEPS[NEAR] + STEPS[FAR]
+BESIDE = [*((-rows, columns) for rows, columns in ABOVE), (0, -1), (0, 1), *BELOW]
+MARGIN = 2  # cells round the terrain, which no way leads to; no step is longer
 
 
 def find_way(terrain: Terrain, start: Place, goal: Place, tolerance: float) -> Way | None:
@@ -117,53 +122,54 @@ def _ends(terrain: Terrain, goal: Place, tolerance: float) -> list[tuple[Cell, f
     return found
 
 
-class _Step(NamedTuple):
-    """Steps of one kind, so many rows and columns on, or back.
+def _step_costs(cost: Floats, rows: int, columns: int) -> Floats:
+    """Return the cost of each step so many rows and columns on: its length in cells times the mean cost of its cells.
 
-    cost[i, j]: of the one between two cells of which i is the lower row, and j the lower column.
+    [i, j] is the one between two cells of which i is the lower row, and j the lower column.
+    """
+    height, width = cost.shape[0] - rows, cost.shape[1] - abs(columns)
+    left = max(-columns, 0)
+
+    def at(cell: Cell) -> Floats:
+        row, column = cell
+        return cost[row : row + height, left + column : left + column + width]
+
+    sense = -1 if columns < 0 else 1
+    through = THROUGH[rows, abs(columns)]
+    steps = np.zeros((height, width))
+    for row, column in through:
+        steps += at((row, sense * column))
+    steps *= hypot(rows, columns) / len(through)
+    if rows == 1 and abs(columns) == 1:
+        cuts_corner = np.maximum(at((0, columns)), at((1, 0))) >= BARRED
+        steps += np.where(cuts_corner, BARRED, 0.0)
+    return steps
+
+
+class _Steps(NamedTuple):
+    """Steps to the cells of a field; those from outside it cost infinitely much.
+
+    from_above[i, k, j]: the cost of the step to row i and column j from the cell that lies STEPS[k] rows less and
+    columns on; from_below: from the cell as many rows on. along[i, j]: of the one between columns j - 1 and j.
     """
 
-    rows: int
-    columns: int
-    cost: Floats
+    from_above: Floats
+    from_below: Floats
+    along: Floats
 
     @classmethod
-    def of(cls, cost: Floats, rows: int, columns: int) -> "_Step":
-        """Return the cost of a step: its length in cells times the mean cost of its cells."""
-        height, width = cost.shape[0] - rows, cost.shape[1] - abs(columns)
-        left = max(-columns, 0)
-
-        def at(cell: Cell) -> Floats:
-            row, column = cell
-            return cost[row : row + height, left + column : left + column + width]
-
-        through = THROUGH[rows, abs(columns)]
-        sense = -1 if columns < 0 else 1
-        mean = np.mean([at((row, sense * column)) for row, column in through], axis=0)
-        steps: Floats = hypot(rows, columns) * mean
-        if rows == 1 and abs(columns) == 1:
-            cuts_corner = np.maximum(at((0, columns)), at((1, 0))) >= BARRED
-            steps = steps + np.where(cuts_corner, BARRED, 0.0)
-        return cls(rows, columns, np.ascontiguousarray(steps))
-
-    def spread(self, total: Floats, row: int, source: int) -> None:
-        """Update one row of costs from another that is a step away."""
-        ahead, back = (self.columns, 0) if self.columns >= 0 else (0, -self.columns)
-        if source > row:
-            ahead, back = back, ahead
-        width = total.shape[1]
-        into = total[row, ahead : width - back]
-        np.minimum(into, total[source, back : width - ahead] + self.cost[min(row, source)], out=into)
-
-    def from_cell(self, cell: Cell) -> Iterator[tuple[Cell, float]]:
-        """Yield the cells before and after a cell, and the costs of the steps to them."""
-        for row, column in (
-            (cell[0] + self.rows, cell[1] + self.columns),
-            (cell[0] - self.rows, cell[1] - self.columns),
-        ):
-            lower = min(row, cell[0]), min(column, cell[1])
-            if min(lower) >= 0 and lower[0] < self.cost.shape[0] and lower[1] < self.cost.shape[1]:
-                yield (row, column), float(self.cost[lower])
+    def of(cls, cost: Floats) -> "_Steps":
+        """Return the cost of all steps; `cost` is that of the cells."""
+        height, width = cost.shape
+        above, below = (np.full((height, len(STEPS), width), np.inf) for _ in range(2))
+        for kind, (rows, columns) in enumerate(STEPS):
+            steps = _step_costs(cost, rows, columns)
+            left, right = max(columns, 0), max(-columns, 0)
+            below[: height - rows, kind, right : width - left] = steps
+            above[rows:, STEPS.index((rows, -columns)), left : width - right] = steps
+        along = np.full((height, width + 1), np.inf)
+        along[:, 1:-1] = _step_costs(cost, 0, 1)
+        return cls(above, below, along)
 
 
 class _Field:
@@ -171,10 +177,13 @@ class _Field:
 
     def __init__(self, cost: Floats, total: Floats) -> None:
         self._is_turned = cost.shape[0] > cost.shape[1]
-        cost, self._total = (np.ascontiguousarray(each.T if self._is_turned else each) for each in (cost, total))
-        self._along = _Step.of(cost, 0, 1)
-        self._steps = [_Step.of(cost, rows, columns) for rows, columns in STEPS]
-        self._so_far = np.concatenate([np.zeros((len(cost), 1)), np.cumsum(self._along.cost, axis=1)], axis=1)
+        cost, total = (np.ascontiguousarray(each.T if self._is_turned else each) for each in (cost, total))
+        self._padded = np.pad(total, MARGIN, constant_values=np.inf)
+        self._total = self._padded[MARGIN:-MARGIN, MARGIN:-MARGIN]
+        self._steps = _Steps.of(cost)
+        between = self._steps.along[:, 1:-1]
+        self._so_far = np.concatenate([np.zeros((len(cost), 1)), np.cumsum(between, axis=1)], axis=1)
+        self._found = np.empty((len(STEPS), cost.shape[1]))
         self._room = np.empty(cost.shape[1])
 
     @property
@@ -189,31 +198,37 @@ class _Field:
             self._spread_within(row)
         to_lower = to_upper = np.ones(rows, np.bool_)
         for _ in range(MAX_SWEEPS):
-            changed = self._sweep(range(1, rows), -1, to_lower)
+            changed = self._sweep(range(1, rows), -1, self._steps.from_above, to_lower)
             to_lower, to_upper = np.zeros(rows, np.bool_), to_upper | changed
-            changed = self._sweep(range(rows - 2, -1, -1), 1, to_upper)
+            changed = self._sweep(range(rows - 2, -1, -1), 1, self._steps.from_below, to_upper)
             to_upper, to_lower = np.zeros(rows, np.bool_), changed
             if not to_lower.any():
                 return
 
-    def _sweep(self, rows: range, towards: int, is_news: Bools) -> Bools:
-        """Update each row from those before it that have changed; return the changed rows."""
-        changed = np.zeros(len(self._total), np.bool_)
+    def _sweep(self, rows: range, towards: int, steps: Floats, is_news: Bools) -> Bools:
+        """Update each row from the two before it if these have changed; return the changed rows."""
+        has_changed = [False] * (len(self._total) + 2 * MARGIN)
+        news = [False] * MARGIN + is_news.tolist() + [False] * MARGIN
+        around = sliding_window_view(self._padded, 2 * MARGIN + 1, axis=1).swapaxes(1, 2)
+        near, far = around[MARGIN + towards :], around[MARGIN + 2 * towards :, 1:4:2]
         for row in rows:
-            before_it = (source for source in (row + towards, row + 2 * towards) if 0 <= source < len(changed))
-            sources = [source for source in before_it if is_news[source] or changed[source]]
-            if sources:
-                before = self._total[row].sum()
-                for source in sources:
-                    self._spread_into(row, source)
-                self._spread_within(row)
-                changed[row] = before - self._total[row].sum() > MIN_CHANGE
-        return changed
+            at = row + MARGIN
+            one, two = at + towards, at + 2 * towards
+            if news[one] or has_changed[one] or news[two] or has_changed[two]:
+                np.add(near[row], steps[row, NEAR], out=self._found[NEAR])
+                np.add(far[row], steps[row, FAR], out=self._found[FAR])
+                has_changed[at] = self._lower(row)
+        return np.array(has_changed[MARGIN:-MARGIN])
 
-    def _spread_into(self, row: int, source: int) -> None:
-        for step in self._steps:
-            if step.rows == abs(row - source):
-                step.spread(self._total, row, source)
+    def _lower(self, row: int) -> bool:
+        """Update a row with the costs found for it; return whether one was lower."""
+        total, least = self._total[row], self._room
+        np.minimum.reduce(self._found, axis=0, out=least)
+        if not (total - least).max() > MIN_CHANGE:
+            return False
+        np.minimum(total, least, out=total)
+        self._spread_within(row)
+        return True
 
     def _spread_within(self, row: int) -> None:
         total, so_far, spread = self._total[row], self._so_far[row], self._room
@@ -232,13 +247,24 @@ class _Field:
         if not total[cell] < NO_WAY:
             return None
         cells = [start]
+        padded = self._padded.ravel()
+        first = MARGIN * self._padded.shape[1] + MARGIN
+        beside = np.array([row * self._padded.shape[1] + column for row, column in BESIDE])
         while True:
-            beside = (found for step in (self._along, *self._steps) for found in step.from_cell(cell))
-            by_way_of, following = min((total[other] + cost, other) for other, cost in beside)
-            if not total[following] < total[cell] or by_way_of > total[cell] + ROUNDING:
+            here = first + cell[0] * self._padded.shape[1] + cell[1]
+            by_way_of = padded[here + beside] + self._costs_beside(*cell)
+            best = int(by_way_of.argmin())
+            following = cell[0] + BESIDE[best][0], cell[1] + BESIDE[best][1]
+            if not total[following] < total[cell] or by_way_of[best] > total[cell] + ROUNDING:
                 return cells
             cell = following
             cells.append(self._turned(cell))
+
+    def _costs_beside(self, row: int, column: int) -> Floats:
+        """Return the costs of the steps from a cell to those BESIDE it."""
+        above, below = self._steps.from_above[row, :, column], self._steps.from_below[row, :, column]
+        along = self._steps.along[row, column : column + 2]
+        return np.concatenate((above[FAR], above[NEAR], along, below[NEAR], below[FAR]))
 
     def _turned(self, cell: Cell) -> Cell:
         return (cell[1], cell[0]) if self._is_turned else cell
