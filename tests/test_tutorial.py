@@ -2,7 +2,9 @@
 
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import fields
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ import pytest
 from agents.client.element import ElementClient
 from agents.client.robot import ELEMENTS
 from agents.client.sensors import Picture
+from tests.interruptions import again_if_interrupted
 from tests.live_team import LIMIT, ROOT, own_bus
 from tests.reader import Reader, links
 
@@ -17,17 +20,27 @@ PAGE = ROOT / "docs" / "tutorial.md"
 TUTORIAL = PAGE.read_text(encoding="utf-8")
 
 
-@pytest.fixture
-def reader(tmp_path: Path) -> Iterator[Reader]:
-    reader = Reader(own_bus(tmp_path))
-    yield reader
-    reader.leave()
+@contextmanager
+def reading(folder: Path) -> Iterator[Reader]:
+    folder.mkdir()
+    reader = Reader(own_bus(folder))
+    try:
+        yield reader
+    finally:
+        reader.leave()
 
 
-def test_the_tutorial_can_be_followed(reader: Reader) -> None:
-    reader.follow(TUTORIAL)
-    assert reader.open.pop("acromovi promote wander.py").wait(LIMIT) == 0  # the page has stopped it
-    assert reader.end("acromovi up team.toml") == 130
+def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
+    tries = count()
+
+    @again_if_interrupted
+    def follow() -> None:
+        with reading(tmp_path / f"try-{next(tries)}") as reader:
+            reader.follow(TUTORIAL)
+            assert reader.open.pop("acromovi promote wander.py").wait(LIMIT) == 0  # the page has stopped it
+            assert reader.end("acromovi up team.toml") == 130
+
+    follow()
 
 
 @pytest.mark.parametrize("part", ELEMENTS)

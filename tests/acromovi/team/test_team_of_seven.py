@@ -20,6 +20,7 @@ from configs.team_file import TeamFile
 from p2os import RobotModel
 from p2os_emu.fit import read_fit
 from tests.acromovi.team.running import RunningTeam, running
+from tests.interruptions import INTERRUPTED, TRIES, again_if_interrupted
 from tests.live_team import LIMIT, ROOT, LiveTeam
 from tests.waiting import end_of, wait_until
 
@@ -43,8 +44,6 @@ PAGE = (ROOT / "docs" / "teams.md").read_text(encoding="utf-8")
 UNPLUG, PLUG_IN = map(json.loads, re.findall(r"^echo '(.*)' \| nc -UN", PAGE, re.MULTILINE))
 ASKED = re.findall(r"^acromovi (ask .*)", PAGE, re.MULTILINE)
 SQUARE = ("python", str(ROOT / "examples" / "square.py"))
-LOST = re.compile("was lost|commander lost")
-TRIES = 3
 IN_TIME = 3.0  # s from Ctrl-C until nothing is left
 
 
@@ -82,7 +81,7 @@ def test_team_of_seven_comes_up_works_loses_and_finds_a_laser_and_leaves_nothing
             for robot, process in driven.items():
                 said, complaints = end_of(process, LIMIT)
                 for _ in range(TRIES):
-                    if not LOST.search(complaints):
+                    if not INTERRUPTED.search(complaints):
                         break
                     # A busy machine kept its gateway or agent from running, which stops a robot, anywhere on its way.
                     emulator.ask("pose", **{key: starts[robot][key] for key in ("robot", "x", "y", "heading")})
@@ -102,9 +101,13 @@ def assert_agents_are_those_of_the_hardware(team: RunningTeam) -> None:
 
 
 def assert_page_asks_what_can_be_done(team: RunningTeam) -> None:
-    for words in ASKED:
+    @again_if_interrupted
+    def ask(words: str) -> None:
         done = team.acromovi(*words.split())
         assert done.returncode == 0, done.stderr
+
+    for words in ASKED:
+        ask(words)
 
 
 def assert_sensors_are_as_many_as_fitted(team: RunningTeam) -> None:

@@ -116,8 +116,8 @@ def test_who_holds_the_lease_moves_and_nobody_else(world: World, gateway: Gatewa
 @pytest.mark.usefixtures("either")
 def test_lease_is_renewed_in_the_background(team: Team) -> None:
     base = team.robot("happy").base
-    with base.lease(seconds=0.6) as lease:
-        team.sleep(1.5)
+    with base.lease(seconds=2.0) as lease:
+        team.sleep(3.0)
         assert lease.is_held
         base.move(1.0)
 

@@ -18,6 +18,7 @@ from acromovi.__main__ import main
 from acromovi.team.host_control import HostControl
 from agents import Failed, NotThere, Robot, RobotError, Team
 from tests.acromovi.team.running import RunningTeam, running
+from tests.interruptions import again_if_interrupted
 from tests.live_team import SCRIPT
 from tests.waiting import end_of, join, wait_until
 
@@ -133,6 +134,7 @@ def test_a_program_that_drives_what_another_moves(dwarfs: RunningTeam, team: Tea
 def test_threads_of_a_program_move_robots_side_by_side(team: Team) -> None:
     ends = dict.fromkeys(["happy", "grumpy"], 0.0)
 
+    @again_if_interrupted
     def move(robot: Robot) -> None:
         before = robot.base.pose().x
         ends[robot.name] = robot.base.move(0.2).x - before

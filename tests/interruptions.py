@@ -1,0 +1,36 @@
+"""Motions in real time, which a busy machine may interrupt.
+
+A robot stops when its gateway, its agents or its commander do not run for half a second, and whoever asked for the
+motion is told so. A machine with more to do than it can keeps processes from running for that long now and then. What
+is asked of the product is that it says so and works the next time; one that interrupts by itself does it each time.
+"""
+
+import re
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+TRIES = 3
+INTERRUPTED = re.compile(
+    r"(has been|was) silent for \d|connection to \S+ was lost|commander lost|is not connected|(been|was) frozen"
+)
+"""What is said of a motion that was interrupted."""
+
+
+def again_if_interrupted(act: Callable[P, T]) -> Callable[P, T]:
+    """Do it again, twice at most, if it fails because a motion was interrupted; it must begin from anew each time."""
+
+    @wraps(act)
+    def acting(*arguments: P.args, **named: P.kwargs) -> T:
+        for _ in range(TRIES - 1):
+            try:
+                return act(*arguments, **named)
+            except Exception as error:
+                if not INTERRUPTED.search(str(error)):
+                    raise
+        return act(*arguments, **named)
+
+    return acting
