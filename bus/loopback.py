@@ -116,9 +116,14 @@ class Registration(Closeable):
         Raises:
             BusUnavailable: This machine does not allow it.
         """
+        tried: set[int] = set()
         while True:
             before = bus.entries()
-            own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, _free_port(bus.address))
+            port = _free_port(bus.address)
+            if port in tried:  # who has seen the earlier entry connects to it, so two would connect to each other
+                continue
+            tried.add(port)
+            own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, port)
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 self._socket.bind(f"\0{bus._registry}{own.serial}/{own.port}")

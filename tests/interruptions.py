@@ -15,7 +15,8 @@ T = TypeVar("T")
 
 TRIES = 3
 INTERRUPTED = re.compile(
-    r"(has been|was) silent for \d|connection to \S+ was lost|commander lost|is not connected|(been|was) frozen"
+    r"(has been|was) silent for \d|connection to \S+ was lost|commander lost|lost after \d|is not connected|"
+    r"(been|was) frozen"
 )
 """What is said of a motion that was interrupted."""
 

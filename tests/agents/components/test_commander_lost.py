@@ -90,8 +90,11 @@ def test_a_robot_stops_when_the_commander_of_its_motion_is_lost(
         wait_until(lambda: tokens, "the agent of the wheels is there")
         for _ in range(TRIES):  # a busy machine may interrupt the motion, too
             asking = stack.enter_context(program(*commander(robot, who, tmp_path)))
-            wait_until(lambda: truth(robots, robot)["linear"] > 0.2 or ends, "the robot drives")
-            if not ends:
+            drives_or_has_ended = lambda process=asking: (  # noqa: E731 - the loop's program, now
+                truth(robots, robot)["linear"] > 0.2 or ends or process.poll() is not None
+            )
+            wait_until(drives_or_has_ended, "the robot drives")
+            if not ends and asking.poll() is None:
                 break
             ends.clear()
         (agents if victim == "container" else asking).send_signal(how)
