@@ -7,7 +7,12 @@ holds for the programs, and hundreds of missions can be scored in the time of on
 import itertools
 import random
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import floor
 from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 import configs
 from bus import Bus, MemoryBus, MemoryNetwork
@@ -16,12 +21,16 @@ from bus.messages import NS_PER_S
 from gateway.bridge import LONGEST_WAIT
 from gateway.cables.cable import ElementDriver, IsWanted, PublishEvents
 from gateway.cables.cable_thread import SerialCable
+from gateway.cables.camera_thread import CameraState
 from gateway.driver import Driver
 from gateway.elements.all_elements import cable_kinds
+from gateway.events import PictureTaken
 from gateway.robot_on_bus import RobotOnBus
-from gateway.settings import LaserSettings, Settings
+from gateway.settings import CameraSettings, LaserSettings, Settings
 from geometry import Pose2D
 from p2os import RobotModel
+from p2os_emu.camera.cameras import PART as CAMERA
+from p2os_emu.camera.cameras_in_step import CamerasInStep
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.fault_spec import parse_fault
 from p2os_emu.faults.board import FaultBoard
@@ -29,17 +38,20 @@ from p2os_emu.fit import read_fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.world import World, WorldSpec
+from p2os_emu.world.view import View
 
 T = TypeVar("T")
 
 SETTINGS = Settings(emulated=True, laser=LaserSettings(baud=38400))
 NO_RATE = (0,)  # a line in memory has no baud rate to look for
+ROUNDING = 1e-6  # of a camera's period; an exposure that falls on a step is made in that step
 
 
 class Lockstep(Closeable):
     """A team of robots in a world, each with its driver, on a bus in memory.
 
-    Everything happens in `run`; the same arguments and the same calls call the same bytes and messages.
+    Everything happens in `run`; the same arguments and the same calls call the same bytes and messages. The pictures of
+    a robot with a camera are drawn at the camera's rate while somebody subscribes to them.
 
     world: says what is true of robots, people and doors; nobody else may step it.
     """
@@ -62,7 +74,7 @@ class Lockstep(Closeable):
             fits: Name to accessories, as `{"happy": "gyro,laser"}`.
             seed: Of every imperfection and every chance.
             perfect: No imperfections of body and sensors.
-            settings: Of every robot's driver.
+            settings: Of every robot's driver. A camera that is on no head has its own field of view unless one is set.
         Raises:
             ConfigError: There is no such model.
             FitError: There is no such accessory, or it does not go onto this robot.
@@ -73,13 +85,19 @@ class Lockstep(Closeable):
         self._emulator = Emulator(self.world, LinkProfile("ideal"), seed=seed)
         self._faults = FaultBoard(self._emulator.robots)
         self._emulator.before_step = self._faults.advance
+        self._cameras = CamerasInStep(self._emulator, self.world)
         self._hosts: dict[str, _Host] = {}
         for name, model_name in robots.items():
             parts = (fits or {}).get(name, "")
             model, fit = read_fit(filter(None, parts.split(",")), configs.load(RobotModel, "robots", model_name))
             link, cables = MemoryLink(), {part: MemoryLink() for part in fit.cables}
             self._emulator.add(name, model, link, fit=fit, cables=cables)
-            self._hosts[name] = _Host(name, model, link, cables, self.bus(), lambda: self.time, seed, settings)
+            camera, own = None, settings
+            if fit.has(CAMERA):
+                camera = _Camera(self._cameras, name, lambda: self.time)
+                if not fit.has("ptz") and settings.camera.field_of_view_rad is None:
+                    own = replace(settings, camera=CameraSettings(self._cameras.model.field_of_view))
+            self._hosts[name] = _Host(name, model, link, cables, camera, self.bus(), lambda: self.time, seed, own)
 
     @property
     def time(self) -> float:
@@ -131,6 +149,24 @@ class Lockstep(Closeable):
         """Return the true pose of a robot."""
         return self.world.truth(name).pose
 
+    def image(self, name: str) -> NDArray[np.uint8]:
+        """Return what the camera of a robot sees now, whether or not somebody subscribes to it.
+
+        Returns:
+            Rows of pixels with red, green, blue, shape (height, width, 3), before the JPEG's losses.
+        Raises:
+            WorldError: There is no such robot, or it has no camera.
+        """
+        return self._cameras.draw(name)
+
+    def view(self, name: str) -> View:
+        """Return where the camera of a robot truly is and looks now, with its head's pan, tilt and zoom.
+
+        Raises:
+            WorldError: There is no such robot, or it has no camera.
+        """
+        return self._cameras.view(name)
+
     def wire(self, name: str) -> bytes:
         """Every byte the robot has sent so far."""
         return bytes(self._hosts[name].heard)
@@ -139,6 +175,7 @@ class Lockstep(Closeable):
         """End the world and the bus."""
         for host in self._hosts.values():
             host.close()
+        self._cameras.close()
         self.world.close()
 
 
@@ -185,6 +222,50 @@ class _Element:
         self._link.client_write(self.driver.bytes_due(self._clock()))
 
 
+class _Camera:
+    """A camera in the place of the gateway's `CameraThread`; implements `ElementCable`.
+
+    Exposures are at whole multiples of the camera's period, whoever subscribes and when. A picture arrives without
+    delay.
+    """
+
+    name = CAMERA
+    bridge = None
+
+    def __init__(self, cameras: CamerasInStep, robot: str, clock: Callable[[], float]) -> None:
+        self._cameras = cameras
+        self._robot = robot
+        self._clock = clock
+        width, height, self._rate = cameras.image_format(robot)
+        self.driver = CameraState(clock)
+        self.driver.size = width, height
+        self.driver.has_port = self.driver.is_resting = True
+        self._publish: PublishEvents = lambda events, stamp_ns: None
+        self._is_wanted: IsWanted = lambda: False
+        self._exposures = 0
+
+    def step(self, stamp_ns: int) -> None:
+        """Draw and publish a picture if one is due and somebody subscribes."""
+        exposures = floor(self._clock() * self._rate + ROUNDING)
+        if exposures == self._exposures:
+            return
+        self._exposures = exposures
+        if not self._is_wanted():
+            self.driver.rest()
+            return
+        size = self.driver.size
+        assert size is not None  # set at the start
+        self.driver.take(size)
+        self._publish([PictureTaken(self._cameras.jpeg(self._robot), *size)], stamp_ns)
+
+    def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
+        """Publish pictures from now on, while somebody subscribes to them."""
+        self._publish, self._is_wanted = publish, is_wanted
+
+    def halt(self) -> None:
+        """Do nothing: a camera does not move."""
+
+
 class _Host:
     """The host's end of one cable: does the work of the gateway's bridge without threads."""
 
@@ -194,6 +275,7 @@ class _Host:
         model: RobotModel,
         link: MemoryLink,
         cables: Mapping[str, MemoryLink],
+        camera: _Camera | None,
         bus: Bus,
         clock: Callable[[], float],
         seed: int,
@@ -201,11 +283,13 @@ class _Host:
     ) -> None:
         self._name = name
         self._settings = settings
-        self._elements = [
+        self._elements: list[_Element | _Camera] = [
             _Element(kind, cables[kind.name], clock, settings)
             for kind in cable_kinds()
             if isinstance(kind, SerialCable) and kind.name in cables
         ]
+        if camera is not None:
+            self._elements.append(camera)
         self.heard = bytearray()
         self._link = link
         self._bus = bus

@@ -132,6 +132,13 @@ def test_the_file_of_a_team_can_be_emulated(folder: Path) -> None:
     assert p2os_emu(["--team", "my-team.toml", "--duration", "0.1"]) == 0
 
 
+def test_the_program_of_the_page_of_the_emulator_runs() -> None:
+    (looks,) = files("emulator", "python")
+    names: dict[str, Any] = {}
+    exec(looks, names)
+    assert (names["pixels"].shape, names["view"].z) == ((120, 160, 3), 0.45)
+
+
 def test_keys_are_made_and_a_viewer_is_refused_as_shown(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     *makes, router, ask = to_run("security", "acromovi")
     for line in makes:

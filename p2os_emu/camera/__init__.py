@@ -1,4 +1,5 @@
-"""An emulated robot's camera: drawn in a process of its own, served as an IP camera.
+"""An emulated robot's camera: served by a process of its own as an IP camera, or drawn in step with the world.
 
-`cameras` feeds the processes from the emulator; `__main__` is such a process. Only `mirror` of `p2os_emu.world` draws.
+`cameras` feeds the processes from the emulator; `__main__` is such a process. `cameras_in_step` needs none. Only
+`mirror` of `p2os_emu.world` draws.
 """

@@ -1,6 +1,5 @@
 """The process of one camera. The emulator starts it, and it ends with the emulator."""
 
-import io
 import os
 import socket
 import sys
@@ -9,12 +8,9 @@ import time
 from collections.abc import Sequence
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
-from PIL import Image
-
 from p2os_emu.camera.feed import Feed
 from p2os_emu.camera.image_format import read_format
+from p2os_emu.camera.jpeg import encode_jpeg
 from p2os_emu.camera.news import SceneMoment, receive, report_watched
 from p2os_emu.camera.server import CameraServer
 from p2os_emu.world.mirror import Mirror, choose_renderer
@@ -85,7 +81,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         inbox.wait(LEAST_OFTEN)
         view = _take(inbox, mirror, view)
         assert view is not None  # the first has been waited for
-        feed.put(_jpeg(mirror.draw(view, image.width, image.height), int(quality)))
+        feed.put(encode_jpeg(mirror.draw(view, image.width, image.height), int(quality)))
         now = time.monotonic()
         due = max(due + 1 / image.rate, now)
         time.sleep(due - now)
@@ -98,12 +94,6 @@ def _take(inbox: _SceneInbox, mirror: Mirror, view: View | None) -> View | None:
         return view
     mirror.apply(moment.news)
     return moment.view
-
-
-def _jpeg(colours: NDArray[np.uint8], quality: int) -> bytes:
-    file = io.BytesIO()
-    Image.fromarray(colours).save(file, "JPEG", quality=quality)
-    return file.getvalue()
 
 
 if __name__ == "__main__":

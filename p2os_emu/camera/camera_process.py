@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from math import radians
 from zlib import crc32
 
+from geometry import Pose2D
+from p2os_emu.accessories.head import Head
 from p2os_emu.camera.image_format import ImageFormat
 from p2os_emu.camera.news import SceneMoment, send, watched_reports
 from p2os_emu.world.sight import MOST_NEW
+from p2os_emu.world.view import View
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +32,18 @@ class CameraModel:
     def field_of_view(self) -> float:
         """Horizontal, rad."""
         return radians(self.wide_deg)
+
+    def view(self, robot: Pose2D, head: Head | None) -> View:
+        """Return where the camera of a robot is and where it looks.
+
+        Args:
+            robot: Of the middle of its axle.
+            head: The one that carries the camera and has its lens; None for a camera that looks straight ahead.
+        """
+        if head is None:
+            return View.on(robot, self.forward_m, self.height_m, 0.0, 0.0, self.field_of_view)
+        pan, tilt = head.pan.position, head.tilt.position
+        return View.on(robot, self.forward_m, self.height_m, pan, tilt, head.field_of_view)
 
 
 FAREWELL = 2.0

@@ -9,7 +9,6 @@ from p2os_emu.camera.image_format import read_format
 from p2os_emu.camera.news import SceneMoment
 from p2os_emu.fitting import plugged_head
 from p2os_emu.links.link import PortError
-from p2os_emu.world.view import View
 
 if TYPE_CHECKING:
     from p2os_emu.emulator import EmulatedRobot, Emulator
@@ -107,13 +106,5 @@ class Cameras:
         model = self._model
         assert model is not None  # there is a camera
         device = plugged_head(robot.microcontroller)
-        head = None if device is None else device.head
-        view = View.on(
-            self._world.truth(robot.name).pose,
-            model.forward_m,
-            model.height_m,
-            head.pan.position if head else 0.0,
-            head.tilt.position if head else 0.0,
-            head.field_of_view if head else model.field_of_view,
-        )
+        view = model.view(self._world.truth(robot.name).pose, device.head if device else None)
         return SceneMoment(self._world.sight.news(process.known), view)
