@@ -37,7 +37,8 @@ from p2os_emu.faults.board import FaultBoard
 from p2os_emu.fit import read_fit
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.world import World, WorldSpec
+from p2os_emu.target_model import target_of, target_on
+from p2os_emu.world import World, WorldError, WorldSpec
 from p2os_emu.world.view import View
 
 T = TypeVar("T")
@@ -166,6 +167,18 @@ class Lockstep(Closeable):
             WorldError: There is no such robot, or it has no camera.
         """
         return self._cameras.view(name)
+
+    def target(self, name: str) -> Pose2D:
+        """Return the true pose of the target that a robot carries: middle between the flanks, and the robot's heading.
+
+        Raises:
+            WorldError: There is no such robot, or it has no target.
+        """
+        robot = self._emulator.robots.get(name)
+        target = None if robot is None else target_of(robot.fit)
+        if robot is None or target is None:
+            raise WorldError(f"there is no target on {name!r}; fit it with `target`")
+        return self.truth(name).compose(target_on(robot.model, target))
 
     def wire(self, name: str) -> bytes:
         """Every byte the robot has sent so far."""

@@ -73,6 +73,7 @@ PARTS: Mapping[str, _FittedPart] = {
         _FittedPart("gyro", "a gyro, read by packets or by the controller itself", ("analog", "controller")),
         _FittedPart("compass", "a TCM2 compass", ("tcm2",)),
         _FittedPart("joystick", "a joystick in the robot's socket"),
+        _FittedPart("target", "three coloured rectangles at the back, by which a following robot finds its pose"),
         _FittedPart("ledge", "infrared sensors that look for edges of the floor, far and near"),
     )
 }

@@ -8,6 +8,7 @@ from p2os_emu.emulator import EmulatedRobot, Emulator
 from p2os_emu.fitting import plugged_head
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.microcontroller import Microcontroller
+from p2os_emu.target_model import target_of, target_on
 
 LAST_TOUCHES = 10
 """Of a robot, in one answer; the count has them all."""
@@ -36,6 +37,7 @@ def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
         "arm": _arm(robot),
         "camera_head": _camera_head(robot),
         "laser": _laser(robot),
+        "target": _target(robot),
     }
 
 
@@ -114,6 +116,15 @@ def _laser(robot: EmulatedRobot) -> dict[str, Any] | None:
         "powered": has_power,
         "scanning": has_power and laser.is_scanning,
     }
+
+
+def _target(robot: EmulatedRobot) -> dict[str, Any] | None:
+    """Return where the middle between the flanks of the target is on the robot, m, and its heading, rad."""
+    target = target_of(robot.fit)
+    if target is None:
+        return None
+    place = target_on(robot.model, target)
+    return {"x": place.x, "y": place.y, "height": target.middle_m, "heading": place.heading}
 
 
 def _shown(controller: Microcontroller) -> dict[str, Any]:

@@ -5,7 +5,7 @@ makes the orientation visible where the target is seen straight from behind, sin
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from itertools import product
 from math import atan2, cos, exp, hypot, isfinite, radians, sin
@@ -13,6 +13,7 @@ from math import atan2, cos, exp, hypot, isfinite, radians, sin
 import cv2
 import numpy as np
 
+from configs.target_file import target_file
 from vision.blobs import Blob
 from vision.camera_model import PinholeModel
 from vision.colours import ColourTable, check_channel
@@ -37,17 +38,17 @@ _STEEPEST = radians(78.0)  # of the target to the line of sight
 
 @dataclass(frozen=True, slots=True)
 class TargetShape:
-    """Dimensions in m, and the colours.
+    """Dimensions in m, and the colours. The defaults are those of `configs/accessories/target.toml`.
 
     width, height: of each rectangle. span: from the middle of one flank to that of the other. depth: by how much the
     centre rectangle is nearer to the viewer than the flanks; negative if it is farther. channels: of the left flank,
     the centre and the right flank, as a viewer behind the robot sees them.
     """
 
-    width: float = 0.10
-    height: float = 0.20
-    span: float = 0.44
-    depth: float = 0.07
+    width: float = field(default_factory=lambda: target_file().width_m)
+    height: float = field(default_factory=lambda: target_file().height_m)
+    span: float = field(default_factory=lambda: target_file().span_m)
+    depth: float = field(default_factory=lambda: target_file().depth_m)
     channels: tuple[int, int, int] = (1, 2, 3)
 
     def __post_init__(self) -> None:

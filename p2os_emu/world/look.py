@@ -9,6 +9,7 @@ from enum import Enum
 from typing import NamedTuple
 from zlib import crc32
 
+from configs.target_file import Rgb, TargetFile
 from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, MASS_HEIGHT, Chassis
 from p2os_emu.world.collision import HULL, WHEELS
 from p2os_emu.world.colours import COLOURS, Colour
@@ -33,6 +34,9 @@ LEAST_FLOOR = 24.0  # m
 FLOOR_DEPTH = 0.02
 NOSE = 0.06  # m, edge of the light in front
 HEAD = 0.24  # m, height of one
+SHEET = 0.001  # m, thickness of the coloured sheets of a target
+BACKING = 0.004  # m, of what they are glued on, which a viewer ahead of the robot sees
+RAIL = 0.012  # m, of the frame that carries them
 SKIN: Colour = (0.80, 0.62, 0.50, 1.0)
 ROBOT_COLOURS = ("red", "blue", "orange", "green", "yellow", "purple", "teal", "pink")
 
@@ -115,12 +119,15 @@ def person_look(person: Person) -> Look:
     return (*legs, *body)
 
 
-def robot_looks(name: str, chassis: Chassis, links: Sequence[BodyLink]) -> dict[int, Look]:
+def robot_looks(
+    name: str, chassis: Chassis, links: Sequence[BodyLink], target: TargetFile | None = None
+) -> dict[int, Look]:
     """A robot by its links: hull, wheels, and what its accessories add; each seen from its centre of mass."""
     wheel = 2 * chassis.wheel_radius, 2 * chassis.wheel_radius, WHEEL_WIDTH
     wheels = {link: (ShapePart(Form.CYLINDER, wheel, COLOURS["black"], turn=ON_ITS_SIDE),) for link in WHEELS}
     others = {number: (ShapePart(Form.BOX, link.size, COLOURS["grey"]),) for number, link in enumerate(links, FIRST)}
-    return {HULL: _hull(name, chassis), **wheels, **others}
+    hull = _hull(name, chassis) if target is None else (*_hull(name, chassis), *_target(target, chassis))
+    return {HULL: hull, **wheels, **others}
 
 
 def _hull(name: str, chassis: Chassis) -> Look:
@@ -134,6 +141,31 @@ def _hull(name: str, chassis: Chassis) -> Look:
         ),
         ShapePart(Form.BOX, (length, chassis.width, DECK), COLOURS["black"], _seen(middle, 0.0, HULL_TOP - DECK / 2)),
         ShapePart(Form.BOX, (NOSE / 2, 2 * NOSE, NOSE), COLOURS["white"], _seen(chassis.front, 0.0, top - NOSE)),
+    )
+
+
+def _target(target: TargetFile, chassis: Chassis) -> Look:
+    """Three rectangles on a frame that stands on the deck. Only drawn: cardboard, above all sensors of other robots."""
+    x, half = target.inset_m - chassis.rear, target.span_m / 2
+    place = _seen(x + BACKING + RAIL / 2, 0.0, HULL_TOP + RAIL / 2)
+    return (
+        ShapePart(Form.BOX, (RAIL, target.span_m, RAIL), COLOURS["dark grey"], place),
+        *_rectangle(target, x, half, target.left),
+        *_rectangle(target, x - target.depth_m, 0.0, target.centre),
+        *_rectangle(target, x, -half, target.right),
+    )
+
+
+def _rectangle(target: TargetFile, x: float, y: float, colour: Rgb) -> Look:
+    """A sheet whose coloured face is at x and looks back, what it is glued on, and the post under it."""
+    size, z = (target.width_m, target.height_m), target.middle_m
+    foot = z - target.height_m / 2 - HULL_TOP
+    return (
+        ShapePart(Form.BOX, (SHEET, *size), (*colour, 1.0), _seen(x + SHEET / 2, y, z)),
+        ShapePart(Form.BOX, (BACKING, *size), COLOURS["dark grey"], _seen(x + SHEET + BACKING / 2, y, z)),
+        ShapePart(
+            Form.BOX, (RAIL, RAIL, foot), COLOURS["dark grey"], _seen(x + BACKING + RAIL / 2, y, HULL_TOP + foot / 2)
+        ),
     )
 
 

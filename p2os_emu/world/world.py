@@ -12,6 +12,7 @@ from p2os.robot_model import RobotModel
 from p2os_emu.fit import BARE, Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.surroundings import Touches, Truth
+from p2os_emu.target_model import target_of
 from p2os_emu.world import window
 from p2os_emu.world.bystanders import Bystanders
 from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
@@ -150,7 +151,7 @@ class World:
         self._names[robot.body_id] = name
         self._touches[name] = TouchLog()
         self._moving = None
-        self._show(robot.body_id, robot_looks(name, chassis, robot.links))
+        self._show(robot.body_id, robot_looks(name, chassis, robot.links, target_of(fit)))
         return robot
 
     def remove_robot(self, name: str) -> None:

@@ -2,7 +2,7 @@
 
 import io
 from collections.abc import Iterator
-from math import pi, radians
+from math import pi, radians, tan
 
 import numpy as np
 import pytest
@@ -163,3 +163,18 @@ def test_a_robot_without_a_camera_has_no_pictures_and_costs_no_mirror() -> None:
             lockstep.image(ROBOT)
         with pytest.raises(WorldError, match="no camera on 'grumpy'"):
             lockstep.view("grumpy")
+
+
+def test_a_follower_sees_the_target_where_it_truly_is() -> None:
+    """From `target` and `view`, by which a judge scores what a follower finds."""
+    fits = {"leader": "target", ROBOT: "camera:160x120"}
+    with Lockstep(WorldSpec("room"), dict.fromkeys(fits, "p3dx-sh"), fits=fits, perfect=True) as lockstep:
+        lockstep.world.place(ROBOT, Pose2D(1.0, 1.0, 0.5))
+        x, y = Pose2D(1.0, 1.0, 0.5).transform(1.8, 0.2)
+        lockstep.world.place("leader", Pose2D(x, y, 0.5))
+        target, view = lockstep.target("leader"), lockstep.view(ROBOT)
+        ahead, left = Pose2D(view.x, view.y, view.heading).locate(target.x, target.y)
+        assert (ahead, left) == pytest.approx((1.8 - 0.1 - 0.231, 0.2))
+        red, green, blue = np.moveaxis(lockstep.image(ROBOT).astype(int), 2, 0)
+        columns = np.nonzero((green > 2 * red) & (green > 2 * blue))[1]  # the centre
+        assert columns.mean() == pytest.approx(80 - 160 / 2 / tan(radians(30)) * left / (ahead - 0.07), abs=1.0)
