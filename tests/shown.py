@@ -40,7 +40,7 @@ ELSEWHERE = {
     "python -m benchmarks --peer 127.0.0.1:8101 --peer-pid 4711": "tests/benchmarks/test_compare.py",
 }
 """Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
-PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "emulator": 1, "testing": 2, "vision": 1}
+PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "emulator": 2, "testing": 2, "vision": 1}
 """Programs on pages that other tests run: tests/test_readme.py, tests/agents/components/test_results_together.py,
 tests/vision/test_operations.py, tests/test_pages_on_the_emulator.py."""
 

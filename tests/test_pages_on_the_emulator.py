@@ -27,6 +27,7 @@ from gateway.settings import Fitted, load_settings
 from p2os_emu.__main__ import main as p2os_emu
 from p2os_emu.control_requests import REQUESTS
 from p2os_emu.world import load_world
+from p2os_emu.world.textures import Pattern
 from tests.acromovi.agents_alive import living
 from tests.acromovi.team.private_bus import private_bus
 from tests.bus.secure_site import Site
@@ -132,9 +133,21 @@ def test_the_file_of_a_team_can_be_emulated(folder: Path) -> None:
     assert p2os_emu(["--team", "my-team.toml", "--duration", "0.1"]) == 0
 
 
-def test_the_program_of_the_page_of_the_emulator_runs() -> None:
-    (looks,) = files("emulator", "python")
+def test_textures_and_light_of_a_world_can_be_read(folder: Path) -> None:
+    (text,) = files("emulator", "toml")
+    (folder / "patterns.toml").write_text(text)
+    spec = load_world("patterns.toml")
+    assert spec.textures.walls == (Pattern.BRICKS, Pattern.POSTERS)
+    assert spec.light is not None
+    assert (spec.light.drift, len(spec.light.schedule)) == (0.2, 2)
+    assert set(re.findall(r"\w+", text.partition("# ")[2].partition("\n")[0])) == {each.value for each in Pattern}
+
+
+def test_programs_of_the_page_of_the_emulator_run() -> None:
+    adds, looks = files("emulator", "python")
     names: dict[str, Any] = {}
+    exec(adds, names)
+    assert names["world"].textures.walls
     exec(looks, names)
     assert (names["pixels"].shape, names["view"].z) == ((120, 160, 3), 0.45)
 
@@ -169,7 +182,11 @@ def test_every_command_and_file_of_the_pages_is_run_or_read_somewhere() -> None:
     shown = {line for name in PAGES for program in PROGRAMS[1:] for line in command_lines(name, program)}
     elsewhere = {line for line in ELSEWHERE if not line.startswith("acromovi ")}
     assert shown == LINES | set(to_run("accessories", "p2os-emu")) | elsewhere
-    assert {name for name in PAGES if files(name, "toml")} == {"gateway", "teams"} | TOML_OF_AGENTS | OF_THE_NAVIGATION
+    assert {name for name in PAGES if files(name, "toml")} == {
+        "emulator",
+        "gateway",
+        "teams",
+    } | TOML_OF_AGENTS | OF_THE_NAVIGATION
     assert len(OPTIONS) > 12
     for name in PAGES:
         for text in files(name, "toml"):

@@ -5,6 +5,7 @@ Each is made by the product itself, in virtual time, so equal code gives equal f
 drive.png: an emulated PowerBot drives a round of the office, as in `make demo`; true path and odometry path.
 team.png: the team of `acromovi up acromovi` in its world, drawn by the renderer of the emulated cameras.
 navigation.png: a mission through an unknown house, as `acromovi navigate picture` shows it.
+texture_lab.png: a robot with the target in a world with patterns, as another robot's camera sees it.
 """
 
 import sys
@@ -102,6 +103,16 @@ def navigation(folder: Path) -> None:
     _reduce(folder / "navigation.png")
 
 
+def texture_lab(folder: Path) -> None:
+    """Draw what a robot's camera sees of another one with a target, in the world for vision."""
+    fits = {"leader": "target", "follower": "camera:640x360"}
+    with Lockstep(load_world("texture-lab"), dict.fromkeys(fits, "p3dx-sh"), fits=fits, seed=4) as lockstep:
+        lockstep.world.place("leader", Pose2D(3.6, 3.6, 0.3))
+        lockstep.world.place("follower", Pose2D(1.2, 4.0, -0.12))
+        Image.fromarray(lockstep.image("follower")).save(folder / "texture_lab.png")
+    _reduce(folder / "texture_lab.png")
+
+
 def _label(image: Image.Image, robots: Iterable[TeamRobot]) -> None:
     """Write each robot's name and model beside it."""
     pen, font = ImageDraw.Draw(image), ImageFont.load_default(15)
@@ -132,7 +143,7 @@ def main(arguments: list[str]) -> None:
     """Make all pictures."""
     folder = Path(*arguments) if arguments else FOLDER
     folder.mkdir(parents=True, exist_ok=True)
-    for make in (drive, team, navigation):
+    for make in (drive, team, navigation, texture_lab):
         make(folder)
         print(folder / f"{make.__name__}.png")
 

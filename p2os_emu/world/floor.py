@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from p2os_emu.world.colours import COLOURS, check_colour
+from p2os_emu.world.textures import noise
 
 PIXELS = 512
 """Edge of the picture that is repeated over the floor."""
@@ -25,6 +26,7 @@ class Texture(Enum):
     CHECKER = "checker"
     TILES = "tiles"
     PLANKS = "planks"
+    CARPET = "carpet"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +61,20 @@ def picture(floor: Floor) -> NDArray[np.uint8]:
             is_second = (x % 1 < JOINT) | (y % 1 < JOINT)
         case Texture.PLANKS:
             is_second = (y % 1 < JOINT) | ((x + PLANK_SHIFT * np.floor(y)) % PLANK_LENGTH < JOINT)
-        case Texture.PLAIN:
+        case Texture.PLAIN | Texture.CARPET:
             is_second = np.zeros((PIXELS, PIXELS), bool)
     colours = [COLOURS[name][:3] for name in (floor.colour, floor.second_colour)]
+    if floor.texture is Texture.CARPET:
+        return _carpet(np.array(colours))
     palette = np.round(np.array(colours) * 255).astype(np.uint8)
     painted: NDArray[np.uint8] = palette[is_second.astype(np.uint8)]
     return painted
+
+
+def _carpet(colours: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Spots of several sizes, from half a pattern length to a sixteenth, between two colours."""
+    rng = np.random.default_rng(0)
+    spots = sum(noise(rng, PIXELS, cells, cells) for cells in (2 * PERIOD, 6 * PERIOD, 16 * PERIOD))
+    share = np.clip(0.5 + spots / 5.0, 0.0, 1.0)[:, :, np.newaxis]
+    mixed: NDArray[np.uint8] = np.round((colours[0] * (1.0 - share) + colours[1] * share) * 255).astype(np.uint8)
+    return mixed

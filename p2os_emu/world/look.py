@@ -19,6 +19,7 @@ from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.moving_doors import LEAF_HEIGHT, LEAF_THICKNESS, MovingDoor
 from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
 from p2os_emu.world.spec import Block, WorldSpec
+from p2os_emu.world.textures import SurfaceTexture
 
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -53,7 +54,7 @@ class ShapePart(NamedTuple):
     """One part of a thing, in the thing's own frame.
 
     size: of a box along x, y, z; of a cylinder diameter, diameter, height along its own z; of a sphere its diameter, m.
-    floor: how the top of a box looks that is the floor.
+    floor: how the top of a box looks that is the floor. texture: how the sides of any other box look.
     """
 
     form: Form
@@ -62,6 +63,7 @@ class ShapePart(NamedTuple):
     place: Triple = (0.0, 0.0, 0.0)
     turn: Quaternion = LEVEL
     floor: Floor | None = None
+    texture: SurfaceTexture | None = None
 
 
 Look = tuple[ShapePart, ...]
@@ -75,16 +77,17 @@ def floor_look(spec: WorldSpec) -> Look:
     return (ShapePart(Form.BOX, size, COLOURS["white"], (x, y, -FLOOR_DEPTH / 2), floor=spec.floor),)
 
 
-def wall_look(block: Block) -> Look:
+def wall_look(block: Block, texture: SurfaceTexture | None = None) -> Look:
     """A wall with a skirting board, seen from its middle."""
     board = block.length + 2 * SKIRTING_DEPTH, block.width + 2 * SKIRTING_DEPTH, SKIRTING_HEIGHT
     place = 0.0, 0.0, (SKIRTING_HEIGHT - block.height) / 2
-    return (*furniture_look(block), ShapePart(Form.BOX, board, COLOURS["dark grey"], place))
+    return (*furniture_look(block, texture), ShapePart(Form.BOX, board, COLOURS["dark grey"], place))
 
 
-def furniture_look(block: Block) -> Look:
+def furniture_look(block: Block, texture: SurfaceTexture | None = None) -> Look:
     """A piece of furniture, seen from its middle."""
-    return (ShapePart(Form.BOX, (block.length, block.width, block.height), COLOURS[block.colour]),)
+    size = block.length, block.width, block.height
+    return (ShapePart(Form.BOX, size, COLOURS[block.colour], texture=texture),)
 
 
 def movable_look(movable: Movable) -> Look:

@@ -11,6 +11,7 @@ from enum import Enum
 from importlib.util import find_spec
 from math import atan, degrees, tan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,16 +19,18 @@ from PIL import Image
 
 from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.floor import PERIOD, Floor, picture
+from p2os_emu.world.light import DIRECTION, LightState
 from p2os_emu.world.look import Form, ShapePart, Triple
 from p2os_emu.world.sight import Placed, SceneChanges
+from p2os_emu.world.textures import EDGE, SurfaceTexture, paint
 from p2os_emu.world.view import View
 
 NEAR, FAR = 0.05, 60.0
 """m; nearer and farther than this nothing is drawn."""
 SKY = (186, 208, 226)
 """Red, green, blue of where there is nothing."""
-LIGHT = (2.0, -3.0, 6.0)
-"""Where it comes from."""
+LIGHT = {"lightAmbientCoeff": 0.6, "lightDiffuseCoeff": 0.35, "lightSpecularCoeff": 0.05}
+"""Strengths of light whose brightness is 1: the engine's own."""
 GRAPHICS = (Path("/dev/dri"), Path("/dev/nvidia0"))
 """What a machine has one of that has graphics."""
 EGL = "eglRenderer"
@@ -66,6 +69,8 @@ class Mirror:
         self._renderer = renderer
         self._client = PhysicsClient(engine.connect(engine.DIRECT))
         self._things: dict[int, list[tuple[int, ShapePart]]] = {}
+        self._textures: dict[SurfaceTexture, int] = {}
+        self._light: LightState | None = None
         if renderer is _Renderer.HARDWARE:
             plugin = find_spec(EGL)
             assert plugin is not None  # or it would not have been chosen
@@ -77,6 +82,7 @@ class Mirror:
 
     def apply(self, news: SceneChanges) -> None:
         """Apply the changes."""
+        self._light = news.light
         for number in news.gone:
             for body, _ in self._things.pop(number, ()):
                 self._client.removeBody(body)
@@ -95,18 +101,32 @@ class Mirror:
             height,
             engine.computeViewMatrix(view.eye, view.ahead, view.up),
             engine.computeProjectionMatrixFOV(degrees(vertical), aspect, NEAR, FAR),
-            lightDirection=LIGHT,
             shadow=0,
             renderer=self._renderer.value,
             flags=engine.ER_NO_SEGMENTATION_MASK,
+            **self._lighting(),
         )
         colours = np.reshape(np.asarray(drawn[2], np.uint8), (height, width, 4))[:, :, :3].copy()
-        colours[np.reshape(drawn[3], (height, width)) >= 1.0] = SKY
+        colours[np.reshape(drawn[3], (height, width)) >= 1.0] = self._sky()
         return colours
+
+    def _lighting(self) -> dict[str, Any]:
+        """The engine's arguments for the light of now."""
+        if self._light is None:
+            return {"lightDirection": DIRECTION}
+        brightness, direction = self._light
+        return {"lightDirection": direction} | {name: strength * brightness for name, strength in LIGHT.items()}
+
+    def _sky(self) -> tuple[int, int, int]:
+        brightness = 1.0 if self._light is None else min(1.0, self._light.brightness)
+        red, green, blue = (round(part * brightness) for part in SKY)
+        return red, green, blue
 
     def _build(self, part: ShapePart) -> int:
         if part.floor is not None:
             return self._lay(part.floor, part.size)
+        if part.texture is not None:
+            return self._cover(part.texture, part.size)
         x, y, z = part.size
         match part.form:
             case Form.BOX:
@@ -120,7 +140,7 @@ class Mirror:
         return body
 
     def _lay(self, floor: Floor, size: Triple) -> int:
-        """Build the top of a floor, and repeat its pattern over it; the engine takes pictures from files only.
+        """Build the top of a floor, and repeat its pattern over it.
 
         A picture of the whole floor would take four times its size in memory, 50 MB where a pixel is 14 mm.
         """
@@ -135,12 +155,43 @@ class Mirror:
             normals=[(0.0, 0.0, 1.0)] * len(corners),
         )
         body: int = self._client.createMultiBody(0.0, -1, visual)
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "floor.bmp"
-            Image.fromarray(picture(floor)).save(file)
-            texture = self._client.loadTexture(str(file))
-        self._client.changeVisualShape(body, -1, textureUniqueId=texture)
+        self._client.changeVisualShape(body, -1, textureUniqueId=self._load(picture(floor)))
         return body
+
+    def _cover(self, texture: SurfaceTexture, size: Triple) -> int:
+        """Build a box with a texture on its sides and its top, upright on the sides and in its own size on all."""
+        vertices, normals, uvs = [], [], []
+        x, y, z = (edge / 2 for edge in size)
+        sides = (((x, -y), (x, y)), ((x, y), (-x, y)), ((-x, y), (-x, -y)), ((-x, -y), (x, -y)))
+        for (x1, y1), (x2, y2) in sides:
+            length = abs(x2 - x1) + abs(y2 - y1)
+            vertices += [(x1, y1, -z), (x2, y2, -z), (x2, y2, z), (x1, y1, z)]
+            normals += [((y2 - y1) / length, (x1 - x2) / length, 0.0)] * 4
+            uvs += [(0.0, 0.0), (length, 0.0), (length, 2 * z), (0.0, 2 * z)]
+        vertices += [(-x, -y, z), (x, -y, z), (x, y, z), (-x, y, z)]
+        normals += [(0.0, 0.0, 1.0)] * 4
+        uvs += [(0.0, 0.0), (2 * x, 0.0), (2 * x, 2 * y), (0.0, 2 * y)]
+        visual = self._client.createVisualShape(
+            engine.GEOM_MESH,
+            vertices=vertices,
+            indices=[first + corner for first in range(0, len(vertices), 4) for corner in (0, 1, 2, 0, 2, 3)],
+            uvs=[((along + texture.shift) / EDGE, up / EDGE) for along, up in uvs],
+            normals=normals,
+        )
+        body: int = self._client.createMultiBody(0.0, -1, visual)
+        same = texture._replace(shift=0.0)
+        if same not in self._textures:
+            self._textures[same] = self._load(paint(same))
+        self._client.changeVisualShape(body, -1, textureUniqueId=self._textures[same])
+        return body
+
+    def _load(self, colours: NDArray[np.uint8]) -> int:
+        """Give a picture to the engine, which takes them from files only."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "texture.bmp"
+            Image.fromarray(colours).save(file)
+            texture: int = self._client.loadTexture(str(file))
+        return texture
 
     def _place(self, parts: Iterable[tuple[int, ShapePart]], placed: Placed) -> None:
         for body, part in parts:

@@ -1,12 +1,13 @@
 """Visible changes of a world, in pieces small enough to be sent often."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from p2os_emu.world.collision import HULL
 from p2os_emu.world.engine import PhysicsClient
+from p2os_emu.world.light import LightState
 from p2os_emu.world.look import Look, Quaternion, Triple
 
 MOST_NEW = 100
@@ -31,11 +32,12 @@ class _SeenBody(NamedTuple):
 
 @dataclass(slots=True)
 class SceneChanges:
-    """Changes since the last message, by the number of the object."""
+    """Changes since the last message, by the number of the object. light: now; None if it never changes."""
 
     new: dict[int, tuple[Look, Placed]] = field(default_factory=dict)
     gone: set[int] = field(default_factory=set)
     moved: dict[int, Placed] = field(default_factory=dict)
+    light: LightState | None = None
 
     def add(self, later: "SceneChanges") -> None:
         """Take in what has changed since."""
@@ -45,13 +47,15 @@ class SceneChanges:
                 self.gone.add(number)
         self.new |= later.new
         self.moved |= later.moved
+        self.light = later.light
 
 
 class Sight:
     """Everything that can be seen in one world."""
 
-    def __init__(self, client: PhysicsClient) -> None:
+    def __init__(self, client: PhysicsClient, light: Callable[[], LightState | None] = lambda: None) -> None:
         self._client = client
+        self._light = light
         self._numbers = itertools.count()
         self._things: dict[int, _SeenBody] = {}
 
@@ -71,6 +75,7 @@ class Sight:
             {number: (self._things[number].look, self._placed(self._things[number])) for number in unknown},
             known - self._things.keys(),
             {n: self._placed(thing) for n, thing in self._things.items() if n in known and not thing.is_fixed},
+            self._light(),
         )
 
     def _placed(self, thing: _SeenBody) -> Placed:

@@ -12,10 +12,12 @@ from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.colours import check_colour
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor import Floor
+from p2os_emu.world.light import Light
 from p2os_emu.world.magnets import Magnet, MagnetEntry
 from p2os_emu.world.movable import Movable, ObjectEntry
 from p2os_emu.world.moving_doors import MovingDoor, MovingDoorEntry
 from p2os_emu.world.people import Person, PersonEntry
+from p2os_emu.world.textures import Textures
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
@@ -62,6 +64,7 @@ class WorldSpec:
     objects: what can be pushed and gripped. drops: where the floor ends, as at stairs that go down; of no height.
     places: named points, m, for those who send robots somewhere. people: who walks about.
     moving_doors: leaves that open and shut in gaps of walls.
+    textures: of walls and furniture. light: how it changes; None where it never does.
     note: how it differs from its file, a sentence for people; empty where it does not.
     """
 
@@ -79,6 +82,8 @@ class WorldSpec:
     people: tuple[Person, ...] = ()
     moving_doors: tuple[MovingDoor, ...] = ()
     note: str = ""
+    textures: Textures = field(default_factory=Textures)
+    light: Light | None = None
 
     @property
     def middle(self) -> tuple[float, float, float]:
@@ -197,6 +202,8 @@ class WorldFile:
     places_m: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     people: tuple[PersonEntry, ...] = ()
     moving_doors: tuple[MovingDoorEntry, ...] = ()
+    textures: Textures = field(default_factory=Textures)
+    light: Light | None = None
 
     def to_spec(self, name: str, source: str) -> WorldSpec:
         """Turn the entries into a world.
@@ -217,6 +224,11 @@ class WorldFile:
             self.floor.check()
         except ValueError as err:
             raise WorldError(f"{source}: floor: {err}") from err
+        try:
+            if self.light is not None:
+                self.light.check()
+        except ValueError as err:
+            raise WorldError(f"{source}: light: {err}") from err
         if not self.starts:
             raise WorldError(f"{source}: starts must hold at least one place for a robot")
         starts = tuple(Pose2D(*start.at_m, math.radians(start.heading_deg)) for start in self.starts)
@@ -234,6 +246,8 @@ class WorldFile:
             places=self.places_m,
             people=people,
             moving_doors=moving_doors,
+            textures=self.textures,
+            light=self.light,
         )
 
 

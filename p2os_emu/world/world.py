@@ -20,6 +20,7 @@ from p2os_emu.world.collision import HULL, build_blocks, build_floor
 from p2os_emu.world.engine import STEP, PhysicsClient, engine
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.leaves import DoorState
+from p2os_emu.world.light import LightCourse, LightState
 from p2os_emu.world.look import Look, floor_look, furniture_look, movable_look, robot_looks, wall_look
 from p2os_emu.world.objects import MovingObject, ObjectPlace, Objects
 from p2os_emu.world.physics import open_physics, solve_chains
@@ -30,6 +31,7 @@ from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sight import Sight
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block, WorldSpec
+from p2os_emu.world.textures import choose_texture
 from p2os_emu.world.touches import TouchLog
 from p2os_emu.world.walkers import PersonPlace, check_routes
 
@@ -75,14 +77,18 @@ class World:
         self._names = _names(walls, spec.walls, "a wall") | _names(furniture, spec.furniture, "furniture")
         self._names |= {body: movable.name for body, movable in self.objects.bodies.items()} | self._bystanders.names
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
-        self.sight = Sight(self._client)
+        self._light = None if spec.light is None else LightCourse(spec.light, seed)
+        self.sight = Sight(self._client, lambda: self.light)
         if gui:
             window.arrange(self._client, spec)
         self.sight.add(self._floor_id, {HULL: floor_look(spec)}, is_fixed=True)
-        for body, wall in zip(walls, spec.walls, strict=True):
-            self._show(body, {HULL: wall_look(wall)}, is_fixed=True)
-        for body, piece in zip(furniture, spec.furniture, strict=True):
-            self._show(body, {HULL: furniture_look(piece)}, is_fixed=True)
+        textures = spec.textures
+        for number, (body, wall) in enumerate(zip(walls, spec.walls, strict=True)):
+            texture = choose_texture(textures.walls, wall.colour, f"{seed} wall {number}")
+            self._show(body, {HULL: wall_look(wall, texture)}, is_fixed=True)
+        for number, (body, piece) in enumerate(zip(furniture, spec.furniture, strict=True)):
+            texture = choose_texture(textures.furniture, piece.colour, f"{seed} furniture {number}")
+            self._show(body, {HULL: furniture_look(piece, texture)}, is_fixed=True)
         for body, movable in self.objects.bodies.items():
             self._show(body, {HULL: movable_look(movable)})
         for body, look in self._bystanders.looks.items():
@@ -92,6 +98,11 @@ class World:
     def time(self) -> float:
         """Simulated time since the world began, s."""
         return self.steps * STEP
+
+    @property
+    def light(self) -> LightState | None:
+        """The light now; None in a world where it never changes."""
+        return None if self._light is None else self._light.at(self.time)
 
     @property
     def robots(self) -> tuple[str, ...]:

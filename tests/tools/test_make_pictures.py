@@ -7,13 +7,13 @@ import pytest
 from PIL import Image
 
 from tests.live_team import ROOT
-from tools.make_pictures import drive, team
+from tools.make_pictures import drive, team, texture_lab
 
 PICTURES = ROOT / "docs" / "pictures"
 LARGEST = 150_000  # bytes
 
 
-@pytest.mark.parametrize("make", [drive, team], ids=lambda make: str(make.__name__))
+@pytest.mark.parametrize("make", [drive, team, texture_lab], ids=lambda make: str(make.__name__))
 def test_a_picture_is_made_in_the_size_that_it_has_in_the_documentation(
     make: Callable[[Path], None], tmp_path: Path
 ) -> None:
