@@ -255,14 +255,12 @@ class _Camera:
         self.driver.has_port = self.driver.is_resting = True
         self._publish: PublishEvents = lambda events, stamp_ns: None
         self._is_wanted: IsWanted = lambda: False
-        self._exposures = 0
 
     def step(self, stamp_ns: int) -> None:
         """Draw and publish a picture if one is due and somebody subscribes."""
-        exposures = floor(self._clock() * self._rate + ROUNDING)
-        if exposures == self._exposures:
+        now = self._clock()
+        if floor(now * self._rate + ROUNDING) == floor((now - STEP) * self._rate + ROUNDING):
             return
-        self._exposures = exposures
         if not self._is_wanted():
             self.driver.rest()
             return

@@ -66,6 +66,14 @@ def test_pictures_come_at_the_rate_of_the_camera_stamped_with_their_exposure(loc
     assert Image.open(io.BytesIO(viewer.jpegs[-1])).size == (64, 48)
 
 
+def test_exposures_are_at_multiples_of_the_period_also_for_who_subscribed_before_the_robot_came() -> None:
+    with of("camera:64x48@4") as lockstep:
+        viewer = Viewer(lockstep.bus())
+        lockstep.run(3.1)
+        assert len(viewer.stamps) > 6
+        assert np.remainder(np.array(viewer.stamps) + 1e-6, 0.25) == pytest.approx(0.0, abs=1e-5)
+
+
 def test_a_picture_is_drawn_only_while_somebody_subscribes(lockstep: Lockstep, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[float] = []
     jpeg = lockstep._cameras.jpeg

@@ -1,5 +1,6 @@
 """Patterns of walls, furniture and floors, as pictures and as cameras see them."""
 
+import pickle
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
@@ -9,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry import Pose2D
+from p2os_emu.camera.news import LARGEST
 from p2os_emu.world import Block, Person, World, WorldSpec, load_world
 from p2os_emu.world.floor import Floor, Texture, picture
 from p2os_emu.world.mirror import Mirror
@@ -138,6 +140,15 @@ def test_a_world_without_textures_and_light_is_drawn_with_neither() -> None:
         assert world.light is None
         assert all(part.texture is None for look, _ in news.new.values() for part in look)
     assert World(load_world("empty"), perfect=True).sight.news(set()).light is None
+
+
+def test_news_of_a_world_with_patterns_reach_a_camera_process_whole_and_are_short() -> None:
+    with World(load_world("texture-lab"), seed=5) as world:
+        news = world.sight.news(set())
+    packet = pickle.dumps(news)
+    assert pickle.loads(packet) == news
+    assert news.light is not None
+    assert len(packet) < LARGEST / 50
 
 
 def test_start_of_the_texture_lab_is_free_for_a_robot_to_turn() -> None:
