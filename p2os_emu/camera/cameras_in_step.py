@@ -4,6 +4,8 @@ They draw with the `Mirror` that a camera's process has, by the software rendere
 on every machine. All cameras of a world share one mirror: what differs between them is the view.
 """
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +35,15 @@ class CamerasInStep:
         self._world = world
         self._mirror: Mirror | None = None
         self._known: set[int] = set()
-        self.model = configs.load(CameraModel, "accessories", PART)
+
+    @cached_property
+    def model(self) -> CameraModel:
+        """What all these cameras are.
+
+        Raises:
+            ConfigError: Its file has an error.
+        """
+        return configs.load(CameraModel, "accessories", PART)
 
     def image_format(self, name: str) -> ImageFormat:
         """Return size and rate of a robot's pictures.
