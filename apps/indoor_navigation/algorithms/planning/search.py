@@ -127,7 +127,7 @@ def _step_costs(cost: Floats, rows: int, columns: int) -> Floats:
 
     [i, j] is the one between two cells of which i is the lower row, and j the lower column.
     """
-    height, width = cost.shape[0] - rows, cost.shape[1] - abs(columns)
+    height, width = max(0, cost.shape[0] - rows), max(0, cost.shape[1] - abs(columns))
     left = max(-columns, 0)
 
     def at(cell: Cell) -> Floats:
@@ -255,7 +255,7 @@ class _Field:
             by_way_of = padded[here + beside] + self._costs_beside(*cell)
             best = int(by_way_of.argmin())
             following = cell[0] + BESIDE[best][0], cell[1] + BESIDE[best][1]
-            if not total[following] < total[cell] or by_way_of[best] > total[cell] + ROUNDING:
+            if by_way_of[best] > total[cell] + ROUNDING or not total[following] < total[cell]:
                 return cells
             cell = following
             cells.append(self._turned(cell))

@@ -247,3 +247,14 @@ def test_costs_grow_with_distance_alone_on_flat_floor() -> None:
     assert costs[5, 15] == pytest.approx(10.0)
     assert costs[15, 15] == pytest.approx(10.0 * sqrt(2.0))
     assert costs[15, 5] == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("rows", "columns"), list(product(range(1, 5), repeat=2)))
+def test_a_terrain_of_few_cells_has_the_least_costs_too(rows: int, columns: int) -> None:
+    evidence = np.full((rows, columns), -4, np.int8)
+    ground = Terrain(Area.of(0.0, 0.0, 0.1, evidence), 1.0 + np.arange(rows * columns).reshape(rows, columns) / 10.0)
+    goal = ground.area.place(rows - 1, columns - 1)
+    assert costs_to(ground, goal, 0.0) == pytest.approx(brute_force(ground, (rows - 1, columns - 1)))
+    way = find_way(ground, ground.area.place(0, 0), goal, 0.0)
+    assert way is not None
+    assert way[-1] == pytest.approx(goal)
