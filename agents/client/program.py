@@ -82,9 +82,10 @@ class RunningApplication:
 
     @property
     def functions(self) -> list[Callable[..., Any]]:
-        """The functions that the file itself defines."""
+        """The functions that the file itself defines; of a package, those that its own modules define as well."""
         found = [value for _, value in inspect.getmembers(self.module, inspect.isfunction)]
-        return [value for value in found if value.__module__ == self.module.__name__]
+        own = self.module.__name__
+        return [value for value in found if f"{value.__module__}.".startswith(f"{own}.")]
 
     def check(self, arguments: Mapping[str, Any]) -> None:
         """Check that `main` takes these arguments beside the team.

@@ -1,0 +1,332 @@
+"""The controller of a formation: from the states of its members to a twist for each follower. No bus, no clock."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from apps.formation.assignment import assign
+from apps.formation.avoidance import MovingDisc, admissible_twist
+from apps.formation.members import REST, Member, MemberState
+from apps.formation.passages import EchoMemory
+from apps.formation.path import LeaderPath
+from apps.formation.settings import FormationSettings
+from apps.formation.shapes import COLUMN, shape_offsets
+from apps.formation.tracking import VirtualPoint, frame_point, path_point, twist_towards
+from geometry import Point, Pose2D, Twist2D, integrate
+
+PATH_LENGTH = 30.0  # m of the leader's path that is remembered
+AHEAD = 0.6  # m along the leader's path of the point to which a follower drives that is far behind
+ROLLS, TURNS = 0.02, 0.08  # m/s and rad/s; what is slower stands
+HAS_WAY = 0.15  # m from its point from which a follower is expected to move
+BACK_AFTER = 1.0  # s for which a follower that was stuck has to move
+
+
+@dataclass(frozen=True, slots=True)
+class FormationOrders:
+    """What to do now.
+
+    twists: for each follower. points: the virtual point of each, in the common frame; for one that is lost, the point
+    that it had as a member. offsets: that point in the leader's frame, m. errors: the distance from it, m. told: what
+    has changed, in sentences.
+    """
+
+    twists: Mapping[str, Twist2D]
+    points: Mapping[str, Pose2D] = field(default_factory=dict)
+    offsets: Mapping[str, Point] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)
+    told: tuple[str, ...] = ()
+
+
+class Formation:
+    """A leader and its followers.
+
+    shape: the wanted one. is_narrow: whether a column is formed instead, because the place is narrow. waits_for: why
+    all followers stand, in words; empty while they drive.
+    """
+
+    def __init__(self, leader: str, followers: Sequence[str], shape: str, settings: FormationSettings) -> None:
+        """Begin with a shape.
+
+        Raises:
+            ShapeError: It cannot be formed.
+        """
+        self.leader = leader
+        self.settings = settings
+        self.members = {name: Member(name) for name in followers}
+        self.is_narrow = False
+        self.waits_for = ""
+        self.shape = shape
+        self._path = LeaderPath(PATH_LENGTH)
+        self._echoes = EchoMemory(settings.passages)
+        self._places: dict[tuple[str, frozenset[str]], dict[str, int]] = {}
+        self._clear_since = math.inf
+        self._told: list[str] = []
+        self._check(shape)
+
+    @property
+    def formed(self) -> str:
+        """The shape that is formed now."""
+        return COLUMN if self.is_narrow else self.shape
+
+    @property
+    def active(self) -> list[str]:
+        """The followers that are not lost."""
+        return [name for name, member in self.members.items() if not member.trouble]
+
+    def set_shape(self, shape: str) -> None:
+        """Change the shape.
+
+        Raises:
+            ShapeError: It cannot be formed; the shape stays as it is.
+        """
+        self._check(shape)
+        self.shape = shape
+        self._places.clear()
+
+    def refused(self, robot: str, why: str) -> None:
+        """Note why a follower does not let itself be driven; without a reason, that it obeys again."""
+        self.members[robot].refusal = why
+
+    @property
+    def status(self) -> dict[str, Any]:
+        """The shape, and what is wrong with whom, for people and programs."""
+        return {
+            "leader": self.leader,
+            "shape": self.shape,
+            "formed": self.formed,
+            "waits_for": self.waits_for,
+            "lost": {name: member.trouble for name, member in self.members.items() if member.trouble},
+        }
+
+    def step(self, now: float, states: Mapping[str, MemberState]) -> FormationOrders:
+        """Return what to do.
+
+        Args:
+            now: s on the clock of `MemberState.heard`.
+            states: By name, the leader's included; those that have been heard of.
+        """
+        self._told = []
+        leader = states.get(self.leader)
+        if leader is None or self._is_silent(leader, now):
+            self._wait(f"{self.leader}, the leader, is silent")
+            return FormationOrders(self._commanded(dict.fromkeys(self.members, REST)), told=tuple(self._told))
+        self._path.add(leader.pose)
+        self._echoes.add(now, self._all_echoes(states), self._discs(states))
+        self._judge_hearing(now, states)
+        self._judge_width(now)
+        points = self._points(leader, states, now)
+        errors = {
+            name: math.dist(_xy(_predicted(states[name], now, self._lag).pose), _xy(point.pose))
+            for name, (point, _) in points.items()
+        }
+        self._judge_motion(now, states, errors)
+        lost = [member for member in self.members.values() if member.trouble]
+        waits = self.settings.members.when_stopped == "wait" and lost
+        self._wait(f"waiting for {lost[0].name}, which {lost[0].trouble}" if waits else "")
+        drivers = [name for name in points if not waits or self.members[name].trouble]
+        twists = {name: self._twist(name, points[name][0], states, now) for name in drivers}
+        return FormationOrders(
+            self._commanded({name: twists.get(name, REST) for name in self.members}),
+            {name: point.pose for name, (point, _) in points.items()},
+            {name: offset for name, (_, offset) in points.items()},
+            errors,
+            tuple(self._told),
+        )
+
+    @property
+    def _lag(self) -> float:
+        return self.settings.tracking.lag_s
+
+    def _check(self, shape: str) -> None:
+        for count in range(1, len(self.members) + 1):  # it is formed with fewer robots, too
+            self._offsets(shape, count)
+
+    def _offsets(self, shape: str, count: int) -> tuple[Point, ...]:
+        """Return the offsets of a shape for some followers.
+
+        Raises:
+            ShapeError: It cannot be formed.
+        """
+        settings = self.settings
+        radii = sorted((settings.radius(name) for name in (self.leader, *self.members)), reverse=True)
+        nearest = sum(radii[:2]) + settings.safety.robot_gap_m
+        points = settings.points
+        spacing = points.column_spacing_m if shape == COLUMN else points.spacing_m
+        return shape_offsets(shape, count, spacing, nearest)
+
+    def _is_silent(self, state: MemberState, now: float) -> bool:
+        return now - state.heard > self.settings.safety.silent_s
+
+    def _discs(self, states: Mapping[str, MemberState]) -> list[tuple[Pose2D, float]]:
+        return [(state.pose, self.settings.radius(name)) for name, state in states.items()]
+
+    def _all_echoes(self, states: Mapping[str, MemberState]) -> list[Point]:
+        """Return what all members see now, in the common frame."""
+        reach = self.settings.passages.range_m
+        return [
+            state.pose.transform(*echo.point)
+            for state in states.values()
+            for echo in state.echoes
+            if echo.distance < reach
+        ]
+
+    def _judge_hearing(self, now: float, states: Mapping[str, MemberState]) -> None:
+        """Find out which members cannot be driven."""
+        for name, member in self.members.items():
+            if name not in states or self._is_silent(states[name], now):
+                self._lose(member, "is silent")
+            elif member.refusal:
+                self._lose(member, f"refuses to drive: {member.refusal}")
+            elif member.trouble and not member.trouble.startswith(("is on", "does not")):
+                member.trouble = "is on its way back"
+
+    def _judge_width(self, now: float) -> None:
+        """Form a column where the shape has no room, and the shape again after that."""
+        active = self.active
+        if self.shape == COLUMN or not active:
+            self.is_narrow = False
+            return
+        radius = max(self.settings.radius(name) for name in active)
+        is_blocked = self._echoes.blocks(self._path, self._offsets(self.shape, len(active)), radius)
+        if is_blocked:
+            self._clear_since = math.inf
+            if not self.is_narrow:
+                self.is_narrow = True
+                self._told.append(f"too narrow for the {_named(self.shape)}: forming a column")
+        elif self.is_narrow:
+            self._clear_since = min(self._clear_since, now)
+            if now - self._clear_since >= self.settings.passages.clear_s:
+                self.is_narrow = False
+                self._told.append(f"room again: forming the {_named(self.shape)}")
+
+    def _judge_motion(self, now: float, states: Mapping[str, MemberState], errors: Mapping[str, float]) -> None:
+        """Find out which followers are stuck or too far away, and which are back."""
+        limits = self.settings.members
+        for name, error in errors.items():
+            member, twist = self.members[name], states[name].twist
+            moves = abs(twist.linear) > ROLLS or abs(twist.angular) > TURNS
+            if member.trouble:
+                was_stuck = member.trouble.startswith("does not")
+                if not moves:
+                    member.busy_at = now if not was_stuck else math.inf
+                elif was_stuck:
+                    member.busy_at = min(member.busy_at, now)
+                has_moved = not was_stuck or (moves and now - member.busy_at >= BACK_AFTER)
+                if error < limits.back_m and has_moved and not member.refusal:
+                    member.trouble, member.busy_at = "", now
+                    self._told.append(f"{name} is back")
+            elif moves or error < HAS_WAY or self.waits_for:
+                member.busy_at = now
+            elif now - member.busy_at > limits.stuck_s:
+                self._lose(member, "does not move")
+            if error > limits.lost_m and not member.trouble:
+                self._lose(member, f"is {error:.1f} m from its place")
+
+    def _lose(self, member: Member, why: str) -> None:
+        if not member.trouble:
+            act = "all wait for it" if self.settings.members.when_stopped == "wait" else "the others close the gap"
+            self._told.append(f"{member.name} {why}; {act}")
+        member.trouble = why
+
+    def _points(
+        self, leader: MemberState, states: Mapping[str, MemberState], now: float
+    ) -> dict[str, tuple[VirtualPoint, Point]]:
+        """Return virtual point and offset of each follower that can be driven."""
+        active = self.active
+        found = self._assigned(leader, states, active, now)
+        for name, member in self.members.items():
+            if member.trouble and name in states and not member.refusal and not self._is_silent(states[name], now):
+                found[name] = self._assigned(leader, states, [*active, name], now)[name]
+        return found
+
+    def _assigned(
+        self, leader: MemberState, states: Mapping[str, MemberState], names: Sequence[str], now: float
+    ) -> dict[str, tuple[VirtualPoint, Point]]:
+        """Assign followers to the points of the present shape; the same followers have the same places again."""
+        offsets = self._offsets(self.formed, len(names)) if names else ()
+        points = [self._point(leader, offset, now) for offset in offsets]
+        key = self.formed, frozenset(names)
+        if key not in self._places:
+            self._places[key] = assign(
+                {name: _xy(states[name].pose) for name in names}, [_xy(point.pose) for point in points]
+            )
+        return {name: (points[place], offsets[place]) for name, place in self._places[key].items()}
+
+    def _point(self, leader: MemberState, offset: Point, now: float) -> VirtualPoint:
+        """Return a virtual point as it is when a command given now takes hold."""
+        later = now - leader.heard + self._lag
+        if self.settings.points.follow == "path" or self.formed == COLUMN:
+            return path_point(self._path, leader.twist, offset, later)
+        return frame_point(integrate(leader.pose, leader.twist, later), leader.twist, offset)
+
+    def _twist(self, name: str, point: VirtualPoint, states: Mapping[str, MemberState], now: float) -> Twist2D:
+        """Return the twist of a follower: towards its point, smooth, and without collision."""
+        tuning, safety = self.settings.tracking, self.settings.safety
+        robot = _predicted(states[name], now, self._lag)
+        wanted = twist_towards(self._approach(point, robot.pose), robot.pose, tuning)
+        before = self.members[name].command.linear
+        change = tuning.acceleration_m_s2 * self.settings.period_s
+        wanted = Twist2D(max(before - change, min(before + change, wanted.linear)), wanted.angular)
+        others = []
+        order = [self.leader, *self.members]
+        for other, state in states.items():
+            if other != name:
+                is_still = self._is_silent(state, now)
+                seen = state if is_still else _predicted(state, now, self._lag)
+                yields = order.index(other) > order.index(name) and not self.members[other].trouble
+                twist = REST if is_still else seen.twist
+                radius = self.settings.radius(other)
+                others.append(MovingDisc(seen.pose.relative_to(robot.pose), twist, radius, yields))
+        echoes = [
+            robot.pose.locate(x, y)
+            for x, y in (states[name].pose.transform(*echo.point) for echo in states[name].echoes)
+            if all(
+                math.hypot(x - state.pose.x, y - state.pose.y) > self.settings.radius(other) + 0.2
+                for other, state in states.items()
+                if other != name
+            )
+        ]
+        most = Twist2D(tuning.speed_m_s, tuning.turn_rad_s)
+        return admissible_twist(wanted, echoes, others, self.settings.radius(name), safety, most)
+
+    def _approach(self, point: VirtualPoint, robot: Pose2D) -> VirtualPoint:
+        """Return where a follower drives to now: its point, or in a column a nearer point of the leader's path.
+
+        A straight line to a distant point could lead through a wall; the leader's path does not.
+        """
+        if self.formed != COLUMN or math.dist(_xy(robot), _xy(point.pose)) < self.settings.tracking.join_m:
+            return point
+        backs, _ = self._path.locate(np.array([[robot.x, robot.y]]), 0.0, PATH_LENGTH)
+        aim = float(backs[0]) - AHEAD
+        goal, _ = self._path.locate(np.array([[point.pose.x, point.pose.y]]), 0.5, PATH_LENGTH)
+        if aim <= float(goal[0]):
+            return point
+        pose = self._path.at(aim)
+        return VirtualPoint(pose, Twist2D(point.twist.linear, 0.0))
+
+    def _wait(self, why: str) -> None:
+        if why != self.waits_for and (why or self.waits_for):
+            self._told.append(f"{why}; the followers stand" if why else "the followers drive on")
+        self.waits_for = why
+
+    def _commanded(self, twists: Mapping[str, Twist2D]) -> Mapping[str, Twist2D]:
+        for name, twist in twists.items():
+            self.members[name].command = twist
+        return twists
+
+
+def _predicted(state: MemberState, now: float, lag: float) -> MemberState:
+    """Return a state as it is when a command given now takes hold."""
+    seconds = max(0.0, now - state.heard) + lag
+    return MemberState(integrate(state.pose, state.twist, seconds), state.twist, state.heard, state.echoes)
+
+
+def _xy(pose: Pose2D) -> Point:
+    return pose.x, pose.y
+
+
+def _named(shape: str) -> str:
+    return "formation" if shape.endswith(".toml") else shape

@@ -1,0 +1,126 @@
+"""Settings of the application, from one file; `settings.toml` beside this module has all of them with their meaning."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import configs
+from apps.indoor_navigation.parameters import laid_over
+
+SETTINGS = Path(__file__).with_name("settings.toml")
+
+
+@dataclass(frozen=True, slots=True)
+class Points:
+    """Where the virtual points are. follow: `path` or `frame`."""
+
+    follow: str
+    spacing_m: float
+    column_spacing_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """How a follower drives to its point."""
+
+    gain: float
+    turn_gain: float
+    lag_s: float
+    speed_m_s: float
+    turn_rad_s: float
+    acceleration_m_s2: float
+    at_point_m: float
+    join_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Safety:
+    """Distances and times of safety. radii_m: of robots of another size, by name."""
+
+    radius_m: float
+    radii_m: Mapping[str, float]
+    robot_gap_m: float
+    obstacle_gap_m: float
+    horizon_s: float
+    braking_m_s2: float
+    silent_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Members:
+    """What counts as lost. when_stopped: `leave` or `wait`."""
+
+    when_stopped: str
+    stuck_s: float
+    lost_m: float
+    back_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Passages:
+    """How narrow places are seen."""
+
+    ahead_m: float
+    gap_m: float
+    echoes: int
+    range_m: float
+    remember_s: float
+    clear_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class FormationSettings:
+    """All settings; each is described in `settings.toml`."""
+
+    period_s: float
+    report_s: float
+    points: Points
+    tracking: Tracking
+    safety: Safety
+    members: Members
+    passages: Passages
+
+    @classmethod
+    def load(cls, file: str | Path | None = None) -> "FormationSettings":
+        """Return the shipped settings, with the changes of a file.
+
+        Raises:
+            ConfigError: The file cannot be read, or a setting is unknown or not valid.
+        """
+        table = configs.read(SETTINGS)
+        source = str(file or SETTINGS)
+        if file:
+            table = laid_over(table, configs.read(file))
+        settings = configs.build(cls, table, source)
+        settings._check(source)
+        return settings
+
+    def radius(self, robot: str) -> float:
+        """Return the radius of a robot, m."""
+        return self.safety.radii_m.get(robot, self.safety.radius_m)
+
+    def _check(self, source: str) -> None:
+        for table, name, value in _numbers(self):
+            if not (math.isfinite(value) and value > 0.0):
+                raise configs.ConfigError(f"{source}: {table}{name} must be more than 0, not {value:g}")
+        for name, word, allowed in (
+            ("points.follow", self.points.follow, ("path", "frame")),
+            ("members.when_stopped", self.members.when_stopped, ("leave", "wait")),
+        ):
+            if word not in allowed:
+                raise configs.ConfigError(f"{source}: {name} must be {' or '.join(allowed)}, not {word!r}")
+
+
+def _numbers(table: Any, prefix: str = "") -> list[tuple[str, str, float]]:
+    found: list[tuple[str, str, float]] = []
+    for each in fields(table):
+        value = getattr(table, each.name)
+        if isinstance(value, int | float):
+            found.append((prefix, each.name, float(value)))
+        elif isinstance(value, Mapping):
+            found += [(f"{prefix}{each.name}.", name, float(number)) for name, number in value.items()]
+        elif not isinstance(value, str):
+            found += _numbers(value, f"{prefix}{each.name}.")
+    return found

@@ -1,0 +1,123 @@
+"""Shapes of formations as offsets from the leader: m, x forward and y to the left in the leader's frame."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import combinations, count, islice
+from pathlib import Path
+
+import configs
+from configs.suggestion import meant
+from geometry import Point
+
+FARTHEST = 20.0  # m; an offset beyond it is taken for a mistake of the unit
+FILE_KEY = "offsets_m"
+COLUMN = "column"
+
+
+class ShapeError(ValueError):
+    """A shape that cannot be formed; the message says why and what to do."""
+
+
+def shape_offsets(shape: str, followers: int, spacing: float, nearest: float) -> tuple[Point, ...]:
+    """Return the virtual points of a shape.
+
+    Args:
+        shape: One of `SHAPES`, or a TOML file with `offsets_m = [[x, y], ...]`.
+        followers: How many points are needed.
+        spacing: Between neighbours, m; a file has its own.
+        nearest: m between two robots, at least.
+    Returns:
+        One offset for each follower.
+    Raises:
+        ShapeError: There is no such shape, or robots would touch in it.
+    """
+    if shape.endswith(".toml"):
+        points = _read(Path(shape), followers)
+    elif shape in SHAPES:
+        points = [(spacing * x, spacing * y) for x, y in islice(SHAPES[shape](), followers)]
+    else:
+        near = meant(shape, list(SHAPES))
+        hint = f"did you mean {near}?" if near else f"choose {', '.join(SHAPES)}, or a .toml file with offsets"
+        raise ShapeError(f"there is no shape {shape!r}; {hint}")
+    _check_apart(shape, [(0.0, 0.0), *points], nearest)
+    return tuple(points)
+
+
+def _column() -> Iterator[Point]:
+    """Yield one behind the other."""
+    for row in count(1):
+        yield -float(row), 0.0
+
+
+def _line() -> Iterator[Point]:
+    """Yield side by side with the leader in the middle."""
+    for row in count(1):
+        yield 0.0, float(row)
+        yield 0.0, -float(row)
+
+
+def _wedge() -> Iterator[Point]:
+    """Yield two arms behind the leader, at right angles to each other."""
+    for row in count(1):
+        for side in (1.0, -1.0):
+            yield -row * math.sqrt(0.5), side * row * math.sqrt(0.5)
+
+
+def _triangle() -> Iterator[Point]:
+    """Yield rows of two, three and more; neighbours form triangles with equal sides."""
+    for row in count(1):
+        for place in range(row + 1):
+            yield -row * math.sqrt(0.75), row / 2 - place
+
+
+def _diamond() -> Iterator[Point]:
+    """Yield a square on its corner: of four robots, of nine beyond that, and so on."""
+    done: set[Point] = set()
+    for size in count(1):
+        for row in range(1, 2 * size + 1):
+            width = min(row, 2 * size - row)
+            for place in range(width + 1):
+                point = -row * math.sqrt(0.5), (width / 2 - place) * math.sqrt(2.0)
+                if point not in done:
+                    done.add(point)
+                    yield point
+
+
+SHAPES: Mapping[str, Callable[[], Iterator[Point]]] = {
+    COLUMN: _column,
+    "line": _line,
+    "wedge": _wedge,
+    "triangle": _triangle,
+    "diamond": _diamond,
+}
+"""Endless points of each shape with a spacing of 1 m; the first ones are taken."""
+
+
+def _read(file: Path, followers: int) -> list[Point]:
+    try:
+        table = configs.read(file)
+    except configs.ConfigError as err:
+        raise ShapeError(str(err)) from err
+    rows = table.get(FILE_KEY)
+    if not isinstance(rows, list) or set(table) != {FILE_KEY}:
+        raise ShapeError(f"{file}: expected {FILE_KEY} = [[x, y], ...] and nothing else")
+    points = [_point(file, row) for row in rows]
+    if len(points) < followers:
+        raise ShapeError(f"{file} has {len(points)} offsets for {followers} followers; add one for each follower")
+    return points[:followers]
+
+
+def _point(file: Path, row: object) -> Point:
+    match row:
+        case [int() | float() as x, int() | float() as y] if not isinstance(x, bool) and not isinstance(y, bool):
+            if max(abs(x), abs(y)) <= FARTHEST:  # False for NaN as well
+                return float(x), float(y)
+    raise ShapeError(f"{file}: {row!r} is no offset; expected [x, y] in m within {FARTHEST:g} m")
+
+
+def _check_apart(shape: str, points: Sequence[Point], nearest: float) -> None:
+    for a, b in combinations(points, 2):
+        if math.dist(a, b) < nearest:
+            raise ShapeError(
+                f"in {shape}, two robots are {math.dist(a, b):.2f} m apart; expected at least {nearest:.2f} m"
+            )

@@ -1,0 +1,153 @@
+"""Poses shared on the bus: the odometry of each robot, placed where the robot started."""
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from typing import Any
+
+import configs
+from agents import Robot, RobotError
+from apps.formation.members import MemberState, RangeEcho
+from configs.team_file import read_team
+from geometry import Pose2D, Twist2D
+
+ANSWER_TIME = 1.0  # s for a reading or a command; the other robots do not wait for it
+
+
+def read_starts(given: object, robots: Sequence[str]) -> dict[str, Pose2D]:
+    """Return where each robot stood when its gateway first connected, in one frame.
+
+    Args:
+        given: A team file by its name, or `{"happy": [x, y, heading]}` in m, m and degrees.
+        robots: Names.
+    Raises:
+        RobotError: The start of a robot is missing or not valid.
+    """
+    if isinstance(given, str):
+        try:
+            rows = read_team(given).robots
+        except configs.ConfigError as err:
+            raise RobotError(str(err)) from err
+        starts = {row.name: Pose2D(*row.at_m, math.radians(row.heading_deg)) for row in rows if row.at_m is not None}
+    elif isinstance(given, Mapping):
+        starts = {str(name): _pose(name, row) for name, row in given.items()}
+    else:
+        raise RobotError(f"starts is a team file or {{robot: [x, y, heading]}}, not {given!r}")
+    if unknown := [name for name in robots if name not in starts]:
+        named = given if isinstance(given, str) else "starts"
+        raise RobotError(
+            f'{named} gives no start of {", ".join(unknown)}; add at_m, or starts={{"{unknown[0]}":[0,0,0]}}'
+        )
+    return {name: starts[name] for name in robots}
+
+
+def _pose(name: object, row: object) -> Pose2D:
+    match row:
+        case [int() | float() as x, int() | float() as y, *rest] if len(rest) <= 1:
+            heading = rest[0] if rest else 0.0
+            if isinstance(heading, int | float) and all(map(math.isfinite, (x, y, heading))):
+                return Pose2D(x, y, math.radians(heading))
+    raise RobotError(f"the start of {name} is {row!r}; expected [x, y, heading] in m, m and degrees")
+
+
+@dataclass(slots=True)
+class _Shared:
+    """What a robot has answered. busy: requests under way, by kind."""
+
+    robot: Robot
+    start: Pose2D
+    has_sonar: bool
+    stamp: float = math.nan
+    state: MemberState | None = None
+    echoes: tuple[RangeEcho, ...] = ()
+    busy: "dict[str, Future[Any]]" = field(default_factory=dict)
+
+
+class SharedPoses:
+    """Reads odometry and sonar of all robots, and drives them; implements `PoseSource`.
+
+    A robot that does not answer holds up no other. Each robot has at most one request of a kind under way; none lasts
+    longer than `ANSWER_TIME`, so that a program that hangs soon counts as unattended and its robots stop.
+    """
+
+    def __init__(self, robots: Sequence[Robot], starts: Mapping[str, Pose2D], period: float) -> None:
+        """Begin with robots that are there.
+
+        Args:
+            robots: Leader and followers.
+            starts: Pose of each when its gateway first connected.
+            period: s that a call of `read` lasts at most.
+        Raises:
+            RobotError: A robot has no base.
+        """
+        self._period = period
+        self._pool = ThreadPoolExecutor(3 * len(robots), "formation")
+        self._shared = {each.name: _Shared(each, starts[each.name], each.has("sonar")) for each in robots}
+        for each in self._shared.values():
+            each.robot.element("base")
+
+    def read(self, now: float) -> dict[str, MemberState]:
+        """Return the state of each robot that has been heard of; `now` is s on any steady clock."""
+        asked = []
+        for shared in self._shared.values():
+            asked.append(self._begin(shared, "odometry", self._ask_odometry, shared))
+            if shared.has_sonar:
+                asked.append(self._begin(shared, "sonar", self._ask_sonar, shared))
+        wait(asked, self._period / 2)
+        states = {}
+        for name, shared in self._shared.items():
+            self._take(shared, now)
+            if shared.state is not None:
+                states[name] = shared.state
+        return states
+
+    def drive(self, name: str, twist: Twist2D) -> str:
+        """Drive a robot; returns why the call before was refused, in words, or nothing."""
+        shared = self._shared[name]
+        before = shared.busy.get("drive")
+        if before is not None and not before.done():
+            return ""
+        shared.busy["drive"] = self._pool.submit(shared.robot.base.drive, twist.linear, twist.angular)
+        error = before.exception() if before is not None else None
+        return str(error) if isinstance(error, RobotError) else ""
+
+    def close(self) -> None:
+        """Begin no more requests."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _begin(self, shared: _Shared, kind: str, function: Any, *arguments: object) -> "Future[Any]":
+        under_way = shared.busy.get(kind)
+        if under_way is None:
+            under_way = shared.busy[kind] = self._pool.submit(function, *arguments)
+        return under_way
+
+    def _take(self, shared: _Shared, now: float) -> None:
+        """Take what has been answered."""
+        sonar, odometry = shared.busy.get("sonar"), shared.busy.get("odometry")
+        if sonar is not None and sonar.done():
+            del shared.busy["sonar"]
+            shared.echoes = () if sonar.exception() else sonar.result()
+        if odometry is not None and odometry.done():
+            del shared.busy["odometry"]
+            if odometry.exception() is None:
+                stamp, pose, twist = odometry.result()
+                if stamp != shared.stamp:  # the same reading again is no sign of life
+                    shared.stamp = stamp
+                    shared.state = MemberState(shared.start.compose(pose), twist, now, shared.echoes)
+
+    @staticmethod
+    def _ask_odometry(shared: _Shared) -> tuple[float, Pose2D, Twist2D]:
+        told = shared.robot.base.ask("read", within=ANSWER_TIME)
+        pose = Pose2D(float(told["x"]), float(told["y"]), float(told["heading"]))
+        return float(told["stamp"]), pose, Twist2D(float(told["linear"]), float(told["angular"]))
+
+    @staticmethod
+    def _ask_sonar(shared: _Shared) -> tuple[RangeEcho, ...]:
+        ranges = shared.robot.sonar.ask("read", within=ANSWER_TIME)["ranges"]
+        discs = shared.robot.sonar.discs
+        return tuple(
+            RangeEcho(number, Pose2D(discs[number].x, discs[number].y, discs[number].heading), float(distance))
+            for number, distance in ranges.items()
+            if distance is not None and number in discs
+        )
