@@ -10,6 +10,7 @@ from acromovi.lockstep import Lockstep
 from apps.formation.controller import Formation
 from apps.formation.members import MemberState, RangeEcho
 from apps.formation.path import LeaderPath
+from apps.formation.pose_filter import PoseFilter
 from apps.formation.record import FormationRecord
 from apps.formation.settings import FormationSettings
 from apps.formation.tracking import path_point
@@ -70,6 +71,7 @@ class FormationCourse(Closeable):
         self.muted: set[str] = set()
         self._bus = self.lockstep.bus()
         self._source = _BusPoses(self.lockstep, starts, self.muted)
+        self._filter = PoseFilter(settings.poses)
         self._true_path = LeaderPath(30.0)
         self._held: dict[str, Twist2D] = {}
         self.lockstep.run(CONNECTING)
@@ -85,7 +87,9 @@ class FormationCourse(Closeable):
 
     def step(self) -> bool:
         """Let one period pass; returns whether the leader is still driven."""
-        states = self._source.read(self.time)
+        states: Mapping[str, MemberState] = self._source.read(self.time)
+        if self.settings.poses.correct:
+            states = self._filter.update(states)
         orders = self.formation.step(self.time, states)
         self.track.told += [f"{self.time:.1f} s: {each}" for each in orders.told]
         driven = self.drive(self.time, states[self.leader].pose) if self.leader in states else Twist2D()

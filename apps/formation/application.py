@@ -1,7 +1,7 @@
 """The application: reads the team, steps the controller, drives the followers, and answers requests."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,9 @@ from typing import Any
 import configs
 from agents import Robot, RobotError, Team, request
 from apps.formation.controller import Formation, FormationOrders
+from apps.formation.members import MemberState
 from apps.formation.plots import draw_formation
+from apps.formation.pose_filter import PoseFilter
 from apps.formation.record import FormationRecord
 from apps.formation.settings import FormationSettings
 from apps.formation.shapes import ShapeError
@@ -102,10 +104,13 @@ def _keep(
 ) -> None:
     """Drive the followers until the program is to end, or the leader's last waypoint has been passed."""
     settings = formation.settings
+    corrected = PoseFilter(settings.poses)
     next_report, arrived = settings.report_s, math.inf
     _tell(record, 0.0, f"{formation.leader} leads {', '.join(formation.members)}: {formation.shape}")
     for now in team.every(settings.period_s):
-        states = poses.read(now)
+        states: Mapping[str, MemberState] = poses.read(now)
+        if settings.poses.correct:
+            states = corrected.update(states)
         orders = _running.orders = formation.step(now, states)
         for name, twist in orders.twists.items():
             formation.refused(name, poses.drive(name, twist))

@@ -22,6 +22,28 @@ class Points:
 
 
 @dataclass(frozen=True, slots=True)
+class Poses:
+    """How the robots' sonar corrects their odometry, and how exact both are."""
+
+    correct: bool
+    range_m: float
+    front_m: float
+    rear_m: float
+    width_m: float
+    half_cone_rad: float
+    slant_rad: float
+    noise_m: float
+    gate: float
+    most_m: float
+    start_m: float
+    start_rad: float
+    bend_rad_m: float
+    slip_m: float
+    turn_rad: float
+    turn_share: float
+
+
+@dataclass(frozen=True, slots=True)
 class Tracking:
     """How a follower drives to its point."""
 
@@ -77,6 +99,7 @@ class FormationSettings:
     period_s: float
     report_s: float
     points: Points
+    poses: Poses
     tracking: Tracking
     safety: Safety
     members: Members
@@ -117,6 +140,8 @@ def _numbers(table: Any, prefix: str = "") -> list[tuple[str, str, float]]:
     found: list[tuple[str, str, float]] = []
     for each in fields(table):
         value = getattr(table, each.name)
+        if isinstance(value, bool):
+            continue
         if isinstance(value, int | float):
             found.append((prefix, each.name, float(value)))
         elif isinstance(value, Mapping):
