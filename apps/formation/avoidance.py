@@ -13,7 +13,7 @@ STEPS = 8  # at which the predicted motion is looked at
 SPEEDS = (1.0, 0.6, 0.3, 0.0)  # parts of the largest speed that are tried
 TURNS = tuple(number / 4 for number in range(-4, 5))  # parts of the largest turning that are tried
 BACK = -0.2  # part of the largest speed for backing out
-SLACK = 0.002  # m by which a motion may come nearer to what is too near already
+SLACK = 1e-6  # m; a turn on the spot leads not nearer
 TURN_COUNTS = 0.2  # m for each rad that a motion ends off the wanted heading
 REACTION = 0.35  # s until a command takes hold
 

@@ -62,6 +62,7 @@ class Formation:
         self._path = LeaderPath(PATH_LENGTH)
         self._echoes = EchoMemory(settings.passages)
         self._places: dict[tuple[str, frozenset[str]], dict[str, int]] = {}
+        self._heard: dict[tuple[str, int], float] = {}
         self._clear_since = math.inf
         self._told: list[str] = []
         self._check(shape)
@@ -114,7 +115,7 @@ class Formation:
             self._wait(f"{self.leader}, the leader, is silent")
             return FormationOrders(self._commanded(dict.fromkeys(self.members, REST)), told=tuple(self._told))
         self._path.add(leader.pose)
-        self._echoes.add(now, self._all_echoes(states), self._discs(states))
+        self._echoes.add(now, self._new_echoes(states), self._discs(states))
         self._judge_hearing(now, states)
         self._judge_width(now)
         points = self._points(leader, states, now)
@@ -163,15 +164,16 @@ class Formation:
     def _discs(self, states: Mapping[str, MemberState]) -> list[tuple[Pose2D, float]]:
         return [(state.pose, self.settings.radius(name)) for name, state in states.items()]
 
-    def _all_echoes(self, states: Mapping[str, MemberState]) -> list[Point]:
-        """Return what all members see now, in the common frame."""
-        reach = self.settings.passages.range_m
-        return [
-            state.pose.transform(*echo.point)
-            for state in states.values()
-            for echo in state.echoes
-            if echo.distance < reach
-        ]
+    def _new_echoes(self, states: Mapping[str, MemberState]) -> list[Point]:
+        """Return what members see for the first time, in the common frame."""
+        found = []
+        for name, state in states.items():
+            for echo in state.echoes:
+                is_new = self._heard.get((name, echo.number)) != echo.distance  # measured twice it would be another
+                self._heard[name, echo.number] = echo.distance
+                if is_new and echo.distance < self.settings.passages.range_m:
+                    found.append(state.pose.transform(*echo.point))
+        return found
 
     def _judge_hearing(self, now: float, states: Mapping[str, MemberState]) -> None:
         """Find out which members cannot be driven."""
@@ -222,7 +224,9 @@ class Formation:
                 member.busy_at = now
             elif now - member.busy_at > limits.stuck_s:
                 self._lose(member, "does not move")
-            if error > limits.lost_m and not member.trouble:
+            if error < limits.lost_m:
+                member.near_at = now
+            elif now - member.near_at > limits.stuck_s and not member.trouble:
                 self._lose(member, f"is {error:.1f} m from its place")
 
     def _lose(self, member: Member, why: str) -> None:

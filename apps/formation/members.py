@@ -55,11 +55,13 @@ class Member:
     """A follower.
 
     trouble: why it is not in the formation now, in words; empty for a member. refusal: why its gateway or agent does
-    not let it drive. busy_at: when it last moved, or had no reason to, s. command: its last twist.
+    not let it drive. busy_at: when it last moved, or had no reason to, s. near_at: when it was
+    last near its point, s. command: its last twist.
     """
 
     name: str
     trouble: str = ""
     refusal: str = ""
     busy_at: float = -math.inf
+    near_at: float = -math.inf
     command: Twist2D = REST
