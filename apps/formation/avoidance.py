@@ -15,6 +15,7 @@ TURNS = tuple(number / 4 for number in range(-4, 5))  # parts of the largest tur
 BACK = -0.2  # part of the largest speed for backing out
 SLACK = 1e-6  # m; a turn on the spot leads not nearer
 TURN_COUNTS = 0.2  # m for each rad that a motion ends off the wanted heading
+STANDS = 1e-6  # m of a motion on the spot
 REACTION = 0.35  # s until a command takes hold
 
 
@@ -36,6 +37,9 @@ def admissible_twist(
 ) -> Twist2D:
     """Return the wanted twist if it leads to no collision; else the nearest one that does not; else rest.
 
+    A robot that stands gives way to one that comes, if it can.
+
+
     Args:
         wanted: m/s and rad/s.
         echoes: Obstacles, m in base_link.
@@ -51,19 +55,20 @@ def admissible_twist(
     tried = [(wanted.linear, wanted.angular), *((wanted.linear * part, wanted.angular) for part in (0.6, 0.3))]
     tried += [(speed, part * most.angular) for speed in speeds for part in TURNS]
     twists = np.array(tried)
-    if wanted.linear >= 0.0 and not _is_crowded(echoes, others, radius, safety):
+    if not _is_crowded(echoes, others, radius, safety):
         twists = twists[: len(twists) - len(TURNS)]  # it backs out only when something is too near
     x, y, heading = _predicted(twists, safety.horizon_s)
     braking = REACTION + np.abs(twists[:, 0]) / (2 * safety.braking_m_s2)
     free = _free_of_echoes(x, y, braking, echoes, radius, safety)
     for other in others:
         free &= _free_of(other, x, y, braking, radius, safety)
-    free[np.all(twists == 0.0, axis=1)] = True
     if free[0]:
         return wanted
     off = np.hypot(x[:, -1] - x[0, -1], y[:, -1] - y[0, -1]) + TURN_COUNTS * np.abs(heading[:, -1] - heading[0, -1])
     off[~free] = np.inf
     best = int(np.argmin(off))
+    if not free[best]:
+        return Twist2D()
     return Twist2D(float(twists[best, 0]), float(twists[best, 1]))
 
 
@@ -83,7 +88,7 @@ def _free_of_echoes(
         return np.ones(len(x), bool)
     points = np.array(echoes)
     apart = np.hypot(x[:, :, None] - points[:, 0], y[:, :, None] - points[:, 1]) - radius
-    return _keeps(apart, braking, safety.obstacle_gap_m, safety.horizon_s)
+    return _keeps(apart, braking, safety.obstacle_gap_m, safety.obstacle_gap_m, safety.horizon_s)
 
 
 def _free_of(
@@ -94,21 +99,26 @@ def _free_of(
     c, s = math.cos(other.pose.heading), math.sin(other.pose.heading)
     apart = np.hypot(x - (other.pose.x + c * ox - s * oy), y - (other.pose.y + s * ox + c * oy))
     until = braking if other.gives_way else np.full(len(x), safety.horizon_s)
-    return _keeps((apart - radius - other.radius)[:, :, None], until, safety.robot_gap_m, safety.horizon_s)
+    hulls = (apart - radius - other.radius)[:, :, None]
+    stands = (np.abs(x[:, -1]) + np.abs(y[:, -1]) < STANDS)[:, None, None]
+    hulls = np.where(stands, hulls + safety.robot_gap_m - safety.stop_gap_m, hulls)  # it need not flee from the gap
+    return _keeps(hulls, until, safety.robot_gap_m, safety.stop_gap_m, safety.horizon_s)
 
 
-def _keeps(apart: np.ndarray, until: np.ndarray, gap: float, seconds: float) -> np.ndarray:
-    """Return which arcs keep a gap; from what is nearer already, they must not lead nearer.
+def _keeps(apart: np.ndarray, until: np.ndarray, gap: float, least: float, seconds: float) -> np.ndarray:
+    """Return which arcs keep a gap. From what is nearer already, they keep the least gap, or lead not nearer.
+
+    Without this, two robots that are a little too near each other would never move again.
 
     Args:
         apart: m between hulls, by arc, moment and obstacle.
         until: s for which each arc is looked at.
-        gap: m.
+        gap, least: m.
         seconds: Of the last moment.
     """
     times = np.linspace(0.0, seconds, STEPS + 1)
     now = apart[:, :1, :]
-    needed = np.where(now < gap, now - SLACK, gap)
+    needed = np.where(now < gap, np.minimum(now, least) - SLACK, gap)
     is_kept = apart[:, 1:, :] >= needed
     later = times[None, 1:] > np.maximum(until, times[1])[:, None]
     return np.asarray(np.all(is_kept | later[:, :, None], axis=(1, 2)))

@@ -128,7 +128,10 @@ class Formation:
         waits = self.settings.members.when_stopped == "wait" and lost
         self._wait(f"waiting for {lost[0].name}, which {lost[0].trouble}" if waits else "")
         drivers = [name for name in points if not waits or self.members[name].trouble]
-        twists = {name: self._twist(name, points[name][0], states, now) for name in drivers}
+        drivers.sort(key=lambda name: (bool(self.members[name].trouble), -points[name][1][0], name))
+        twists: dict[str, Twist2D] = {}
+        for name in drivers:  # who is in front goes first, and the others take account of that
+            twists[name] = self._twist(name, points[name][0], states, twists, now)
         return FormationOrders(
             self._commanded({name: twists.get(name, REST) for name in self.members}),
             {name: point.pose for name, (point, _) in points.items()},
@@ -266,8 +269,23 @@ class Formation:
             return path_point(self._path, leader.twist, offset, later)
         return frame_point(integrate(leader.pose, leader.twist, later), leader.twist, offset)
 
-    def _twist(self, name: str, point: VirtualPoint, states: Mapping[str, MemberState], now: float) -> Twist2D:
-        """Return the twist of a follower: towards its point, smooth, and without collision."""
+    def _twist(
+        self,
+        name: str,
+        point: VirtualPoint,
+        states: Mapping[str, MemberState],
+        decided: Mapping[str, Twist2D],
+        now: float,
+    ) -> Twist2D:
+        """Return the twist of a follower: towards its point, smooth, and without collision.
+
+        Args:
+            name: Of the follower.
+            point: Where it should be.
+            states: Of all robots.
+            decided: Twists of those that go before this one.
+            now: s.
+        """
         tuning, safety = self.settings.tracking, self.settings.safety
         robot = _predicted(states[name], now, self._lag)
         wanted = twist_towards(self._approach(point, robot.pose), robot.pose, tuning)
@@ -275,15 +293,14 @@ class Formation:
         change = tuning.acceleration_m_s2 * self.settings.period_s
         wanted = Twist2D(max(before - change, min(before + change, wanted.linear)), wanted.angular)
         others = []
-        order = [self.leader, *self.members]
         for other, state in states.items():
             if other != name:
                 is_still = self._is_silent(state, now)
                 seen = state if is_still else _predicted(state, now, self._lag)
-                yields = order.index(other) > order.index(name) and not self.members[other].trouble
-                twist = REST if is_still else seen.twist
+                gives_way = other != self.leader and other not in decided and not is_still
+                twist = REST if is_still else decided.get(other, seen.twist)
                 radius = self.settings.radius(other)
-                others.append(MovingDisc(seen.pose.relative_to(robot.pose), twist, radius, yields))
+                others.append(MovingDisc(seen.pose.relative_to(robot.pose), twist, radius, gives_way))
         echoes = [
             robot.pose.locate(x, y)
             for x, y in (states[name].pose.transform(*echo.point) for echo in states[name].echoes)

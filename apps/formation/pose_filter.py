@@ -1,8 +1,9 @@
 """Correction of shared poses: the robots hear each other by sonar, and that corrects the drift of their odometry.
 
 An extended Kalman filter for all robots together. Its state is, for each robot, the pose and how much the robot turns
-in excess of its odometry for each metre, which unequal wheels cause. Odometry predicts; each echo that another robot can
-have caused corrects. Only the poses of the robots to each other are corrected: nothing here knows where the room is.
+in excess of its odometry for each metre, which unequal wheels cause. Odometry predicts; each echo that another robot
+can have caused corrects. Only the poses of the robots to each other are corrected: nothing here knows where the room
+is.
 """
 
 import math

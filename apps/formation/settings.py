@@ -64,6 +64,7 @@ class Safety:
     radius_m: float
     radii_m: Mapping[str, float]
     robot_gap_m: float
+    stop_gap_m: float
     obstacle_gap_m: float
     horizon_s: float
     braking_m_s2: float
