@@ -35,6 +35,7 @@ GROUPS = {
     "navigation_latency": "from a scan or sonar message to the fused command, all components in processes of their own",
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
+    "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "recovery": "how soon a gateway is received again after it or its subscriber was frozen",

@@ -24,7 +24,7 @@ CONNECTING = 2.0  # s in which drivers connect and sensors are heard
 SONAR_MEMORY = 1.0  # s, as the sonar agent's
 MODEL = "p3dx-sh"
 Drive = Callable[[float, Pose2D], Twist2D | None]
-"""From s and the leader's pose by odometry to its velocity; None at the end."""
+"""From s and the leader's true pose to its velocity, as by a person who sees where it drives; None at the end."""
 
 
 class FormationCourse(Closeable):
@@ -92,7 +92,7 @@ class FormationCourse(Closeable):
             states = self._filter.update(states)
         orders = self.formation.step(self.time, states)
         self.track.told += [f"{self.time:.1f} s: {each}" for each in orders.told]
-        driven = self.drive(self.time, states[self.leader].pose) if self.leader in states else Twist2D()
+        driven = self.drive(self.time, self.lockstep.truth(self.leader))
         self._command(self.leader, driven or Twist2D())
         for name, each in orders.twists.items():
             self._command(name, each)
@@ -179,7 +179,7 @@ class _BusPoses:
 
 
 def figure_of_eight(size: float, speed: float, turns: float = 1.0) -> tuple[Pose2D, Drive]:
-    """Return the start of a lemniscate of Bernoulli, and how a robot drives along it by its odometry.
+    """Return the start of a lemniscate of Bernoulli, and how a robot is driven along it.
 
     Args:
         size: m from its middle to an end; the radius of the ends is a third of that.
@@ -193,7 +193,7 @@ def figure_of_eight(size: float, speed: float, turns: float = 1.0) -> tuple[Pose
 
 
 def follow_line(line: Sequence[Point], speed: float, ahead: float = 0.35) -> Drive:
-    """Return how a robot drives along a line by pure pursuit.
+    """Return how a robot is driven along a line by pure pursuit.
 
     Args:
         line: Points in the frame of the poses, m, not far apart.

@@ -12,7 +12,7 @@ from geometry import Polygon
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST = 400  # points of a curve
+MOST = 250  # points of a curve
 MOMENTS = 8  # at which the formation is drawn as a polygon
 COLOURS = ("#3d4248", "#1f77b4", "#d9730d", "#2a9d4a", "#9467bd", "#c2409a", "#0f9aa8", "#8c6239")
 

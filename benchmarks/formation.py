@@ -1,0 +1,241 @@
+"""Formations of three and more robots in lockstep; writes formation.md and pictures."""
+
+import argparse
+import math
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from apps.formation.plots import draw_formation
+from apps.formation.settings import FormationSettings
+from apps.formation.shapes import COLUMN, shape_offsets
+from benchmarks.figures import Figure
+from benchmarks.formation_course import FormationCourse, figure_of_eight, follow_line, straight
+from geometry import Pose2D, Twist2D
+from p2os_emu.world import Block, load_world
+
+NAMES = ("happy", "doc", "grumpy", "sleepy", "dopey")
+SEEDS = range(11, 21)  # settings were tuned on seeds 1 to 3
+FEW = range(11, 16)
+SPEED = 0.25  # m/s of the leader
+EIGHT = 4.5  # m from the middle of the figure of eight to an end; its ends have a radius of 1.5 m
+CHANGES = ("line", COLUMN, "wedge", "line", "triangle", COLUMN, "triangle")
+CHANGE_TIME = 20.0  # s between two changes of the shape
+FORMED, FORMED_FOR = 0.15, 1.0  # m from the points within which all followers are for so many s: it is formed
+OFFICE = ((4.5, 6.1), (10.0, 6.1), (10.0, 2.8), (6.4, 2.8), (6.4, 6.1), (9.0, 6.1))
+DOORS = ((10.0, 5.0), (6.4, 5.0))  # middles of the doors that the way leads through
+GONE, BACK = 20.0, 35.0  # s at which a member falls silent, and is heard again
+
+
+@dataclass(frozen=True, slots=True)
+class FormationScore:
+    """One drive in figures.
+
+    off: mean distance from the virtual points; off_path: from those along the leader's path, m. worst: largest distance
+    of a follower. nearest: between two axles, m. touched: what was touched. formed_after: s for each change.
+    """
+
+    course: str
+    seed: int
+    off: float
+    off_path: float
+    worst: float
+    nearest: float
+    touched: tuple[str, ...]
+    formed_after: tuple[float, ...] = ()
+    told: tuple[str, ...] = ()
+
+
+def measure(options: argparse.Namespace) -> list[Figure]:
+    """Drive all courses and judge them by the truth."""
+    options.out.mkdir(parents=True, exist_ok=True)
+    settings = FormationSettings.load()
+    path = replace(settings, points=replace(settings.points, follow="path"))
+    blind = replace(settings, poses=replace(settings.poses, correct=False))
+    scores = [eight("eight", seed, settings, options.out) for seed in SEEDS]
+    scores += [eight("eight, points along the path", seed, path) for seed in FEW]
+    scores += [eight("eight, odometry alone", seed, blind) for seed in FEW]
+    scores += [
+        square(name, seed, each) for seed in FEW for name, each in (("square", settings), ("square, path", path))
+    ]
+    scores += [
+        changes(f"{count + 1} robots change", count, seed, settings, options.out) for count in (2, 3, 4) for seed in FEW
+    ]
+    scores += [office("office", seed, settings, options.out) for seed in FEW]
+    scores += [lost("lost member", seed, settings, options.out) for seed in FEW]
+    (options.out / "formation.md").write_text(page(scores), encoding="utf-8")
+    of = {name: [score for score in scores if score.course == name] for name in {score.course for score in scores}}
+    three = [time for score in of["3 robots change"] for time in score.formed_after]
+    back = [time for score in of["lost member"] for time in score.formed_after]
+    doors = [time for score in of["office"] for time in score.formed_after]
+    return [
+        _figure("triangle on a figure of eight, mean", statistics.fmean(s.off for s in of["eight"]), 0.10, "m", 10),
+        _figure("the same, worst seed", max(s.off for s in of["eight"]), 0.10, "m", 10),
+        _figure("three robots re-formed after a change, worst", max(three), 10.0, "s", len(three)),
+        _figure("office: followers off the leader's path in doors, worst", max(doors), 0.15, "m", len(doors)),
+        _figure("gap closed, and place regained, worst", max(back), 10.0, "s", len(back)),
+        _figure("drives in which anything was touched", sum(bool(s.touched) for s in scores), 0.0, "", len(scores)),
+    ]
+
+
+def eight(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+    """Drive a triangle of three along a figure of eight."""
+    start, drive = figure_of_eight(EIGHT, SPEED)
+    with FormationCourse(
+        load_world("empty"), placed(start, "triangle", 2, settings), "triangle", settings, seed=seed, drive=drive
+    ) as course:
+        course.run(200.0)
+        _draw(course, name, seed, out, "triangle on a figure of eight at 0.25 m/s")
+        return _score(course, name, seed)
+
+
+def square(name: str, seed: int, settings: FormationSettings) -> FormationScore:
+    """Drive a triangle of three along a square, whose corners the leader takes in a curve of 0.3 m."""
+    line = straight((0, 0), (4, 0), (4, 4), (0, 4), (0, 0))
+    starts = placed(Pose2D(), "triangle", 2, settings)
+    with FormationCourse(
+        load_world("empty"), starts, "triangle", settings, seed=seed, drive=follow_line(line, SPEED)
+    ) as course:
+        course.run(90.0)
+        return _score(course, name, seed)
+
+
+def changes(name: str, count: int, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+    """Change the shape again and again behind a leader that drives straight on."""
+    starts = placed(Pose2D(), "triangle", count, settings)
+    drive = follow_line(straight((0, 0), (60, 0)), SPEED)
+    with FormationCourse(load_world("empty"), starts, "triangle", settings, seed=seed, drive=drive) as course:
+        course.run(5.0)
+        times = []
+        for shape in CHANGES:
+            course.formation.set_shape(shape)
+            begun = course.time
+            course.run(CHANGE_TIME)
+            times.append(formed_after(course, begun))
+        _draw(course, name, seed, out, f"triangle, {', '.join(CHANGES)}")
+        return _score(course, name, seed, times)
+
+
+def office(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+    """Drive through two doors of the office; `formed_after` has the distances from the leader's path in doors, m."""
+    starts = placed(Pose2D(*OFFICE[0]), "triangle", 2, settings)
+    drive = follow_line(straight(*OFFICE), SPEED)
+    with FormationCourse(load_world("office"), starts, "triangle", settings, seed=seed, drive=drive) as course:
+        course.run(200.0)
+        course.drive = lambda now, pose: Twist2D()
+        course.run(12.0)
+        world = load_world("office")
+        _draw(course, name, seed, out, "triangle through the doors of the office", [*world.walls, *world.furniture])
+        return _score(course, name, seed, _beside_doors(course))
+
+
+def lost(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+    """Let a member of a column of four fall silent, and return; times until the gap is closed, and all have places."""
+    starts = placed(Pose2D(), "wedge", 3, settings)
+    drive = follow_line(straight((0, 0), (60, 0)), 0.15)
+    with FormationCourse(load_world("empty"), starts, "wedge", settings, seed=seed, drive=drive) as course:
+        course.run(GONE)
+        gone = course.time
+        course.muted.add(NAMES[1])
+        course.run(BACK - GONE)
+        closed = formed_after(course, gone)
+        course.muted.clear()
+        course.run(30.0)
+        back = next((t for t, told in _told(course) if "is back" in told), math.inf)
+        times = closed, formed_after(course, back) if math.isfinite(back) else math.inf
+        _draw(course, name, seed, out, f"{NAMES[1]} is silent for {BACK - GONE:.0f} s")
+        return _score(course, name, seed, times)
+
+
+def placed(start: Pose2D, shape: str, count: int, settings: FormationSettings) -> dict[str, Pose2D]:
+    """Return a leader at a start and followers in their places."""
+    offsets = shape_offsets(shape, count, settings.points.spacing_m, settings.safety.radius_m)
+    places = [Pose2D(*start.transform(*offset), start.heading) for offset in offsets]
+    return dict(zip(NAMES, [start, *places], strict=False))
+
+
+def formed_after(course: FormationCourse, begun: float) -> float:
+    """Return the s from a time until all members have been in their places for a second; infinite if never.
+
+    The place in a column is the one along the leader's path.
+    """
+    record = course.along_path if course.formation.formed == COLUMN else course.track
+    errors = [record.errors(name) for name in course.formation.members]
+    needed = round(FORMED_FOR / course.settings.period_s)
+    since = 0
+    for moment, time in enumerate(record.times):
+        known = [each[moment] for each in errors if not math.isnan(each[moment])]
+        since = since + 1 if time >= begun and known and max(known) < FORMED else 0
+        if since >= needed:
+            return time - begun - FORMED_FOR + course.settings.period_s
+    return math.inf
+
+
+def page(scores: Sequence[FormationScore]) -> str:
+    """Return a table of all drives."""
+    rows = [
+        f"| {s.course} | {s.seed} | {100 * s.off:.1f} | {100 * s.off_path:.1f} | {100 * s.worst:.0f} | {s.nearest:.2f} "
+        f"| {', '.join(f'{each:.2f}' for each in s.formed_after)} | {'; '.join(s.touched) or 'nothing'} |"
+        for s in scores
+    ]
+    head = (
+        "| course | seed | mean off, cm | mean off along the path, cm | worst, cm | nearest axles, m | s (office: m) "
+        "| touched |\n|---|---|---|---|---|---|---|---|\n"
+    )
+    told = [f"{s.course}, seed {s.seed}: {each}" for s in scores for each in s.told]
+    return "# Formations\n\n" + head + "\n".join(rows) + "\n\n" + "\n".join(f"- {each}" for each in told) + "\n"
+
+
+def _score(course: FormationCourse, name: str, seed: int, times: Sequence[float] = ()) -> FormationScore:
+    followers = list(course.formation.members)
+    off = [error for each in followers for error in course.track.errors(each) if not math.isnan(error)]
+    along = [error for each in followers for error in course.along_path.errors(each) if not math.isnan(error)]
+    poses = [[pose for pose in each if pose] for each in course.track.poses.values()]
+    nearest = min(
+        math.dist((a.x, a.y), (b.x, b.y))
+        for number, first in enumerate(poses)
+        for second in poses[:number]
+        for a, b in zip(first, second, strict=True)
+    )
+    return FormationScore(
+        name,
+        seed,
+        statistics.fmean(off),
+        statistics.fmean(along),
+        max(off),
+        nearest,
+        tuple(course.touches()),
+        tuple(times),
+        tuple(course.track.told),
+    )
+
+
+def _beside_doors(course: FormationCourse) -> list[float]:
+    """Return how far off the leader's path each follower was in the middle of each door, m."""
+    found = []
+    leader = [pose for pose in course.track.poses[course.leader] if pose]
+    for name in course.formation.members:
+        poses = [pose for pose in course.track.poses[name] if pose]
+        for door in DOORS:
+            at = min(poses, key=lambda pose: math.dist((pose.x, pose.y), door))
+            found.append(min(math.dist((at.x, at.y), (pose.x, pose.y)) for pose in leader))
+    return found
+
+
+def _told(course: FormationCourse) -> list[tuple[float, str]]:
+    return [(float(told.partition(" s: ")[0]), told) for told in course.track.told]
+
+
+def _draw(
+    course: FormationCourse, name: str, seed: int, out: Path | None, title: str, blocks: Sequence[Block] = ()
+) -> None:
+    """Draw the drive of the first seed."""
+    if out is not None and seed == SEEDS[0]:
+        walls = [each.footprint for each in blocks]
+        file = out / f"formation-{name.replace(' ', '-')}.svg"
+        draw_formation(file, course.track, f"{title}, seed {seed}", walls)
+
+
+def _figure(name: str, value: float, reach: float, unit: str, samples: int) -> Figure:
+    return Figure("formation", name, float(value), reach, unit, samples)
