@@ -15,6 +15,9 @@ TURNS = tuple(number / 4 for number in range(-4, 5))  # parts of the largest tur
 BACK = -0.2  # part of the largest speed for backing out
 SLACK = 1e-6  # m; a turn on the spot leads not nearer
 TURN_COUNTS = 0.2  # m for each rad that a motion ends off the wanted heading
+CREEPS = 0.03  # m/s; a slower motion leads nowhere
+PASSES = 0.5  # m that must be free in a direction to pass an obstacle
+DIRECTIONS = (0.35, -0.35, 0.7, -0.7, 1.05, -1.05, 1.4, -1.4, 1.75, -1.75)  # rad, in which a way past is looked for
 STANDS = 1e-6  # m of a motion on the spot
 REACTION = 0.35  # s until a command takes hold
 
@@ -69,7 +72,31 @@ def admissible_twist(
     best = int(np.argmin(off))
     if not free[best]:
         return Twist2D()
+    if twists[best, 0] < CREEPS < wanted.linear:
+        return Twist2D(0.0, _turn_to_pass(echoes, others, radius, safety, most.angular))
     return Twist2D(float(twists[best, 0]), float(twists[best, 1]))
+
+
+def _turn_to_pass(
+    echoes: Sequence[Point], others: Sequence[MovingDisc], radius: float, safety: Safety, turn: float
+) -> float:
+    """Return the turn on the spot to the nearest direction in which the way is free, rad/s; 0 for none.
+
+    It passes what stands. For robots that move, it waits.
+    """
+    standing = [(*echo, radius + safety.obstacle_gap_m) for echo in echoes]
+    for other in others:
+        if abs(other.twist.linear) > CREEPS:
+            return 0.0
+        standing.append((other.pose.x, other.pose.y, radius + other.radius + safety.stop_gap_m))
+    discs = np.array(standing)
+    ways = np.linspace(0.1, PASSES, 6)
+    now = np.hypot(discs[:, 0], discs[:, 1])
+    for angle in DIRECTIONS:
+        apart = np.hypot(discs[:, 0] - ways[:, None] * math.cos(angle), discs[:, 1] - ways[:, None] * math.sin(angle))
+        if np.all(apart >= np.minimum(discs[:, 2], now)):
+            return math.copysign(turn / 2, angle)
+    return 0.0
 
 
 def _predicted(twists: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -291,7 +291,8 @@ class Formation:
         wanted = twist_towards(self._approach(point, robot.pose), robot.pose, tuning)
         before = self.members[name].command.linear
         change = tuning.acceleration_m_s2 * self.settings.period_s
-        wanted = Twist2D(max(before - change, min(before + change, wanted.linear)), wanted.angular)
+        if abs(wanted.linear) > abs(before) or wanted.linear * before < 0.0:  # it brakes as the robot can
+            wanted = Twist2D(max(before - change, min(before + change, wanted.linear)), wanted.angular)
         others = []
         for other, state in states.items():
             if other != name:

@@ -9,6 +9,7 @@ from geometry import Point, Pose2D, Twist2D, wrap_angle
 
 SLOW = 0.02  # m/s; a slower point has no direction of its own
 NEAR = 0.4  # m from the point in which a robot backs up instead of turning round
+ALIGNED = math.pi / 3  # rad to the heading of a moving point in which it does
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +79,8 @@ def twist_towards(point: VirtualPoint, robot: Pose2D, tuning: Tracking) -> Twist
         off = wrap_angle(point.pose.heading - robot.heading)
         return Twist2D(0.0, _limited(tuning.turn_gain * off, tuning.turn_rad_s))
     off = wrap_angle(math.atan2(vy, vx) - robot.heading)
-    if abs(off) > math.pi / 2 and distance < NEAR:
+    is_aligned = not moves or abs(wrap_angle(point.pose.heading - robot.heading)) < ALIGNED
+    if abs(off) > math.pi / 2 and distance < NEAR and is_aligned:
         off, speed = wrap_angle(off + math.pi), -speed
     along = speed * math.cos(off) if abs(off) < math.pi / 2 else 0.0
     turning = point.twist.angular if moves else 0.0
