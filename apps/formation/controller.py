@@ -21,6 +21,7 @@ PATH_LENGTH = 30.0  # m of the leader's path that is remembered
 AHEAD = 0.6  # m along the leader's path of the point to which a follower drives that is far behind
 ROLLS, TURNS = 0.02, 0.08  # m/s and rad/s; what is slower stands
 HAS_WAY = 0.15  # m from its point from which a follower is expected to move
+STUCK, ON_ITS_WAY = "does not move", "is on its way back"
 BACK_AFTER = 1.0  # s for which a follower that was stuck has to move
 
 
@@ -185,8 +186,8 @@ class Formation:
                 self._lose(member, "is silent")
             elif member.refusal:
                 self._lose(member, f"refuses to drive: {member.refusal}")
-            elif member.trouble and not member.trouble.startswith(("is on", "does not")):
-                member.trouble = "is on its way back"
+            elif member.trouble and member.trouble != STUCK:
+                member.trouble = ON_ITS_WAY
 
     def _judge_width(self, now: float) -> None:
         """Form a column where the shape has no room, and the shape again after that."""
@@ -214,23 +215,36 @@ class Formation:
             member, twist = self.members[name], states[name].twist
             moves = abs(twist.linear) > ROLLS or abs(twist.angular) > TURNS
             if member.trouble:
-                was_stuck = member.trouble.startswith("does not")
-                if not moves:
-                    member.busy_at = now if not was_stuck else math.inf
-                elif was_stuck:
-                    member.busy_at = min(member.busy_at, now)
-                has_moved = not was_stuck or (moves and now - member.busy_at >= BACK_AFTER)
-                if error < limits.back_m and has_moved and not member.refusal:
-                    member.trouble, member.busy_at = "", now
+                if self._is_back(member, moves, error, now):
                     self._told.append(f"{name} is back")
-            elif moves or error < HAS_WAY or self.waits_for:
+                    member.trouble, member.busy_at, member.near_at = "", now, now
+                    self._forget_columns()
+                continue
+            is_new = member.busy_at == -math.inf
+            if is_new or moves or error < HAS_WAY or self.waits_for:
                 member.busy_at = now
-            elif now - member.busy_at > limits.stuck_s:
-                self._lose(member, "does not move")
-            if error < limits.lost_m:
+            if is_new or error < limits.lost_m:
                 member.near_at = now
-            elif now - member.near_at > limits.stuck_s and not member.trouble:
+            if now - member.busy_at > limits.stuck_s:
+                self._lose(member, STUCK)
+                member.busy_at = math.inf
+            elif now - member.near_at > limits.stuck_s:
                 self._lose(member, f"is {error:.1f} m from its place")
+
+    def _is_back(self, member: Member, moves: bool, error: float, now: float) -> bool:
+        """Return whether a lost follower is a member again: near its place, and driving if it was stuck."""
+        if member.refusal:
+            return False
+        if member.trouble == STUCK:
+            member.busy_at = min(member.busy_at, now) if moves else math.inf
+            if now - member.busy_at < BACK_AFTER:
+                return False
+            member.trouble = ON_ITS_WAY
+        return self.settings.members.when_stopped == "wait" or error < self.settings.members.back_m
+
+    def _forget_columns(self) -> None:
+        """Let a column be assigned anew, since robots in it cannot overtake each other to regain their places."""
+        self._places = {key: places for key, places in self._places.items() if key[0] != COLUMN}
 
     def _lose(self, member: Member, why: str) -> None:
         if not member.trouble:
@@ -256,7 +270,8 @@ class Formation:
         offsets = self._offsets(self.formed, len(names)) if names else ()
         points = [self._point(leader, offset, now) for offset in offsets]
         key = self.formed, frozenset(names)
-        if key not in self._places:
+        is_would_be = any(self.members[name].trouble for name in names)
+        if key not in self._places or (is_would_be and self.formed == COLUMN):
             self._places[key] = assign(
                 {name: _xy(states[name].pose) for name in names}, [_xy(point.pose) for point in points]
             )

@@ -12,7 +12,8 @@ from geometry import Point, Pose2D
 
 ROBOT_BLUR = 0.3  # m round a robot in which an echo is taken for the robot: half the width of a sonar cone at 1.1 m
 TOGETHER = 0.2  # m; echoes so near to each other support each other
-MOST = 2000  # echoes
+MOST = 1500  # echoes that are remembered
+LATEST = 200  # echoes that are compared with each other
 
 
 class EchoMemory:
@@ -61,9 +62,9 @@ class EchoMemory:
             return False
         backs, lefts = path.locate(points, self._settings.ahead_m, behind)
         is_beside = (backs > -self._settings.ahead_m) & (np.abs(lefts) < outermost)
-        points, backs, lefts = points[is_beside], backs[is_beside], lefts[is_beside]
-        support = np.hypot(points[:, None, 0] - points[:, 0], points[:, None, 1] - points[:, 1]) < TOGETHER
-        is_solid = support.sum(axis=1) >= self._settings.echoes
-        return any(
-            bool(np.any(is_solid & (backs < -ahead + radius) & (np.abs(lefts - left) < reach))) for ahead, left in wide
-        )
+        is_in_lane = np.zeros(len(points), bool)
+        for ahead, left in wide:
+            is_in_lane |= is_beside & (backs < -ahead + radius) & (np.abs(lefts - left) < reach)
+        suspects, others = points[is_in_lane][-LATEST:], points[is_beside][-LATEST:]
+        support = np.hypot(suspects[:, None, 0] - others[:, 0], suspects[:, None, 1] - others[:, 1]) < TOGETHER
+        return bool(np.any(support.sum(axis=1) >= self._settings.echoes))
