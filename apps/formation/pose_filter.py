@@ -99,7 +99,7 @@ class PoseFilter:
         """Use an echo, if another robot can have caused it."""
         if echo.distance > self._settings.range_m:
             return
-        expected = [(self._ranges(name, other, echo), other) for other in states if other != name]
+        expected = [(self.expected_ranges(name, other, echo), other) for other in states if other != name]
         if not expected:
             return
         ranges, other = min(expected, key=lambda row: float(row[0][0]))
@@ -119,10 +119,12 @@ class PoseFilter:
         self._covariance -= np.outer(gain, gain) / variance
         self._covariance = (self._covariance + self._covariance.T) / 2
 
-    def _ranges(self, name: str, other: str, echo: RangeEcho) -> np.ndarray:
-        """Return the range to another robot, and that after a small change of each pose number of both; m.
+    def expected_ranges(self, name: str, other: str, echo: RangeEcho) -> np.ndarray:
+        """Return the range of a sensor of one robot to another robot, that is a box.
 
-        The other robot is a box. A surface that is met at a slant sends no echo back.
+        Returns:
+            Seven ranges, m: as the poses are; after `SMALL` is added to x, y and heading of the one; and of the other.
+            Infinite where the cone does not meet the box, or only so much at a slant that no echo comes back.
         """
         poses = np.tile(np.concatenate([self._mean[self._part(name)][:3], self._mean[self._part(other)][:3]]), (7, 1))
         poses[1:, :] += SMALL * np.eye(6)
