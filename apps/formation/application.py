@@ -112,6 +112,10 @@ def _keep(
         if settings.poses.correct:
             states = corrected.update(states)
         orders = _running.orders = formation.step(now, states)
+        if poses.has_leapt(formation.leader):
+            raise RobotError(
+                f"the odometry of {formation.leader} has jumped, as when its gateway starts again; give new starts"
+            )
         for name, twist in orders.twists.items():
             formation.refused(name, poses.drive(name, twist))
         for told in orders.told:

@@ -12,6 +12,8 @@ from apps.formation.members import MemberState, RangeEcho
 from configs.team_file import read_team
 from geometry import Pose2D, Twist2D
 
+FASTEST = 3.0  # m/s; no robot here is faster
+LEAP = 0.3  # m beyond that by which odometry moves only when a gateway has started again, with a new origin
 ANSWER_TIME = 1.0  # s for a reading or a command; the other robots do not wait for it
 
 
@@ -53,7 +55,7 @@ def _pose(name: object, row: object) -> Pose2D:
 
 @dataclass(slots=True)
 class _Shared:
-    """What a robot has answered. busy: requests under way, by kind."""
+    """What a robot has answered. busy: requests under way, by kind. refusal: why it cannot be driven, in words."""
 
     robot: Robot
     start: Pose2D
@@ -61,7 +63,16 @@ class _Shared:
     stamp: float = math.nan
     state: MemberState | None = None
     echoes: tuple[RangeEcho, ...] = ()
+    refusal: str = ""
+    has_leapt: bool = False
     busy: "dict[str, Future[Any]]" = field(default_factory=dict)
+
+
+def _leaps(before: MemberState | None, after: MemberState) -> bool:
+    if before is None:
+        return False
+    way = math.dist((before.pose.x, before.pose.y), (after.pose.x, after.pose.y))
+    return way > LEAP + FASTEST * (after.heard - before.heard)
 
 
 class SharedPoses:
@@ -103,14 +114,23 @@ class SharedPoses:
         return states
 
     def drive(self, name: str, twist: Twist2D) -> str:
-        """Drive a robot; returns why the call before was refused, in words, or nothing."""
+        """Drive a robot, unless it is lost; returns why it cannot be driven, in words, or nothing."""
         shared = self._shared[name]
         before = shared.busy.get("drive")
         if before is not None and not before.done():
-            return ""
+            return shared.refusal
+        if before is not None:
+            error = before.exception()
+            shared.refusal = str(error) if isinstance(error, RobotError) else ""
+        if shared.has_leapt:
+            twist = Twist2D()
+            shared.refusal = "its odometry has jumped, as when a gateway starts again; start anew with new starts"
         shared.busy["drive"] = self._pool.submit(shared.robot.base.drive, twist.linear, twist.angular)
-        error = before.exception() if before is not None else None
-        return str(error) if isinstance(error, RobotError) else ""
+        return shared.refusal
+
+    def has_leapt(self, name: str) -> bool:
+        """Return whether the odometry of a robot has jumped, so that nobody knows any more where it is."""
+        return self._shared[name].has_leapt
 
     def close(self) -> None:
         """Begin no more requests."""
@@ -134,7 +154,9 @@ class SharedPoses:
                 stamp, pose, twist = odometry.result()
                 if stamp != shared.stamp:  # the same reading again is no sign of life
                     shared.stamp = stamp
-                    shared.state = MemberState(shared.start.compose(pose), twist, now, shared.echoes)
+                    state = MemberState(shared.start.compose(pose), twist, now, shared.echoes)
+                    shared.has_leapt = shared.has_leapt or _leaps(shared.state, state)
+                    shared.state = state if not shared.has_leapt else shared.state
 
     @staticmethod
     def _ask_odometry(shared: _Shared) -> tuple[float, Pose2D, Twist2D]:
