@@ -16,8 +16,8 @@ WAIT = replace(SETTINGS, members=replace(SETTINGS.members, when_stopped="wait"))
 @pytest.mark.parametrize("shape", SHAPES)
 def test_every_shape_is_formed_and_kept(shape: str) -> None:
     toy = Toy(3, shape)
-    toy.run(12.0)
-    toy.run(5.0, Twist2D(0.2, 0.1))
+    toy.run(9.0)
+    toy.run(3.0, Twist2D(0.2, 0.1))
     assert toy.off() < 0.06
     assert toy.told == []
 
@@ -72,7 +72,7 @@ def test_a_lost_member_closes_the_gap_and_regains_its_place() -> None:
     assert sorted(y for _, y in toy.orders.offsets.values()) == [-1.0, 1.0]
     toy.silent.clear()
     toy.frozen.clear()
-    toy.run(25.0, Twist2D(0.1, 0.0))
+    toy.run(18.0, Twist2D(0.1, 0.0))
     assert dict(toy.orders.offsets) == before
     assert toy.off() < 0.06
     assert toy.told == [f"{lost} is silent; the others close the gap", f"{lost} is back"]

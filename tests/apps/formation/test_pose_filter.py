@@ -58,13 +58,13 @@ def ranged(world: PoseFilter, name: str, number: int, rng: Random, wall: float |
 
 
 def test_echoes_of_the_other_robot_correct_the_drift() -> None:
-    alone, corrected = drive(60.0)
-    assert alone > 0.15
+    alone, corrected = drive(40.0)
+    assert alone > 0.1
     assert corrected < 0.05
 
 
 def test_echoes_of_a_wall_do_no_harm() -> None:
-    _, corrected = drive(30.0, wall=1.8)
+    _, corrected = drive(20.0, wall=1.8)
     assert corrected < 0.06
 
 
