@@ -161,7 +161,7 @@ def formed_after(course: FormationCourse, begun: float) -> float:
     The place in a column is the one along the leader's path.
     """
     record = course.along_path if course.formation.formed == COLUMN else course.track
-    errors = [record.errors(name) for name in course.formation.members]
+    errors = [record.errors(name) for name in course.formation.members.followers]
     needed = round(FORMED_FOR / course.settings.period_s)
     since = 0
     for moment, time in enumerate(record.times):
@@ -188,7 +188,7 @@ def page(scores: Sequence[FormationScore]) -> str:
 
 
 def _score(course: FormationCourse, name: str, seed: int, times: Sequence[float] = ()) -> FormationScore:
-    followers = list(course.formation.members)
+    followers = list(course.formation.members.followers)
     off = [error for each in followers for error in course.track.errors(each) if not math.isnan(error)]
     along = [error for each in followers for error in course.along_path.errors(each) if not math.isnan(error)]
     poses = [[pose for pose in each if pose] for each in course.track.poses.values()]
@@ -215,7 +215,7 @@ def _beside_doors(course: FormationCourse) -> list[float]:
     """Return how far off the leader's path each follower was in the middle of each door, m."""
     found = []
     leader = [pose for pose in course.track.poses[course.leader] if pose]
-    for name in course.formation.members:
+    for name in course.formation.members.followers:
         poses = [pose for pose in course.track.poses[name] if pose]
         for door in DOORS:
             at = min(poses, key=lambda pose: math.dist((pose.x, pose.y), door))

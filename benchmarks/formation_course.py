@@ -119,7 +119,7 @@ class FormationCourse(Closeable):
         poses = {name: self.lockstep.truth(name) for name in self.starts}
         leader = poses[self.leader]
         self._true_path.add(leader)
-        rigid: dict[str, Point | None] = dict.fromkeys(self.formation.members)
+        rigid: dict[str, Point | None] = dict.fromkeys(self.formation.members.followers)
         along = dict(rigid)
         for name, offset in offsets.items():
             rigid[name] = leader.transform(*offset)

@@ -106,7 +106,7 @@ def _keep(
     settings = formation.settings
     corrected = PoseFilter(settings.poses)
     next_report, arrived = settings.report_s, math.inf
-    _tell(record, 0.0, f"{formation.leader} leads {', '.join(formation.members)}: {formation.shape}")
+    _tell(record, 0.0, f"{formation.leader} leads {', '.join(formation.members.followers)}: {formation.shape}")
     for now in team.every(settings.period_s):
         states: Mapping[str, MemberState] = poses.read(now)
         if settings.poses.correct:
@@ -121,9 +121,12 @@ def _keep(
         for told in orders.told:
             _tell(record, now, told)
         places = {
-            name: states[name].pose if name in states else None for name in (formation.leader, *formation.members)
+            name: states[name].pose if name in states else None
+            for name in (formation.leader, *formation.members.followers)
         }
-        points = {name: (at.x, at.y) if (at := orders.points.get(name)) else None for name in formation.members}
+        points = {
+            name: (at.x, at.y) if (at := orders.points.get(name)) else None for name in formation.members.followers
+        }
         record.add(now, places, points)
         if now >= next_report:
             next_report += settings.report_s
@@ -139,7 +142,7 @@ def _led(course: Follower, pose: Pose2D, formation: Formation, orders: Formation
     """Return the twist of a leader that the application drives; it does not leave its followers behind."""
     if formation.waits_for:
         return Twist2D()
-    worst = max((orders.errors[name] for name in formation.active if name in orders.errors), default=0.0)
+    worst = max((orders.errors[name] for name in formation.members.active if name in orders.errors), default=0.0)
     share = max(0.0, min(1.0, (STAND_FROM - worst) / (STAND_FROM - SLOW_FROM)))
     twist = course.steer(pose)
     cruise = formation.settings.tracking.speed_m_s / 2  # followers on the outer side of a curve drive faster
@@ -147,8 +150,8 @@ def _led(course: Follower, pose: Pose2D, formation: Formation, orders: Formation
 
 
 def _progress(formation: Formation, orders: FormationOrders) -> str:
-    offs = [f"{name} {100 * error:.0f} cm" for name, error in orders.errors.items() if name in formation.active]
-    lost = [f"{name} {member.trouble}" for name, member in formation.members.items() if member.trouble]
+    offs = [f"{name} {100 * error:.0f} cm" for name, error in orders.errors.items() if name in formation.members.active]
+    lost = [f"{name} {member.trouble}" for name, member in formation.members.followers.items() if member.trouble]
     return "; ".join([f"{formation.formed}: {', '.join(offs) or 'nobody'} from their points", *lost])
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from apps.formation.assignment import assign
 from apps.formation.avoidance import MovingDisc, admissible_twist
-from apps.formation.members import REST, Member, MemberState
+from apps.formation.members import REST, MemberState
+from apps.formation.membership import Membership
 from apps.formation.passages import EchoMemory
 from apps.formation.path import LeaderPath
 from apps.formation.settings import FormationSettings
@@ -19,10 +20,6 @@ from geometry import Point, Pose2D, Twist2D, integrate
 
 PATH_LENGTH = 30.0  # m of the leader's path that is remembered
 AHEAD = 0.6  # m along the leader's path of the point to which a follower drives that is far behind
-ROLLS, TURNS = 0.02, 0.08  # m/s and rad/s; what is slower stands
-HAS_WAY = 0.15  # m from its point from which a follower is expected to move
-STUCK, ON_ITS_WAY = "does not move", "is on its way back"
-BACK_AFTER = 1.0  # s for which a follower that was stuck has to move
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +53,7 @@ class Formation:
         """
         self.leader = leader
         self.settings = settings
-        self.members = {name: Member(name) for name in followers}
+        self.members = Membership(followers, settings)
         self.is_narrow = False
         self.waits_for = ""
         self.shape = shape
@@ -65,18 +62,12 @@ class Formation:
         self._places: dict[tuple[str, frozenset[str]], dict[str, int]] = {}
         self._heard: dict[tuple[str, int], float] = {}
         self._clear_since = math.inf
-        self._told: list[str] = []
-        self._check(shape)
+        self._offsets = {COLUMN: self._offsets_for(COLUMN), shape: self._offsets_for(shape)}
 
     @property
     def formed(self) -> str:
         """The shape that is formed now."""
         return COLUMN if self.is_narrow else self.shape
-
-    @property
-    def active(self) -> list[str]:
-        """The followers that are not lost."""
-        return [name for name, member in self.members.items() if not member.trouble]
 
     def set_shape(self, shape: str) -> None:
         """Change the shape.
@@ -84,13 +75,13 @@ class Formation:
         Raises:
             ShapeError: It cannot be formed; the shape stays as it is.
         """
-        self._check(shape)
+        self._offsets = {COLUMN: self._offsets_for(COLUMN), shape: self._offsets_for(shape)}
         self.shape = shape
         self._places.clear()
 
     def refused(self, robot: str, why: str) -> None:
         """Note why a follower does not let itself be driven; without a reason, that it obeys again."""
-        self.members[robot].refusal = why
+        self.members.followers[robot].refusal = why
 
     @property
     def status(self) -> dict[str, Any]:
@@ -100,7 +91,7 @@ class Formation:
             "shape": self.shape,
             "formed": self.formed,
             "waits_for": self.waits_for,
-            "lost": {name: member.trouble for name, member in self.members.items() if member.trouble},
+            "lost": {member.name: member.trouble for member in self.members.lost},
         }
 
     def step(self, now: float, states: Mapping[str, MemberState]) -> FormationOrders:
@@ -110,60 +101,55 @@ class Formation:
             now: s on the clock of `MemberState.heard`.
             states: By name, the leader's included; those that have been heard of.
         """
-        self._told = []
+        self.members.told.clear()
         leader = states.get(self.leader)
-        if leader is None or self._is_silent(leader, now):
+        if leader is None or self.members.is_silent(leader, now):
             self._wait(f"{self.leader}, the leader, is silent")
-            return FormationOrders(self._commanded(dict.fromkeys(self.members, REST)), told=tuple(self._told))
+            return FormationOrders(
+                self._commanded(dict.fromkeys(self.members.followers, REST)), told=tuple(self.members.told)
+            )
         self._path.add(leader.pose)
         self._echoes.add(now, self._new_echoes(states), self._discs(states))
-        self._judge_hearing(now, states)
+        self.members.judge_hearing(now, states)
         self._judge_width(now)
         points = self._points(leader, states, now)
         errors = {
             name: math.dist(_xy(_predicted(states[name], now, self._lag).pose), _xy(point.pose))
             for name, (point, _) in points.items()
         }
-        self._judge_motion(now, states, errors)
-        lost = [member for member in self.members.values() if member.trouble]
+        if self.members.judge_motion(now, states, errors, all_wait=bool(self.waits_for)):
+            self._forget_columns()
+        lost = self.members.lost
         waits = self.settings.members.when_stopped == "wait" and lost
         self._wait(f"waiting for {lost[0].name}, which {lost[0].trouble}" if waits else "")
-        drivers = [name for name in points if not waits or self.members[name].trouble]
-        drivers.sort(key=lambda name: (bool(self.members[name].trouble), -points[name][1][0], name))
+        drivers = [name for name in points if not waits or self.members.followers[name].trouble]
+        drivers.sort(key=lambda name: (bool(self.members.followers[name].trouble), -points[name][1][0], name))
         twists: dict[str, Twist2D] = {}
         for name in drivers:  # who is in front goes first, and the others take account of that
             twists[name] = self._twist(name, points[name][0], states, twists, now)
         return FormationOrders(
-            self._commanded({name: twists.get(name, REST) for name in self.members}),
+            self._commanded({name: twists.get(name, REST) for name in self.members.followers}),
             {name: point.pose for name, (point, _) in points.items()},
             {name: offset for name, (_, offset) in points.items()},
             errors,
-            tuple(self._told),
+            tuple(self.members.told),
         )
 
     @property
     def _lag(self) -> float:
         return self.settings.tracking.lag_s
 
-    def _check(self, shape: str) -> None:
-        for count in range(1, len(self.members) + 1):  # it is formed with fewer robots, too
-            self._offsets(shape, count)
-
-    def _offsets(self, shape: str, count: int) -> tuple[Point, ...]:
-        """Return the offsets of a shape for some followers.
+    def _offsets_for(self, shape: str) -> list[tuple[Point, ...]]:
+        """Return the offsets of a shape for no follower, one, two and so on: it is formed with fewer robots, too.
 
         Raises:
             ShapeError: It cannot be formed.
         """
         settings = self.settings
-        radii = sorted((settings.radius(name) for name in (self.leader, *self.members)), reverse=True)
+        radii = sorted((settings.radius(name) for name in (self.leader, *self.members.followers)), reverse=True)
         nearest = sum(radii[:2]) + settings.safety.robot_gap_m
-        points = settings.points
-        spacing = points.column_spacing_m if shape == COLUMN else points.spacing_m
-        return shape_offsets(shape, count, spacing, nearest)
-
-    def _is_silent(self, state: MemberState, now: float) -> bool:
-        return now - state.heard > self.settings.safety.silent_s
+        spacing = settings.points.column_spacing_m if shape == COLUMN else settings.points.spacing_m
+        return [shape_offsets(shape, count, spacing, nearest) for count in range(len(self.members.followers) + 1)]
 
     def _discs(self, states: Mapping[str, MemberState]) -> list[tuple[Pose2D, float]]:
         return [(state.pose, self.settings.radius(name)) for name, state in states.items()]
@@ -179,87 +165,37 @@ class Formation:
                     found.append(state.pose.transform(*echo.point))
         return found
 
-    def _judge_hearing(self, now: float, states: Mapping[str, MemberState]) -> None:
-        """Find out which members cannot be driven."""
-        for name, member in self.members.items():
-            if name not in states or self._is_silent(states[name], now):
-                self._lose(member, "is silent")
-            elif member.refusal:
-                self._lose(member, f"refuses to drive: {member.refusal}")
-            elif member.trouble and member.trouble != STUCK:
-                member.trouble = ON_ITS_WAY
-
     def _judge_width(self, now: float) -> None:
         """Form a column where the shape has no room, and the shape again after that."""
-        active = self.active
+        active = self.members.active
         if self.shape == COLUMN or not active:
             self.is_narrow = False
             return
         radius = max(self.settings.radius(name) for name in active)
-        is_blocked = self._echoes.blocks(self._path, self._offsets(self.shape, len(active)), radius)
+        is_blocked = self._echoes.blocks(self._path, self._offsets[self.shape][len(active)], radius)
         if is_blocked:
             self._clear_since = math.inf
             if not self.is_narrow:
                 self.is_narrow = True
-                self._told.append(f"too narrow for the {_named(self.shape)}: forming a column")
+                self.members.told.append(f"too narrow for the {_named(self.shape)}: forming a column")
         elif self.is_narrow:
             self._clear_since = min(self._clear_since, now)
             if now - self._clear_since >= self.settings.passages.clear_s:
                 self.is_narrow = False
-                self._told.append(f"room again: forming the {_named(self.shape)}")
-
-    def _judge_motion(self, now: float, states: Mapping[str, MemberState], errors: Mapping[str, float]) -> None:
-        """Find out which followers are stuck or too far away, and which are back."""
-        limits = self.settings.members
-        for name, error in errors.items():
-            member, twist = self.members[name], states[name].twist
-            moves = abs(twist.linear) > ROLLS or abs(twist.angular) > TURNS
-            if member.trouble:
-                if self._is_back(member, moves, error, now):
-                    self._told.append(f"{name} is back")
-                    member.trouble, member.busy_at, member.near_at = "", now, now
-                    self._forget_columns()
-                continue
-            is_new = member.busy_at == -math.inf
-            if is_new or moves or error < HAS_WAY or self.waits_for:
-                member.busy_at = now
-            if is_new or error < limits.lost_m:
-                member.near_at = now
-            if now - member.busy_at > limits.stuck_s:
-                self._lose(member, STUCK)
-                member.busy_at = math.inf
-            elif now - member.near_at > limits.stuck_s:
-                self._lose(member, f"is {error:.1f} m from its place")
-
-    def _is_back(self, member: Member, moves: bool, error: float, now: float) -> bool:
-        """Return whether a lost follower is a member again: near its place, and driving if it was stuck."""
-        if member.refusal:
-            return False
-        if member.trouble == STUCK:
-            member.busy_at = min(member.busy_at, now) if moves else math.inf
-            if now - member.busy_at < BACK_AFTER:
-                return False
-            member.trouble = ON_ITS_WAY
-        return self.settings.members.when_stopped == "wait" or error < self.settings.members.back_m
+                self.members.told.append(f"room again: forming the {_named(self.shape)}")
 
     def _forget_columns(self) -> None:
         """Let a column be assigned anew, since robots in it cannot overtake each other to regain their places."""
         self._places = {key: places for key, places in self._places.items() if key[0] != COLUMN}
 
-    def _lose(self, member: Member, why: str) -> None:
-        if not member.trouble:
-            act = "all wait for it" if self.settings.members.when_stopped == "wait" else "the others close the gap"
-            self._told.append(f"{member.name} {why}; {act}")
-        member.trouble = why
-
     def _points(
         self, leader: MemberState, states: Mapping[str, MemberState], now: float
     ) -> dict[str, tuple[VirtualPoint, Point]]:
         """Return virtual point and offset of each follower that can be driven."""
-        active = self.active
+        active = self.members.active
         found = self._assigned(leader, states, active, now)
-        for name, member in self.members.items():
-            if member.trouble and name in states and not member.refusal and not self._is_silent(states[name], now):
+        for name in (member.name for member in self.members.lost):
+            if self.members.can_be_driven(name, states, now):
                 found[name] = self._assigned(leader, states, [*active, name], now)[name]
         return found
 
@@ -267,10 +203,10 @@ class Formation:
         self, leader: MemberState, states: Mapping[str, MemberState], names: Sequence[str], now: float
     ) -> dict[str, tuple[VirtualPoint, Point]]:
         """Assign followers to the points of the present shape; the same followers have the same places again."""
-        offsets = self._offsets(self.formed, len(names)) if names else ()
+        offsets = self._offsets[self.formed][len(names)]
         points = [self._point(leader, offset, now) for offset in offsets]
         key = self.formed, frozenset(names)
-        is_would_be = any(self.members[name].trouble for name in names)
+        is_would_be = any(self.members.followers[name].trouble for name in names)
         if key not in self._places or (is_would_be and self.formed == COLUMN):
             self._places[key] = assign(
                 {name: _xy(states[name].pose) for name in names}, [_xy(point.pose) for point in points]
@@ -304,14 +240,14 @@ class Formation:
         tuning, safety = self.settings.tracking, self.settings.safety
         robot = _predicted(states[name], now, self._lag)
         wanted = twist_towards(self._approach(point, robot.pose), robot.pose, tuning)
-        before = self.members[name].command.linear
+        before = self.members.followers[name].command.linear
         change = tuning.acceleration_m_s2 * self.settings.period_s
         if abs(wanted.linear) > abs(before) or wanted.linear * before < 0.0:  # it brakes as the robot can
             wanted = Twist2D(max(before - change, min(before + change, wanted.linear)), wanted.angular)
         others = []
         for other, state in states.items():
             if other != name:
-                is_still = self._is_silent(state, now)
+                is_still = self.members.is_silent(state, now)
                 seen = state if is_still else _predicted(state, now, self._lag)
                 gives_way = other != self.leader and other not in decided and not is_still
                 twist = REST if is_still else decided.get(other, seen.twist)
@@ -346,12 +282,12 @@ class Formation:
 
     def _wait(self, why: str) -> None:
         if why != self.waits_for and (why or self.waits_for):
-            self._told.append(f"{why}; the followers stand" if why else "the followers drive on")
+            self.members.told.append(f"{why}; the followers stand" if why else "the followers drive on")
         self.waits_for = why
 
     def _commanded(self, twists: Mapping[str, Twist2D]) -> Mapping[str, Twist2D]:
         for name, twist in twists.items():
-            self.members[name].command = twist
+            self.members.followers[name].command = twist
         return twists
 
 

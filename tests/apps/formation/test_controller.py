@@ -1,6 +1,7 @@
 """The controller: shapes are formed, changed and left for a column; lost members and a silent leader."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -56,7 +57,7 @@ def test_a_follower_that_was_never_heard_of_is_not_driven() -> None:
     toy = Toy(2, "column")
     toy.silent.add("robot-1")
     toy.run(10.0)
-    assert toy.formation.active == ["robot-2"]
+    assert toy.formation.members.active == ["robot-2"]
     assert toy.orders.twists["robot-1"] == Twist2D()
 
 
@@ -68,7 +69,7 @@ def test_a_lost_member_closes_the_gap_and_regains_its_place() -> None:
     toy.silent.add(lost)
     toy.frozen.add(lost)
     toy.run(12.0, Twist2D(0.1, 0.0))
-    assert lost not in toy.formation.active
+    assert lost not in toy.formation.members.active
     assert sorted(y for _, y in toy.orders.offsets.values()) == [-1.0, 1.0]
     toy.silent.clear()
     toy.frozen.clear()
@@ -84,12 +85,12 @@ def test_a_stopped_member_is_left_behind_or_waited_for(settings: FormationSettin
     toy.run(10.0)
     toy.frozen.add("robot-1")
     toy.run(SETTINGS.members.stuck_s + 4.0)
-    assert toy.formation.active == ["robot-2"]
+    assert toy.formation.members.active == ["robot-2"]
     assert (toy.orders.twists["robot-2"] != Twist2D()) is others_drive
     assert bool(toy.formation.waits_for) is not others_drive
     toy.frozen.clear()
     toy.run(15.0, Twist2D())
-    assert toy.formation.active == ["robot-1", "robot-2"]
+    assert toy.formation.members.active == ["robot-1", "robot-2"]
     assert toy.off() < 0.1
 
 
@@ -119,3 +120,12 @@ def test_followers_keep_apart_when_the_leader_turns_on_the_spot() -> None:
     toy.run(5.0)
     toy.run(6.0, Twist2D(0.0, 0.8))
     assert toy.nearest > 2 * SETTINGS.safety.radius_m
+
+
+def test_a_file_with_offsets_is_read_once(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text("offsets_m = [[-1.0, 0.5], [-1.0, -0.5]]")
+    toy = Toy(2, str(file))
+    file.unlink()
+    toy.run(8.0)
+    assert toy.off() < 0.06

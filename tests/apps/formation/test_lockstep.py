@@ -24,7 +24,7 @@ def driven(seconds: float, line_seconds: float) -> FormationCourse:
 
 def test_followers_keep_near_their_points_and_the_same_seed_gives_the_same_drive() -> None:
     first, again = driven(6.0, 7.0), driven(2.0, 0.0)
-    for name in first.formation.members:
+    for name in first.formation.members.followers:
         errors = first.track.errors(name)
         assert statistics.fmean(errors[20:60]) < 0.1
         assert errors[-1] < 0.15

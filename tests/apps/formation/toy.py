@@ -53,7 +53,7 @@ class Toy:
 
     def off(self) -> float:
         """Return the largest distance of a member from its point, m."""
-        return max(self.orders.errors[name] for name in self.formation.active)
+        return max(self.orders.errors[name] for name in self.formation.members.active)
 
     def _state(self, name: str) -> MemberState:
         pose = self.poses[name]
