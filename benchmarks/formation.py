@@ -18,6 +18,7 @@ from p2os_emu.world import Block, load_world
 NAMES = ("happy", "doc", "grumpy", "sleepy", "dopey")
 SEEDS = range(11, 21)  # settings were tuned on seeds 1 to 3
 FEW = range(11, 16)
+BESIDE = FEW[:3]  # for what is shown beside, and has no figure
 SPEED = 0.25  # m/s of the leader
 EIGHT = 4.5  # m from the middle of the figure of eight to an end; its ends have a radius of 1.5 m
 CHANGES = ("line", COLUMN, "wedge", "line", "triangle", COLUMN, "triangle")
@@ -54,12 +55,12 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     path = replace(settings, points=replace(settings.points, follow="path"))
     blind = replace(settings, poses=replace(settings.poses, correct=False))
     scores = [eight("eight", seed, settings, options.out) for seed in SEEDS]
-    scores += [eight("eight, points along the path", seed, path) for seed in FEW]
-    scores += [eight("eight, odometry alone", seed, blind) for seed in FEW]
+    scores += [eight("eight, points along the path", seed, path) for seed in BESIDE]
+    scores += [eight("eight, odometry alone", seed, blind) for seed in BESIDE]
     scores += [
         square(name, seed, each) for seed in FEW for name, each in (("square", settings), ("square, path", path))
     ]
-    for count, seeds in ((2, FEW), (3, FEW[:3]), (4, FEW[:3])):
+    for count, seeds in ((2, FEW), (3, BESIDE[:2]), (4, BESIDE[:2])):
         name = f"{count + 1} robots change"
         scores += [changes(name, count, seed, settings, options.out) for seed in seeds]
     scores += [office("office", seed, settings, options.out) for seed in FEW]
@@ -74,7 +75,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
         _figure("the same, worst seed", max(s.off for s in of["eight"]), 0.10, "m", 10),
         _figure("three robots re-formed after a change, worst", max(three), 10.0, "s", len(three)),
         _figure("office: followers off the leader's path in doors, worst", max(doors), 0.15, "m", len(doors)),
-        _figure("gap closed, and place regained, worst", max(back), 10.0, "s", len(back)),
+        _figure("gap closed past a robot that stands, and place regained, worst", max(back), 20.0, "s", len(back)),
         _figure("drives in which anything was touched", sum(bool(s.touched) for s in scores), 0.0, "", len(scores)),
     ]
 

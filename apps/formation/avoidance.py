@@ -36,15 +36,21 @@ class MovingDisc:
 
 
 def admissible_twist(
-    wanted: Twist2D, echoes: Sequence[Point], others: Sequence[MovingDisc], radius: float, safety: Safety, most: Twist2D
+    wanted: Twist2D,
+    goal: Twist2D,
+    echoes: Sequence[Point],
+    others: Sequence[MovingDisc],
+    radius: float,
+    safety: Safety,
+    most: Twist2D,
 ) -> Twist2D:
-    """Return the wanted twist if it leads to no collision; else the nearest one that does not; else rest.
+    """Return the wanted twist if it leads to no collision; else the nearest to the goal that does not; else rest.
 
     A robot that stands gives way to one that comes, if it can.
 
-
     Args:
         wanted: m/s and rad/s.
+        goal: The twist that the robot would like to have once it has accelerated; ways past obstacles are judged by it.
         echoes: Obstacles, m in base_link.
         others: The other robots.
         radius: Of this robot, m.
@@ -67,12 +73,13 @@ def admissible_twist(
         free &= _free_of(other, x, y, braking, radius, safety)
     if free[0]:
         return wanted
-    off = np.hypot(x[:, -1] - x[0, -1], y[:, -1] - y[0, -1]) + TURN_COUNTS * np.abs(heading[:, -1] - heading[0, -1])
+    gx, gy, turned = (each[0, -1] for each in _predicted(np.array([[goal.linear, goal.angular]]), safety.horizon_s))
+    off = np.hypot(x[:, -1] - gx, y[:, -1] - gy) + TURN_COUNTS * np.abs(heading[:, -1] - turned)
     off[~free] = np.inf
     best = int(np.argmin(off))
     if not free[best]:
         return Twist2D()
-    if twists[best, 0] < CREEPS < wanted.linear:
+    if twists[best, 0] < CREEPS < goal.linear:
         return Twist2D(0.0, _turn_to_pass(echoes, others, radius, safety, most.angular))
     return Twist2D(float(twists[best, 0]), float(twists[best, 1]))
 
@@ -86,9 +93,14 @@ def _turn_to_pass(
     """
     standing = [(*echo, radius + safety.obstacle_gap_m) for echo in echoes]
     for other in others:
+        needed = radius + other.radius + safety.robot_gap_m
+        if math.hypot(other.pose.x, other.pose.y) > needed + PASSES:
+            continue
         if abs(other.twist.linear) > CREEPS:
             return 0.0
-        standing.append((other.pose.x, other.pose.y, radius + other.radius + safety.stop_gap_m))
+        standing.append((other.pose.x, other.pose.y, needed))
+    if not standing:
+        return 0.0
     discs = np.array(standing)
     ways = np.linspace(0.1, PASSES, 6)
     now = np.hypot(discs[:, 0], discs[:, 1])

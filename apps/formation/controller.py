@@ -239,11 +239,8 @@ class Formation:
         """
         tuning, safety = self.settings.tracking, self.settings.safety
         robot = _predicted(states[name], now, self._lag)
-        wanted = twist_towards(self._approach(point, robot.pose), robot.pose, tuning)
-        before = self.members.followers[name].command.linear
-        change = tuning.acceleration_m_s2 * self.settings.period_s
-        if abs(wanted.linear) > abs(before) or wanted.linear * before < 0.0:  # it brakes as the robot can
-            wanted = Twist2D(max(before - change, min(before + change, wanted.linear)), wanted.angular)
+        goal = twist_towards(self._approach(point, robot.pose), robot.pose, tuning)
+        wanted = Twist2D(self._reachable(name, goal.linear), goal.angular)
         others = []
         for other, state in states.items():
             if other != name:
@@ -263,7 +260,19 @@ class Formation:
             )
         ]
         most = Twist2D(tuning.speed_m_s, tuning.turn_rad_s)
-        return admissible_twist(wanted, echoes, others, self.settings.radius(name), safety, most)
+        chosen = admissible_twist(wanted, goal, echoes, others, self.settings.radius(name), safety, most)
+        linear = self._reachable(name, chosen.linear)
+        if chosen == wanted or linear == chosen.linear:
+            return chosen
+        return Twist2D(linear, chosen.angular * linear / chosen.linear)  # the same arc
+
+    def _reachable(self, name: str, linear: float) -> float:
+        """Return the speed nearest to one that the acceleration allows now, m/s; a robot brakes as fast as it can."""
+        before = self.members.followers[name].command.linear
+        change = self.settings.tracking.acceleration_m_s2 * self.settings.period_s
+        if abs(linear) <= abs(before) and linear * before >= 0.0:
+            return linear
+        return max(before - change, min(before + change, linear))
 
     def _approach(self, point: VirtualPoint, robot: Pose2D) -> VirtualPoint:
         """Return where a follower drives to now: its point, or in a column a nearer point of the leader's path.

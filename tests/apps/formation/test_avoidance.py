@@ -18,7 +18,7 @@ TRIANGLE = ((-0.87, 0.5), (-0.87, -0.5))
 
 
 def chosen(wanted: Twist2D, echoes: tuple[Point, ...] = (), others: tuple[MovingDisc, ...] = ()) -> Twist2D:
-    return admissible_twist(wanted, echoes, others, RADIUS, SAFETY, MOST)
+    return admissible_twist(wanted, wanted, echoes, others, RADIUS, SAFETY, MOST)
 
 
 def test_a_free_way_is_driven_as_wanted() -> None:

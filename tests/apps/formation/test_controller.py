@@ -17,7 +17,7 @@ WAIT = replace(SETTINGS, members=replace(SETTINGS.members, when_stopped="wait"))
 @pytest.mark.parametrize("shape", SHAPES)
 def test_every_shape_is_formed_and_kept(shape: str) -> None:
     toy = Toy(3, shape)
-    toy.run(9.0)
+    toy.run(12.0)
     toy.run(3.0, Twist2D(0.2, 0.1))
     assert toy.off() < 0.06
     assert toy.told == []
