@@ -11,6 +11,7 @@ PROGRAMS = ("acromovi", "p2os-emu", "p2os-gateway", "pytest", "python")
 OF_A_RECORDING = "acromovi wire happy.jsonl"  # run where the recording is made
 IN_TERMINALS = "it runs until Ctrl-C, and is started by many tests"
 SUITE = "it is run by `make test` as a whole"
+FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 ELSEWHERE = {
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
@@ -24,6 +25,11 @@ ELSEWHERE = {
     "acromovi navigate picture happy now.svg": "tests/acromovi/navigation",
     "acromovi navigate wiring happy wiring.svg": "tests/acromovi/navigation",
     "acromovi ask colours@happy serve_acts port=5001": "tests/agents/components/vision, with other ports",
+    "acromovi run formation leader=happy followers=doc,grumpy shape=triangle starts=my-team.toml": FORMATION,
+    "acromovi promote formation leader=happy followers=doc,grumpy starts=my-team.toml": FORMATION,
+    "acromovi ask formation@apps shape shape=line": FORMATION,
+    "acromovi ask formation@apps status": FORMATION,
+    "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",
     "p2os-gateway /dev/ttyS0 --name doc --laser /dev/ttyS1 /dev/ttyS2 --name max --config max.toml --wait": (

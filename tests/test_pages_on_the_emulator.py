@@ -37,7 +37,7 @@ from tests.waiting import wait_until
 LINES = {line for name in ("clients", "emulator") for line in to_run(name, "p2os-emu")}
 OPTIONS = re.findall(r"^\|[^|]*\| `(--robot [^`]*)` \|$", page("emulator"), re.MULTILINE)
 TOML_OF_AGENTS = {"services", "wrappers"}  # tests/agents/services/test_page.py, tests/agents/wrappers/test_page.py
-OF_THE_NAVIGATION = {"navigation"}  # tests/acromovi/navigation
+OF_APPLICATIONS = {"formation", "navigation"}  # tests/apps/formation/test_page.py, tests/acromovi/navigation
 NUMBERED_SOUND = '{"number": 3}'
 HOMING = 10.0  # s
 LAB = '2D-Map\nCairn: RobotHome 2000 2000 0 "" ICON "home"\nLINES\n0 0 9000 0\nDATA\n'
@@ -186,7 +186,7 @@ def test_every_command_and_file_of_the_pages_is_run_or_read_somewhere() -> None:
         "emulator",
         "gateway",
         "teams",
-    } | TOML_OF_AGENTS | OF_THE_NAVIGATION
+    } | TOML_OF_AGENTS | OF_APPLICATIONS
     assert len(OPTIONS) > 12
     for name in PAGES:
         for text in files(name, "toml"):
