@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -88,12 +89,13 @@ def test_a_robot_stops_when_the_commander_of_its_motion_is_lost(
         tokens: list[str] = []
         bus.watch_alive(f"{robot}/agents/base/alive", lambda key, is_alive: tokens.append(key))
         wait_until(lambda: tokens, "the agent of the wheels is there")
+
+        def drives_or_has_ended(process: "subprocess.Popen[str]") -> bool:
+            return truth(robots, robot)["linear"] > 0.2 or bool(ends) or process.poll() is not None
+
         for _ in range(TRIES):  # a busy machine may interrupt the motion, too
             asking = stack.enter_context(program(*commander(robot, who, tmp_path)))
-            drives_or_has_ended = lambda process=asking: (  # noqa: E731 - the loop's program, now
-                truth(robots, robot)["linear"] > 0.2 or ends or process.poll() is not None
-            )
-            wait_until(drives_or_has_ended, "the robot drives")
+            wait_until(partial(drives_or_has_ended, asking), "the robot drives")
             if not ends and asking.poll() is None:
                 break
             ends.clear()

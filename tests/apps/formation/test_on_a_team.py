@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from math import hypot
 from pathlib import Path
 
@@ -83,9 +84,13 @@ def step(team: RunningTeam, robot: str) -> float:
     return hypot(after["x"] - before["x"], after["y"] - before["y"])
 
 
+def stands(team: RunningTeam, robot: str) -> bool:
+    return step(team, robot) < LITTLE
+
+
 def wait_until_all_stand(team: RunningTeam) -> None:
     for robot in ("happy", "doc"):
-        wait_until(lambda robot=robot: step(team, robot) < LITTLE, f"{robot} stands")  # type: ignore[misc]  # mypy knows no type of such a lambda
+        wait_until(partial(stands, team, robot), f"{robot} stands")
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
