@@ -28,7 +28,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
 
     async def main(stack: ExitStack, router: "Router") -> None:
         there, here, elsewhere = (stack.enter_context(ZenohBus(client)) for _ in range(3))
-        directory = stack.enter_context(Directory(elsewhere))
+        directory, consoles_own = (stack.enter_context(Directory(bus)) for bus in (elsewhere, here))
         async with party(there, WORKER) as worker, party(here, CONSOLE) as console:
             await processes.until(lambda: directory.names == [CONSOLE, WORKER], "both are listed")
             await meet(here, WORKER)
@@ -42,6 +42,7 @@ def test_conversations_end_clearly_and_all_is_as_before_when_the_router_is_back(
             assert endings.pop("cancel") in (Ending.DIED, Ending.CANCELLED)
             assert set(endings.values()) == {Ending.DIED}
             await processes.until(lambda: directory.names == [], "nobody is listed")
+            await processes.until(lambda: WORKER not in consoles_own.names, "the console's session has noticed, too")
             await processes.until(lambda: worker.at_work <= 1, "the worker has left all but what clings")
             assert (await console.request(WORKER, "look")).ending is Ending.DIED
             worker.publish({"number": 1})  # which nobody hears, and which does no harm
