@@ -11,8 +11,10 @@ import subprocess
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import configs
+from acromovi.children import EmulatedRobots
 from acromovi.team.host_control import HostControl
 from agents import Team
 from agents.platform import AgentName
@@ -20,7 +22,7 @@ from configs.team_file import TeamFile
 from p2os import RobotModel
 from p2os_emu.fit import read_fit
 from tests.acromovi.team.running import RunningTeam, running
-from tests.interruptions import INTERRUPTED, TRIES, again_if_interrupted
+from tests.interruptions import INTERRUPTED, again_if_interrupted
 from tests.live_team import LIMIT, ROOT, LiveTeam
 from tests.waiting import end_of, wait_until
 
@@ -80,16 +82,20 @@ def test_team_of_seven_comes_up_works_loses_and_finds_a_laser_and_leaves_nothing
             assert_killed_container_comes_back(team, "doc", tokens)
             for robot, process in driven.items():
                 said, complaints = end_of(process, LIMIT)
-                for _ in range(TRIES):
-                    if not INTERRUPTED.search(complaints):
-                        break
-                    # A busy machine kept its gateway or agent from running, which stops a robot, anywhere on its way.
-                    emulator.ask("pose", **{key: starts[robot][key] for key in ("robot", "x", "y", "heading")})
-                    again = programs.run(*SQUARE, robot)
-                    said, complaints = again.stdout, again.stderr
-                assert said.startswith("back at Pose2D"), f"{robot}: {complaints}"
+                if INTERRUPTED.search(complaints):
+                    drive_again(emulator, programs, starts[robot])
+                else:
+                    assert said.startswith("back at Pose2D"), f"{robot}: {complaints}"
         assert_agents_are_those_of_the_hardware(team)
         assert_it_ends_in_time_and_leaves_nothing(team, tokens)
+
+
+@again_if_interrupted
+def drive_again(emulator: EmulatedRobots, programs: LiveTeam, start: dict[str, Any]) -> None:
+    """Drive the square from the start again: an interruption stops a robot anywhere on its way, even before a wall."""
+    emulator.ask("pose", **{key: start[key] for key in ("robot", "x", "y", "heading")})
+    done = programs.run(*SQUARE, start["robot"])
+    assert done.stdout.startswith("back at Pose2D"), f"{start['robot']}: {done.stderr}"
 
 
 def assert_agents_are_those_of_the_hardware(team: RunningTeam) -> None:
