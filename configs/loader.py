@@ -119,6 +119,15 @@ def read(path: str | Path) -> dict[str, Any]:
         raise ConfigError(f"{path} is not TOML: {err}") from err
 
 
+def laid_over(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table with changes; where both have a table, that is changed in the same way."""
+    merged = dict(table)
+    for key, value in changes.items():
+        below = table.get(key)
+        merged[key] = laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
+    return merged
+
+
 def _parse_toml(path: Path) -> dict[str, Any]:
     text = path.read_text(encoding="utf-8")
     if len(text) > LARGEST_FILE:

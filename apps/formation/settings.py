@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import configs
-from apps.indoor_navigation.parameters import laid_over
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -116,7 +115,7 @@ class FormationSettings:
         table = configs.read(SETTINGS)
         source = str(file or SETTINGS)
         if file:
-            table = laid_over(table, configs.read(file))
+            table = configs.laid_over(table, configs.read(file))
         settings = configs.build(cls, table, source)
         settings._check(source)
         return settings

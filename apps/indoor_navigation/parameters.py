@@ -49,16 +49,7 @@ def read_wiring(path: Path) -> dict[str, Any]:
     """
     table = configs.read(path)
     below = table.pop("over", None)
-    return table if below is None else laid_over(configs.read(path.with_name(str(below))), table)
-
-
-def laid_over(table: Table, changes: Table) -> dict[str, Any]:
-    """Return a table with changes; where both have a table, that is changed in the same way."""
-    merged = dict(table)
-    for key, value in changes.items():
-        below = table.get(key)
-        merged[key] = laid_over(below, value) if isinstance(below, Mapping) and isinstance(value, Mapping) else value
-    return merged
+    return table if below is None else configs.laid_over(configs.read(path.with_name(str(below))), table)
 
 
 def _completed(parameters_type: type[Any], table: Table) -> Table:

@@ -9,7 +9,7 @@ from typing import Any
 import configs
 from agents.platform import AgentName, Kinds
 from apps.indoor_navigation.component import Component
-from apps.indoor_navigation.parameters import WIRING, Table, build_parameters, laid_over, read_wiring
+from apps.indoor_navigation.parameters import WIRING, Table, build_parameters, read_wiring
 from configs import ConfigError
 
 
@@ -126,7 +126,7 @@ def load_wiring(path: Path = WIRING, changes: Table | None = None) -> Wiring:
     Raises:
         ConfigError: The file cannot be read, or something in it does not fit.
     """
-    table = laid_over(read_wiring(path), changes or {})
+    table = configs.laid_over(read_wiring(path), changes or {})
     return Wiring(configs.build(_WiringFile, table, str(path)), str(path))
 
 

@@ -235,6 +235,7 @@ def test_all_lists_the_public_names() -> None:
         "described",
         "find",
         "full_name",
+        "laid_over",
         "load",
         "names",
         "nearest",
@@ -278,3 +279,10 @@ def test_a_team_that_is_too_large_is_refused_at_once(tmp_path: Path) -> None:
     path.write_text("".join(f'[[robots]]\nname = "r{number}"\nmodel = "p3dx"\n' for number in range(5000)))
     with pytest.raises(ConfigError, match=f"a team of 5000 robots is too large; use at most {MOST_ROBOTS}"):
         read_team(str(path))
+
+
+def test_changes_are_laid_over_a_table_and_leave_the_rest() -> None:
+    table = {"drive": {"gap": 1.0, "speed": 0.5}, "name": "mine"}
+    changed = configs.laid_over(table, {"drive": {"gap": 2.0}, "name": "yours"})
+    assert changed == {"drive": {"gap": 2.0, "speed": 0.5}, "name": "yours"}
+    assert table == {"drive": {"gap": 1.0, "speed": 0.5}, "name": "mine"}
